@@ -1,17 +1,25 @@
 """Scenes at the ends of the allowed range end with an answer, an error of the scene or a reason."""
 
+import math
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from support.paper_scenes import ELASTIC, ONE, STICKY, WORK
 
 from contact_scene import (
     Adhesion,
     Branch,
+    Cone,
     FlatPunch,
     Force,
+    ForceRamp,
     Hold,
     Loading,
+    Machine,
     Material,
+    Oscillate,
     OutcomeKind,
     PowerLaw,
     PowerRate,
@@ -20,11 +28,16 @@ from contact_scene import (
     Scene,
     Sphere,
     Step,
+    Sweep,
     Table,
+    TabulatedProfile,
 )
 from contact_scene.errors import SceneError
-from validation.reference import Options, solve
+from validation.cases import load
+from validation.reference import Options, prony_integrals, sneddon, solve
 from validation.reference.finite_zone import FiniteZone
+from validation.reference.force_of_history import force_of_history
+from validation.reference.ting import Ting
 
 COARSE = Options(resolution=4)
 
@@ -106,3 +119,161 @@ def test_a_limited_law_has_limit_points() -> None:
     assert trace.events[-1].kind == "pull-off"
     assert trace.events[-1].contact_radius == pytest.approx(0.05622, rel=5e-3)  # 13 zones: bem has the same
     assert trace.events[-1].contact_radius > 10.0 * adhesion.zone
+
+
+DEPTH, SPEED = 0.032, 0.003
+TIME = DEPTH / SPEED
+OFF = Ramp(-0.5 * DEPTH, SPEED)
+PRESS = Ramp(DEPTH, SPEED)
+HARDEST, FASTER = 0.01, 0.01 / TIME
+SINE = np.linspace(0.0, 0.5 * math.pi, 9)
+SMOOTH = Table(tuple(SINE / SINE[-1] * TIME), tuple(DEPTH * np.sin(SINE) ** 2), interpolation="cubic")
+FORCE_TABLE = Table((0.0, 0.5 * TIME, TIME), (0.0, 0.2 * HARDEST, HARDEST), quantity="force")
+SHAPES = {
+    "sphere": Sphere(1.0),
+    "cone": Cone(80.0),
+    "punch": FlatPunch(0.1),
+    "blunt": PowerLaw(4.0, 2.0),
+    "profile": TabulatedProfile((0.0, 0.05, 0.1, 0.2, 0.4), (0.0, 0.001, 0.005, 0.02, 0.1)),
+}
+PROGRAMMES: dict[str, Loading] = {
+    "ramp": Loading("jump-in", 0.0, (PRESS, OFF)),
+    "from above": Loading("relaxed", -0.3 * DEPTH, (PRESS, OFF)),
+    "hold": Loading("relaxed", 0.0, (PRESS, Hold(0.5 * TIME), OFF)),
+    "reload": Loading("relaxed", 0.0, (Ramp(0.6 * DEPTH, SPEED), Ramp(0.4 * DEPTH, SPEED), PRESS, OFF)),
+    "table": Loading("relaxed", 0.0, (SMOOTH, OFF)),
+    "oscillation": Loading("relaxed", 0.0, (PRESS, Oscillate(0.05 * DEPTH, 3.0 / TIME, 3.0 * TIME), OFF)),
+    "sweep": Loading("relaxed", 0.0, (PRESS, Sweep(0.05 * DEPTH, 5.0 / TIME**2, TIME), OFF)),
+    "approach": Loading("relaxed", -0.3 * DEPTH, (Ramp(DEPTH, SPEED, until_force=0.1 * HARDEST), OFF)),
+    "spring": Loading("relaxed", 0.0, (PRESS, OFF), Machine(1.0)),
+    "spring from above": Loading("relaxed", -0.3 * DEPTH, (PRESS, OFF), Machine(1.0)),
+    "force": Loading("relaxed", 0.0, (ForceRamp(HARDEST, FASTER), ForceRamp(-0.1 * HARDEST, FASTER))),
+    "force from above": Loading(
+        "relaxed", -0.3 * DEPTH, (ForceRamp(HARDEST, FASTER), ForceRamp(0.0, FASTER))
+    ),
+    "dead load": Loading("relaxed", 0.0, (Force(HARDEST, TIME), ForceRamp(0.0, FASTER))),
+    "force table": Loading("relaxed", 0.0, (FORCE_TABLE, ForceRamp(0.0, FASTER))),
+}
+
+
+FORCES = {
+    "force": [(0.0, FASTER)],
+    "force from above": [(0.0, FASTER)],
+    "dead load": [],
+    "force table": [(0.0, 0.4 * FASTER), (0.5 * TIME, 1.2 * FASTER)],
+}
+"""Changes of the rate of the force, by the programmes that prescribe one."""
+
+
+def _material(shortest: float, branches: int = 1, spread: float = 1.0) -> Material:
+    """Ten times as stiff as a glass; its times from ``shortest`` on, each ``spread`` times the one before."""
+    times = [shortest * spread**k for k in range(branches)]
+    return Material(0.75, 0.5, tuple(Branch(6.75 / branches, time) for time in times))
+
+
+def _check_press(material: Material, shape: str, name: str) -> None:
+    """A contact that grows is that of Lee and Radok; it reaches the load asked for, and is lost after it."""
+    indenter, loading = SHAPES[shape], PROGRAMMES[name]
+    trace = solve(Scene(material, indenter, loading), Options(tolerance=1e-3))
+    assert trace.outcome.kind is OutcomeKind.DETACHED, trace.outcome
+    depth, force, radius = trace.penetration, trace.force, trace.contact_radius
+    receding = np.append(np.flatnonzero(np.diff(radius) < -1e-9 * radius.max()), len(radius) - 1)
+    growing = np.arange(len(radius)) <= receding[0]
+    if name in ("oscillation", "sweep"):  # rows of swings are farther apart than this asks for
+        growing &= trace.time <= TIME
+    grown = np.flatnonzero(growing & (radius > 0.0))
+    if shape != "punch":
+        reached = np.maximum.accumulate(depth)[grown]
+        assert sneddon.depth(indenter, radius[grown]) == pytest.approx(reached, abs=4e-4 * DEPTH)
+    first, time = loading.steps[0], trace.time[grown]
+    if name in FORCES:
+        assert force[grown].max() == pytest.approx(HARDEST, rel=1e-6)
+        crept = sum(
+            prony_integrals.creep_integral(material, np.maximum(time - begin, 0.0)) * more
+            for begin, more in FORCES[name]
+        )
+        if isinstance(first, Force):
+            crept = HARDEST * prony_integrals.creep(material, time)
+        taken = sneddon.unit_force(indenter, radius[grown], depth[grown])
+        settled = (time >= 0.1 * TIME) & (time <= TIME)  # after it a slow contact may still grow
+        assert taken[settled] == pytest.approx(crept[settled], rel=2e-3)
+        return
+    rows = (column[grown] for column in (trace.time, depth, radius))
+    expected = force_of_history(material, indenter, "jump-in", *rows)
+    assert force[grown] == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
+    if name == "approach":
+        assert force.max() == pytest.approx(0.1 * HARDEST, rel=1e-6)
+    elif loading.machine is not None:
+        assert (depth + force)[grown].max() == pytest.approx(DEPTH, rel=1e-6)  # on a spring of stiffness 1
+    elif name != "reload" or material.branches[-1].time <= 1e-3 * TIME:  # a slow one may be lost between
+        assert depth.max() >= DEPTH * (1.0 - 1e-9)
+
+
+DEFAULT_PROGRAMMES = "hold", "table", "spring from above", "force"
+
+
+@pytest.mark.parametrize(
+    "programme",
+    [
+        name if name in DEFAULT_PROGRAMMES else pytest.param(name, marks=pytest.mark.slow)
+        for name in PROGRAMMES
+    ],
+)
+@pytest.mark.parametrize(
+    "shape", ["sphere", *(pytest.param(s, marks=pytest.mark.slow) for s in list(SHAPES)[1:])]
+)
+def test_a_press_with_a_branch_that_relaxes_at_once(shape: str, programme: str) -> None:
+    """Contact was lost in the first steps, whose stress and force were rounding: force 0, completed."""
+    _check_press(_material(1e-9 * TIME), shape, programme)
+
+
+def presses(*shapes: str):
+    """Fastest time in decades of the press, branches, ratio of their times, shape and loading."""
+    return given(
+        st.floats(-12.0, 3.0),
+        st.integers(1, 16),
+        st.floats(1.0, 10.0),
+        st.sampled_from(shapes),
+        st.sampled_from([*PROGRAMMES]),
+    )
+
+
+@settings(max_examples=4)
+@presses("sphere", "cone", "punch", "blunt")
+def test_presses_with_any_times(
+    decades: float, branches: int, spread: float, shape: str, programme: str
+) -> None:
+    _check_press(_material(10.0**decades * TIME, branches, spread), shape, programme)
+
+
+@pytest.mark.slow
+@settings(max_examples=150)
+@presses(*SHAPES)
+def test_many_presses_with_any_times(
+    decades: float, branches: int, spread: float, shape: str, programme: str
+) -> None:
+    _check_press(_material(10.0**decades * TIME, branches, spread), shape, programme)
+
+
+@pytest.mark.parametrize("shape", ["sphere", "cone", "punch"])
+@pytest.mark.parametrize("shortest", [1e-7, pytest.param(1e-12, marks=pytest.mark.slow)])
+def test_the_force_and_the_loss_of_a_fast_press(shape: str, shortest: float) -> None:
+    """The press of a sphere that was detached at t = 3.1e-12: 0.00763245, lost at 21.333."""
+    material, indenter = _material(shortest), SHAPES[shape]
+    trace = solve(Scene(material, indenter, PROGRAMMES["ramp"]))
+    exact = Ting(material, indenter, SPEED, TIME, SPEED)
+    peak = float(exact.force(TIME))
+    if shape == "sphere":
+        assert peak == pytest.approx(0.00763245, rel=1e-6)
+        assert trace.contact_radius.max() == pytest.approx(0.178885, rel=1e-5)
+    assert trace.force.max() == pytest.approx(peak, rel=1e-6)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(exact.detachment(), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_fine_steps_of_a_cone_under_a_rising_force() -> None:
+    """At 32 it was detached after five steps; 16 and 20 completed."""
+    trace = solve(load("cone-force-ramp").scene, Options(resolution=32))
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.contact_radius[-1] == pytest.approx(0.49392095, rel=1e-7)

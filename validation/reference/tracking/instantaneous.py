@@ -124,7 +124,7 @@ def unstable_edge(
 
 
 def is_over(problem: FrontProblem, state: FrontState, end: FrontCandidate) -> bool:
-    """Whether a contact without adhesion ends on its way: it bears no force, or a point is left of it.
+    """Whether a contact without adhesion ends: its edge recedes to a point, or a plane tip lets go.
 
     Parameters
     ----------
@@ -141,8 +141,8 @@ def is_over(problem: FrontProblem, state: FrontState, end: FrontCandidate) -> bo
     if not isinstance(problem.condition, NoTension) or before == 0.0:
         return False
     if before <= problem.scene.bare_plane_tip:
-        return end.force <= LOST_FORCE * state.largest_force
-    return end.force <= 0.0 or after < min(before, VANISHED * state.largest_radius)
+        return end.force < state.force and end.force <= LOST_FORCE * state.largest_force
+    return after < min(before, VANISHED * state.largest_radius)
 
 
 def contact_of_plane_tip(problem: FrontProblem, state: FrontState, segment: Segment) -> FrontCandidate | None:
@@ -163,10 +163,11 @@ def contact_of_plane_tip(problem: FrontProblem, state: FrontState, segment: Segm
     if edge == 0.0 or state.surface.radius > 0.0:
         return None
     load = at_rest(segment, segment.present(state.surface.penetration, 0.0))
-    trial = problem.trial(state, load)
-    if abs(trial.residual(0.0, edge)) > TOUCHING_STRESS:
+    touching = problem.trial(state, load).surface_at(0.0, edge)
+    largest = problem.body.rheology.glassy * (problem.depth or 1.0)
+    if abs(touching.edge_stress(problem.body)) > TOUCHING_STRESS * largest:
         return None
-    return problem.candidate(state.time, trial.surface_at(0.0, edge))
+    return problem.candidate(state.time, touching)
 
 
 def force_without_contact(segment: Segment, surface: Surface) -> tuple[Segment, Surface] | None:

@@ -110,14 +110,23 @@ class Griffith:
 
 @dataclass(frozen=True)
 class NoTension:
-    """``-q(a)/scale``: released where the edge would pull, covered where the indenter would overlap."""
+    """``-q(a)``: released where the edge would pull, covered where the indenter would overlap.
 
-    scale: float
-    tolerance: ClassVar[float] = 1e-13  # a shrinking contact ends in a point, where the residual is flat
+    Relative to the stress of the glass under ``|D| + |G(a)|``, whose difference it is: rounding is then as
+    small a part of it in a contact that begins or ends as in the largest.
+    """
+
+    tolerance: ClassVar[float] = 1e-13
     zone_length: ClassVar[float] = 0.0
     reach: ClassVar[float] = 0.0
     smallest_radius: ClassVar[float] = 0.0
     rated: ClassVar[bool] = False
+
+    @staticmethod
+    def _relative(strain: float, surface: Surface, body: Body) -> float:
+        """A strain of the glass at the edge over ``|D| + |G(a)|``."""
+        scale = abs(surface.penetration) + abs(float(body.transform(surface.inside[-1:])[0]))
+        return strain / scale if scale > 0.0 else 0.0
 
     def residual(self, surface: Surface, body: Body, velocity: float = 0.0) -> float:
         """Residual at an edge that has just moved to its present radius, at any velocity.
@@ -132,7 +141,7 @@ class NoTension:
         float
             Dimensionless.
         """
-        return -surface.edge_stress(body) / self.scale
+        return self._relative(-surface.edge_stress(body) / body.rheology.glassy, surface, body)
 
     def driving_forces(self, surface: Surface, body: Body, at_once: bool = False) -> tuple[float, float]:
         """Tension at the edge, and overlap next to it; both negative while the edge is at rest.
@@ -147,8 +156,8 @@ class NoTension:
         tuple of float
             Dimensionless.
         """
-        inward = -surface.edge_stress(body) / self.scale if surface.radius > 0.0 else -1.0
-        return inward, surface.edge_overlap(body) * body.rheology.glassy / self.scale
+        inward = self.residual(surface, body) if surface.radius > 0.0 else -1.0
+        return inward, self._relative(surface.edge_overlap(body), surface, body)
 
 
 EdgeCondition = Griffith | NoTension

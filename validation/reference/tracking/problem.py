@@ -235,7 +235,7 @@ def front_problem(scene: Scene, fineness: Fineness) -> FrontProblem:
         condition = Griffith(scene.adhesion)
         travel = scene.adhesion.zone / fineness.divisions
     else:
-        condition = NoTension(body.rheology.glassy * (deepest or 1.0))
+        condition = NoTension()
         travel = 0.01 * radius / fineness.divisions
     weight = 2.0 * body.rheology.relaxed * (depth * radius - body.transform.integral(radius))
     return FrontProblem(scene, body, condition, fineness, travel, radius, max(weight, load), deepest)

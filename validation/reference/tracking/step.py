@@ -36,6 +36,9 @@ FIRST_STEP = 100.0
 """First step after a kink, in allowed deviations times the shortest time: it has no error estimate."""
 FIRST_SHARE = 1e-2
 """The same of the time to the next stop, at most."""
+LEAST_CHANGE = 1e-9
+"""Least change of the load in the first step of a new contact, relative to the largest load, however fast a
+branch relaxes: the rounding of the load, 1e-16 of the largest, is then 1e-7 of what the step adds."""
 
 
 @dataclass(frozen=True)
@@ -209,6 +212,8 @@ def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, 
     rate = abs(segment.rate(state.time))
     if rate > 0.0 and scale > 0.0:
         quick = min(quick, part * scale / rate)
+        if state.surface.radius == 0.0:
+            quick = max(quick, min(LEAST_CHANGE * scale / rate, share * left))
     zone = problem.condition.zone_length
     if problem.over_zones(state.surface.radius):  # a small part of the time in which the edge passes a zone
         quick *= zone / (LONG_ZONE * state.surface.radius)
