@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 
 from contact_scene import Scene, TabulatedProfile
 from contact_scene.errors import SceneError
@@ -78,9 +79,9 @@ def start_surface(scene: Scene, body: Body, law: EdgeCondition) -> Surface | Non
         return -math.copysign(q * q, q) / (2.0 * math.pi * radius * modulus * law.adhesion.closing) - 1.0
 
     highest = edge
-    if math.isinf(edge):
+    if math.isinf(edge):  # beyond the last root the release rate rises with the radius
         highest = max(2.0 * touching_radius(body, depth, edge), 4.0 * zone, _last_ledge(scene))
-        while tip_residual(highest) <= 0.0 or residual(highest) <= 0.0:
+        while residual(highest) <= max(residual(0.5 * highest), 0.0):
             highest *= 2.0
     elif law.residual(surface_of(edge), body) <= 0.0:
         return surface_of(edge)
@@ -119,16 +120,25 @@ def _last_ledge(scene: Scene) -> float:
 
 
 def _outermost(residual: Callable[[float], float], lowest: float, highest: float) -> float | None:
-    """Largest radius at which the residual falls through zero on the way inwards."""
+    """Largest radius at which the residual falls through zero on the way inwards.
+
+    Near the least penetration of a contact it does so between two radii of any spacing: every dip is followed
+    to its lowest point.
+    """
     even = np.linspace(highest, lowest, min(int(highest / lowest) + 2, MOST_RADII))
-    radii = np.unique(np.concatenate((np.geomspace(highest, lowest, 200), even)))[::-1]
-    above = radii[0]
-    at_above = residual(above)
+    radii = np.unique(np.concatenate((np.geomspace(highest, lowest, 200), even)))[::-1].tolist()
+    before = above = radii[0]
+    at_before = at_above = residual(above)
     for radius in radii[1:]:
-        value = residual(float(radius))
+        value = residual(radius)
+        if 0.0 < at_above < min(value, at_before):
+            nearby = (radius, before)
+            dip = minimize_scalar(residual, bounds=nearby, method="bounded", options={"xatol": 1e-8 * radius})
+            if dip.fun <= 0.0:
+                return bracketed(residual, before, at_before, dip.x, dip.fun, 1e-12, 1e-15 * radius)
         if value <= 0.0 < at_above:
-            return bracketed(residual, float(above), at_above, float(radius), value, 1e-12, 1e-15 * radius)
-        above, at_above = radius, value
+            return bracketed(residual, above, at_above, radius, value, 1e-12, 1e-15 * radius)
+        before, at_before, above, at_above = above, at_above, radius, value
     return None
 
 
