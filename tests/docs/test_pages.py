@@ -56,7 +56,9 @@ def test_scene_in_the_reference_is_a_scene():
 def test_commands_are_commands(page, monkeypatch):
     if "add-a-solver" in page.name:  # its solver is that of a package that the reader writes
         monkeypatch.setattr(registry, "selectable", lambda: (*solvers.SOLVERS, "hertz"))
-    for command in _commands(TEXTS[page]):
+    spans = re.findall(r"`crosscontact (\w+ [^`]+)`", TEXTS[page])
+    spans += re.findall(r"^crosscontact (\w+ [^\n\\#]+)$", TEXTS[page], re.MULTILINE)  # of any block
+    for command in [*_commands(TEXTS[page]), *map(shlex.split, spans)]:
         if command == ["--version"]:
             continue
         assert parser().parse_args(command).command, command
