@@ -6,7 +6,7 @@ Intervals end at kinks, at requested times and with the load step; a load jump i
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Protocol
@@ -78,39 +78,36 @@ class LoadingInterval:
         return max(departure - rounding, 0.0) / self.span
 
 
-def next_interval(
-    cursor: LoadingCursor, segment: Segment, requested: Collection[float]
-) -> LoadingInterval | None:
-    """The interval of a load step that the cursor stands at; ``None`` at the end of the load step."""
-    if not cursor.jump_done and cursor.origin is not None:
-        _, penetration, force = cursor.origin
-        before = segment.present(penetration, force)
-        after = segment.value(segment.start)
-        if after != before:
-            return LoadingInterval(
+def intervals(
+    segment: Segment, penetration: float, force: float, requested: Collection[float]
+) -> Iterator[LoadingInterval]:
+    """The intervals of a load step that begins at a penetration and a force, its load jump first."""
+    before, after = segment.present(penetration, force), segment.value(segment.start)
+    if after != before:
+        yield LoadingInterval(
+            segment.control,
+            segment.start,
+            segment.start,
+            lambda share: before + share * (after - before),
+            segment.rate,
+            jump=True,
+            after_kink=True,
+            trigger=segment.trigger,
+        )
+    start, kink = segment.start, True
+    for stop in stops_within(segment, requested):
+        if stop.time > start:
+            yield LoadingInterval(
                 segment.control,
-                segment.start,
-                segment.start,
-                lambda share: before + share * (after - before),
+                start,
+                stop.time,
+                segment.value,
                 segment.rate,
-                jump=True,
-                after_kink=True,
+                jump=False,
+                after_kink=kink,
                 trigger=segment.trigger,
             )
-    stops, reached = stops_within(segment, requested), cursor.stops_reached
-    start = stops[reached - 1].time if reached else segment.start
-    if reached == len(stops) or stops[reached].time <= start:
-        return None
-    return LoadingInterval(
-        segment.control,
-        start,
-        stops[reached].time,
-        segment.value,
-        segment.rate,
-        jump=False,
-        after_kink=reached == 0 or stops[reached - 1].kink,
-        trigger=segment.trigger,
-    )
+        start, kink = stop.time, stop.kink
 
 
 class IntervalFollower(Protocol):
@@ -141,7 +138,7 @@ def follow_loading(
     profile_times: Collection[float],
     progress: Callable[[float], None] | None,
 ) -> Outcome:
-    """Take a run through the loading from where the cursor stands.
+    """Take a run through the loading.
 
     Parameters
     ----------
@@ -159,23 +156,20 @@ def follow_loading(
     Outcome
     """
     requested = {*stop_times, *profile_times}
-    if 0.0 in profile_times and cursor.at_start:
+    if 0.0 in profile_times:
         run.record_profile()
     while not cursor.done(loading):
-        segment = cursor.segment(loading, *run.reached())
+        time, penetration, force = run.reached()
+        segment = cursor.segment(loading, time, penetration, force)
         report = partial(_report, progress, cursor, loading, segment)
-        while not _level_reached(run, cursor, segment) and (
-            interval := next_interval(cursor, segment, requested)
-        ):
+        for interval in intervals(segment, penetration, force, requested):
+            if _level_reached(run, cursor, segment):
+                break
             outcome = run.follow(interval, report)
             if run.reached()[0] in profile_times and (outcome is None or outcome.kind in _ENDS_OF_CONTACT):
                 run.record_profile()
             if outcome is not None:
                 return outcome
-            if interval.jump:
-                cursor.jump_done = True
-            elif not _level_reached(run, cursor, segment):
-                cursor.stop_reached()
         if segment.trigger is not None and not _level_reached(run, cursor, segment):
             return segment.trigger.not_reached(run.reached()[0])
         cursor.step_done()

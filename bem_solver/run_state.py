@@ -1,8 +1,4 @@
-"""What a run on graded annuli consists of between two trial steps.
-
-Whatever follows from scene and options (annuli, factors, material chain) is made anew and not part of it: a
-run continued from its state performs the same floating-point operations in the same order.
-"""
+"""What a run on graded annuli consists of between two trial steps."""
 
 from __future__ import annotations
 
@@ -52,10 +48,10 @@ class RejectedStep(NamedTuple):
 
 @dataclass
 class GradedState:
-    """Serialisable state of a run on graded annuli.
+    """State of a run on graded annuli.
 
     ``contact`` and ``energies`` are the committed state, ``record`` the rows, events and profiles so far. In
-    the present loading interval (``begun``) the run has reached ``parameter``, with the ``accepted`` states
+    the present loading interval the run has reached ``parameter``, with the ``accepted`` states
     from which rates are extrapolated; from there steps were ``rejected``. ``step`` is the step to try next
     before it is limited, ``travel_share`` the share of the travel limit of the edge in force, ``slope`` the
     derivative of the residual with the edge expected in the next step (0: unknown), ``last_slope`` that in
@@ -68,7 +64,6 @@ class GradedState:
     largest_force: float
     largest_edge: float
     largest_tension: float = 0.0
-    begun: bool = False
     parameter: float = 0.0
     rejected: list[RejectedStep] = field(default_factory=list)
     accepted: AcceptedSteps = field(default_factory=AcceptedSteps)
@@ -86,7 +81,7 @@ class GradedState:
 
     def interval_done(self) -> None:
         """Ready for the next loading interval."""
-        self.begun, self.parameter, self.rejected = False, 0.0, []
+        self.parameter, self.rejected = 0.0, []
 
 
 @dataclass(frozen=True)

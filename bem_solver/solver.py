@@ -31,7 +31,7 @@ from bem_solver.size_estimates import (
     thinnest_layer,
 )
 from bem_solver.start import contact_scale, start_state
-from bem_solver.stepping import SOLVER, GradedRun
+from bem_solver.stepping import GradedRun
 from contact_scene import (
     Adhesion,
     Cone,
@@ -48,7 +48,6 @@ from contact_scene import (
 from contact_scene.machine import on_machine
 from contact_scene.run_control.blas_threads import single_threaded
 from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.monitor import kept_state
 
 _SMOOTH_SHARE = 0.01
 """Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the
@@ -85,7 +84,7 @@ def solve(
     progress : callable, optional
         Called with the share of the run that is done, 0 to 1.
     monitor : RunMonitor, optional
-        May keep the state of the run between steps, stop it, and have it continued.
+        Asked between two steps whether the run is to continue.
 
     Returns
     -------
@@ -98,7 +97,7 @@ def solve(
         For a bulk modulus that relaxes apart from shear: the half-space is then no longer a convolution in
         time with one kernel in space (Eq. convolution). Also where uniform annuli would be too many.
     SceneError
-        If the process zone does not fit into the contact at the start, or the kept state is another solver's.
+        If the process zone does not fit into the contact at the start.
     """
     options = options or Options()
     unsupported = refusal(scene) or (refusal_of_uniform(scene) if options.annuli == "uniform" else None)
@@ -127,12 +126,10 @@ def _check_paper_adhesion(adhesion: Adhesion) -> None:
 def _solve_graded(
     scene: Scene, options: Options, progress: Callable[[float], None] | None, monitor: RunMonitor | None
 ) -> Trace:
-    kept = kept_state(monitor, SOLVER)
-    counters = kept.counters if kept is not None else Counters(factorisations=1)
-    cursor = kept.cursor if kept is not None else LoadingCursor()
+    counters, cursor = Counters(factorisations=1), LoadingCursor()
     try:
         problem, scale = _discretised(scene, options, counters)
-        state: GradedState | None = kept.content if kept is not None else _started(problem, scale)
+        state = _started(problem, scale)
     except (ZeroDivisionError, OverflowError) as error:
         return _without_start(scene, counters, _beyond_floating_point(error))
     if state is None:

@@ -57,7 +57,6 @@ class GradedStateCommitter:
             state.accepted.continue_in_next_interval()
         if interval.jump:
             state.step = 0.1
-        state.begun = True
 
     def accept(self, candidate: Candidate, leaps: bool) -> Outcome | None:
         """Commit a candidate; an outcome if the contact ends with it.

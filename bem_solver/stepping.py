@@ -30,10 +30,9 @@ from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
 from contact_scene.run_control.early_outcomes import budget_outcome
 from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.monitor import KeptState, interruption
+from contact_scene.run_control.monitor import interruption
 from contact_scene.trigger import passed
 
-SOLVER = "bem"
 _SLIGHTLY_LONGER = 1.5
 """Step, in shortest ones, up to which it is as short as can be: it is rounded to multiples of a quarter."""
 
@@ -62,21 +61,16 @@ class GradedRun:
         """Record the surface in the committed state."""
         self.state.record.profile(surface_profile(self.problem, self.state.contact))
 
-    def kept(self) -> KeptState:
-        """The state to continue from."""
-        return KeptState(SOLVER, self.cursor, self.problem.counters, self.state)
-
     def follow(self, interval: LoadingInterval, report: Callable[[float], None]) -> Outcome | None:
-        """Take the run through an interval, from where it stands in it; an outcome if it ends there."""
+        """Take the run through an interval; an outcome if it ends there."""
         state = self.state
         start = StepStart(self.problem, self.settings, state, interval)
         committer = GradedStateCommitter(start, report)
-        if not state.begun:
-            committer.begin_interval()
+        committer.begin_interval()
         while state.parameter < interval.length:
             time = state.contact.time
             outcome = (
-                interruption(self.monitor, self.kept, time)
+                interruption(self.monitor, time)
                 or budget_outcome(self.problem.counters, self.max_steps, time)
                 or self._advance(committer)
             )

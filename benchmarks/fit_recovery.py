@@ -220,7 +220,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     folder = output_folder(options.out)
     store = Store(folder)
     numbers = range(options.first, options.first + options.count)
-    tasks = [Task(fingerprint("recovery", n), f"material {n}", recover, (n,)) for n in numbers]
+    tasks = [
+        Task(fingerprint("recovery", n), f"material {n}", recover, (n,), RecoveredMaterial) for n in numbers
+    ]
     done: dict[int, RecoveredMaterial] = {}
     failures: dict[int, str] = {}
 

@@ -15,7 +15,7 @@ from contact_scene.measured_moduli import DynamicData, RelaxationData
 from contact_scene.prony import PronyFit, fit_prony
 from contact_scene.readers import read_measured, read_shift_factors
 from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.monitor import KeptState, RunMonitor
+from contact_scene.run_control.monitor import RunMonitor
 from contact_scene.scene import Scene
 from contact_scene.scene_writer import write_material, write_scene
 from contact_scene.scenefile import read_scene, scene_from_dict
@@ -52,7 +52,6 @@ __all__ = [
     "ForceRamp",
     "Hold",
     "Indenter",
-    "KeptState",
     "Loading",
     "LoadingCursor",
     "Machine",

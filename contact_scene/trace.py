@@ -154,8 +154,10 @@ class Trace:
         of_class(self.extra, "extra", Mapping, "columns by name")
         of_class(self.errors, "errors", Mapping, "relative errors by observable")
         a_number(self.wall_seconds, "wall_seconds")
-        for name, values in self.extra.items():
-            _same_length(values, f"extra[{name!r}]", self.time)
+        extra = {
+            name: _same_length(values, f"extra[{name!r}]", self.time) for name, values in self.extra.items()
+        }
+        object.__setattr__(self, "extra", extra)
         for key, kind in (("events", Event), ("profiles", SurfaceProfile)):
             for index, entry in enumerate(as_tuple(getattr(self, key), key, f"a tuple of {kind.__name__}")):
                 of_class(entry, f"{key}[{index}]", kind, f"a {kind.__name__}")

@@ -177,14 +177,6 @@ class CondensedHistory:
         )
         self._past = None
 
-    def snapshot(self) -> CondensedState:
-        """Serialisable state."""
-        return self.state
-
-    def restore(self, state: CondensedState) -> None:
-        """Continue from a state."""
-        self.state, self._past = state, None
-
     def take_back(self, state: CondensedState) -> None:
         """Return to the state before the last step."""
         self.state, self._past = state, None

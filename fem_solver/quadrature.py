@@ -27,7 +27,7 @@ from fem_solver.condensed import Response
 from fem_solver.halfspace import Factorisation, HalfSpace
 from fem_solver.partial_release import PartialContact, energy_at_edge, partly_held
 from fem_solver.prony import Prony, RelaxingField
-from fem_solver.quadrature_state import LoadOfPast, QuadratureSnapshot, QuadratureState
+from fem_solver.quadrature_state import LoadOfPast, QuadratureState
 from fem_solver.series_modulus import SeriesModulus
 from fem_solver.surface import SurfaceOperator
 
@@ -79,18 +79,6 @@ class QuadratureHistory:
     def volume_solves(self) -> int:
         """Back-substitutions in the volume so far."""
         return sum(factor.solves for factor, _ in self._operators.values())
-
-    def snapshot(self) -> QuadratureSnapshot:
-        """Serialisable state."""
-        return QuadratureSnapshot(
-            self.state, {ratio: factor.solves for ratio, (factor, _) in self._operators.items()}
-        )
-
-    def restore(self, snapshot: QuadratureSnapshot) -> None:
-        """Continue from a state; the factors are computed again, in the same order."""
-        self.state = snapshot.state
-        for ratio, count in snapshot.solves.items():
-            self._operator(ratio)[0].solves = count
 
     def take_back(self, state: QuadratureState) -> None:
         """Return to the state before the last step."""

@@ -42,17 +42,6 @@ class QuadratureState:
 
 
 @dataclass(frozen=True)
-class QuadratureSnapshot:
-    """Serialisable state of the history, with the work done.
-
-    ``solves`` are the back-substitutions by ratio of moduli, in the order in which these were factorised.
-    """
-
-    state: QuadratureState
-    solves: dict[float, int]
-
-
-@dataclass(frozen=True)
 class LoadOfPast:
     """Load that the past leaves at the end of a step, used by the trial and again when it is accepted."""
 

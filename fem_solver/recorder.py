@@ -31,7 +31,7 @@ from fem_solver.tip_release import UNKNOWN_RELEASE, with_sharp_tip
 Array = NDArray[np.float64]
 
 SOLVER = "fem"
-"""Name of the solver in its traces and states."""
+"""Name of the solver in its traces."""
 EXTRA = ("branch_dissipation", "zone_excess", "balance_residual", "separation_energy", "volume_dissipation")
 
 
@@ -103,7 +103,7 @@ def work_of_bends(rises: tuple[float, float], bends: tuple[float, float]) -> flo
 
 @dataclass
 class RecorderContent:
-    """Serialisable content of a recorder: rows, events, profiles and the work between the rows."""
+    """Content of a recorder: rows, events, profiles and the work between the rows."""
 
     rows: list[tuple[float, ...]] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)

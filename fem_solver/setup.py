@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,19 +80,13 @@ class Setup:
         return math.isfinite(self.shortest_time)
 
 
-class SetUpInterrupted(KeyboardInterrupt):
-    """The set-up was stopped from outside between two of its stages: nothing has been solved."""
-
-
-def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool] | None = None) -> Setup:
+def set_up(scene: Scene, mesh: Any, options: Options) -> Setup:
     """Assemble and factorise.
 
     Parameters
     ----------
     scene, mesh, options
         As of :func:`fem_solver.solve`.
-    proceed : callable() -> bool, optional
-        Asked after every stage (assembly, factorisation, surface compliance) whether to go on.
 
     Returns
     -------
@@ -105,26 +98,17 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
         If the chosen form or path does not apply to the scene.
     SceneError
         If the mesh is too large for the memory of the machine.
-    SetUpInterrupted
-        If it was not to go on.
     """
-
-    def stage_done() -> None:
-        if proceed is not None and not proceed():
-            raise SetUpInterrupted
-
     material = moduli(scene.material)
     _check(material, options)
     _check_memory(mesh, not material.alike)
     space = HalfSpace(mesh, options.form == "mixed", options.far_field)
-    stage_done()
     reach = float(mesh.parameters.fine_to)
     stress = scene.adhesion.stress if scene.adhesion is not None else None
     count = _node_count(space.radii, surface_margin(stress) * reach)
     history: CondensedHistory | QuadratureHistory
     if material.alike if options.path == "auto" else options.path == "condensed":
         factor = space.factorise(material.ratio, count)
-        stage_done()
         compliance, weights = factor.compliance()
         history = CondensedHistory(SurfaceOperator(compliance), material.shear)
         glassy = history.operator
@@ -132,7 +116,6 @@ def set_up(scene: Scene, mesh: Any, options: Options, proceed: Callable[[], bool
         history = QuadratureHistory(space, material.shear, material.bulk, count)
         factor, weights = history.factor, history.weights
         glassy = history.instantaneous
-    stage_done()
     radii = space.radii[:count]
     height = scene.indenter.height(radii)
     # contact radii are those of the glassy response, in which the edge moves

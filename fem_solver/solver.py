@@ -10,7 +10,6 @@ from typing import Any
 from numpy.typing import NDArray
 
 from contact_scene import (
-    Counters,
     Outcome,
     OutcomeKind,
     RunMonitor,
@@ -19,16 +18,14 @@ from contact_scene import (
 )
 from contact_scene.machine import on_machine
 from contact_scene.run_control.blas_threads import single_threaded
-from contact_scene.run_control.monitor import kept_state
 from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, history_log
-from fem_solver.fields.kept_recording import RecordingMonitor
 from fem_solver.fields.recording import Recording
 from fem_solver.following.setup import FollowingSetup, set_up_following
 from fem_solver.options import Options
 from fem_solver.profiles import profile
-from fem_solver.recorder import SOLVER, SurfaceRecorder
-from fem_solver.setup import Setup, SetUpInterrupted, set_up
+from fem_solver.recorder import SurfaceRecorder
+from fem_solver.setup import Setup, set_up
 from fem_solver.step_control import SlopeErrorEstimator
 from fem_solver.stepping import ELASTIC_TOLERANCE, NodeReleaseRun
 
@@ -55,7 +52,7 @@ def solve(
     progress : callable(float), optional
         Called with the share of the loading that is done, 0 to 1.
     monitor : RunMonitor, optional
-        May store the run between steps, stop it, and continue it from a stored state.
+        Asked between two steps whether the run is to continue.
 
     Returns
     -------
@@ -70,12 +67,7 @@ def solve(
     UnsupportedScene
         If the options exclude what the scene needs.
     """
-    began = clock.perf_counter()
-    try:
-        return record(scene, mesh, options, progress, monitor).trace
-    except SetUpInterrupted:
-        outcome = Outcome(OutcomeKind.INTERRUPTED, "stopped from outside during the set-up", 0.0)
-        return SurfaceRecorder(0.0).trace(outcome, Counters(), clock.perf_counter() - began)
+    return record(scene, mesh, options, progress, monitor).trace
 
 
 @single_threaded()
@@ -88,8 +80,6 @@ def record(
 ) -> Recording:
     """As :func:`solve`, with the history where the options record it.
 
-    A run that is continued by ``monitor`` has its whole history.
-
     Parameters
     ----------
     scene, mesh, options, progress, monitor
@@ -98,25 +88,17 @@ def record(
     Returns
     -------
     Recording
-
-    Raises
-    ------
-    SetUpInterrupted
-        If ``monitor`` stops it before there is anything to record.
     """
     began = clock.perf_counter()
     options = options or Options()
-    proceed = None if monitor is None else monitor.continue_set_up
     follows = hasattr(mesh, "place")
-    setup = (set_up_following if follows else set_up)(scene, mesh, options, proceed)
+    setup = (set_up_following if follows else set_up)(scene, mesh, options)
     recorder = SurfaceRecorder(
         scene.adhesion.work if scene.adhesion else 0.0,
         scene.adhesion is None or scene.adhesion.reversible,
         [] if options.records else None,
     )
     observer = _Observer(options, setup, recorder)
-    if monitor is not None and recorder.surfaces is not None and observer.log is not None:
-        monitor = RecordingMonitor(monitor, observer.log, recorder.surfaces, observer.states, observer.rows)
     run = NodeReleaseRun(
         setup=setup,
         recorder=recorder,
@@ -132,7 +114,7 @@ def record(
         monitor=monitor,
         progress=progress,
     )
-    outcome = _start(scene, run, monitor) or run.carry_out(scene.loading)
+    outcome = _start(scene, run) or run.carry_out(scene.loading)
     if progress is not None and outcome.kind is not OutcomeKind.INTERRUPTED:
         progress(1.0)
     run.counters.history_updates = setup.history.state.updates
@@ -142,12 +124,8 @@ def record(
     return Recording(setup, trace, observer.states, observer.rows, recorder.surfaces or [], observer.log)
 
 
-def _start(scene: Scene, run: NodeReleaseRun, monitor: RunMonitor | None) -> Outcome | None:
-    """Accept the start state, or continue from a stored one; an outcome if there is no equilibrium."""
-    kept = kept_state(monitor, SOLVER)
-    if kept is not None:
-        run.restore(kept)
-        return None
+def _start(scene: Scene, run: NodeReleaseRun) -> Outcome | None:
+    """Accept the start state; an outcome if there is no equilibrium."""
     outcome = run.start(scene.loading)
     state = run.recorder.content.last
     if state is not None and (state.radius < state.zone or (outcome is not None and state.zone > 0.0)):

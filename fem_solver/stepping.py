@@ -12,7 +12,7 @@ from typing import NoReturn
 
 from scipy.optimize import brentq
 
-from contact_scene import KeptState, Loading, Outcome, OutcomeKind, Segment
+from contact_scene import Loading, Outcome, OutcomeKind, Segment
 from contact_scene.run_control.loading_cursor import Stop, stops_within
 from contact_scene.run_control.monitor import interruption
 from contact_scene.segment import Control
@@ -21,8 +21,6 @@ from fem_solver.curved_loads import swing
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import LoadJump
 from fem_solver.following.edge_search import EdgeNotFound
-from fem_solver.recorder import SOLVER
-from fem_solver.run_state import NodeReleaseState
 from fem_solver.step_control import DyadicInterval
 from fem_solver.time_step import SteppedStates
 
@@ -45,29 +43,6 @@ difference, the hysteresis of the jumps, is what counts."""
 class NodeReleaseRun(SteppedStates):
     """A run from its start state through its loading."""
 
-    def snapshot(self) -> KeptState:
-        """Serialisable state; it shares what the run will change."""
-        content = NodeReleaseState(
-            self.time,
-            self.interval,
-            self.step,
-            self.estimator.slopes,
-            self.recorder.content,
-            self.setup.history.snapshot(),
-            self.before,
-        )
-        return KeptState(SOLVER, self.cursor, self.counters, content)
-
-    def restore(self, kept: KeptState) -> None:
-        """Continue from a state of the same scene, mesh and options."""
-        content: NodeReleaseState = kept.content
-        self.cursor = kept.cursor
-        self.counters = self.solver.counters = kept.counters
-        self.time, self.interval, self.step = content.time, content.interval, content.step
-        self.estimator.slopes = content.slopes
-        self.recorder.content, self.before = content.recorded, content.before
-        self.setup.history.restore(content.history)  # type: ignore[arg-type]
-
     def start(self, loading: Loading) -> Outcome | None:
         """Accept the start state; an outcome if there is none."""
         relaxed = loading.start == "relaxed"
@@ -86,7 +61,7 @@ class NodeReleaseRun(SteppedStates):
         return None
 
     def carry_out(self, loading: Loading) -> Outcome:
-        """The loading, from where the run stands in it."""
+        """The loading, load step after load step."""
         try:
             while not self.cursor.done(loading):
                 state = self.state
@@ -101,27 +76,23 @@ class NodeReleaseRun(SteppedStates):
 
     def _carry_out_step(self, loading: Loading, segment: Segment) -> None:
         """One load step: its jump, if any, then the intervals between its stops."""
-        cursor = self.cursor
-        if not cursor.jump_done:
-            self._triggered(segment)
-            self._lower(segment)
-            self._load_jump(segment)
-            cursor.jump_done, self.step = True, None
+        self._triggered(segment)
+        self._lower(segment)
+        self._load_jump(segment)
+        self.step = None
         if self._triggered(segment):
             return
         self._check_clock(segment)
         span = swing(segment)
-        stops = stops_within(segment, self.requested)
-        while cursor.stops_reached < len(stops):
-            reached = cursor.stops_reached
-            start = stops[reached - 1].time if reached else segment.start
-            if stops[reached].time > start:
-                self._carry_out_interval(loading, segment, start, stops[reached], span)
+        start = segment.start
+        for stop in stops_within(segment, self.requested):
+            if stop.time > start:
+                self._carry_out_interval(loading, segment, start, stop, span)
             if self._triggered(segment):
                 self.estimator.reset()
                 self.interval = self.step = self.before = None
                 return
-            cursor.stop_reached()
+            start = stop.time
         if segment.trigger is not None:
             raise RunEnded(segment.trigger.not_reached(self.time))
 
@@ -137,15 +108,13 @@ class NodeReleaseRun(SteppedStates):
 
         Where an indenter comes to touch on its way, in two parts.
         """
-        interval = self.interval
-        if interval is None:
-            if self._touches(segment, stop.time):
-                self._touch(segment.control, segment.value(self.time))
-            end = self._first_touch(segment, start, stop.time)
-            interval, self.before = self._new_interval(start, end, self._longest(segment)), None
-            self.interval = interval
+        if self._touches(segment, stop.time):
+            self._touch(segment.control, segment.value(self.time))
+        end = self._first_touch(segment, start, stop.time)
+        self.interval = interval = self._new_interval(start, end, self._longest(segment))
+        self.before = None
         while not interval.done:
-            outcome = interruption(self.monitor, self.snapshot, self.time)
+            outcome = interruption(self.monitor, self.time)
             if outcome is not None:
                 raise RunEnded(outcome)
             self._advance(segment, interval, span)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from functools import cache
@@ -66,6 +67,11 @@ DEFERRED = {
     ("contact_scene.series_design", "scipy.optimize"),
 }
 
+# Readers that carry out what a file says. Between live processes bytes are pickled, and none of them lie on a
+# disk.
+EXECUTING = {"pickle", "_pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
+BETWEEN_PROCESSES = {("validation.execution.processes", "pickle")}
+
 
 def project() -> ImportGraph:
     """The imports of all packages."""
@@ -120,6 +126,23 @@ def deferred_without_need(graph: ImportGraph) -> list[str]:
     ]
 
 
+def executing_readers(graph: ImportGraph) -> list[str]:
+    """Imports of what executes the files that it reads, and calls that let NumPy or pandas do so."""
+    found = [
+        str(one)
+        for one in graph.imports
+        if EXECUTING & {one.module.split(".")[0], one.name}
+        and (one.importer, one.module) not in BETWEEN_PROCESSES
+    ]
+    for name, source in graph.sources.items():
+        for node in ast.walk(source.tree) if "pickle" in source.text else ():
+            called = getattr(node, "attr", getattr(node, "id", ""))
+            never = isinstance(node, ast.keyword) and getattr(node.value, "value", None) is False
+            if called == "read_pickle" or (getattr(node, "arg", "") == "allow_pickle" and not never):
+                found.append(f"{name} reads pickles")
+    return found
+
+
 def report(found: list[str]) -> str:
     return "\n" + "\n".join(found)
 
@@ -140,6 +163,29 @@ def test_every_layer_and_every_deferred_import_exists():
     seen = {(one.importer, one.module) for one in project().imports}
     assert seen >= DEFERRED
     assert project().modules >= LOADED_AT_FIRST_USE
+
+
+def test_no_module_executes_what_it_reads():
+    found = executing_readers(project())
+    assert not found, report(found)
+    assert {(one.importer, one.module) for one in project().imports} >= BETWEEN_PROCESSES
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "import pickle",
+        "def f():\n    from shelve import open",
+        "from multiprocessing.reduction import pickle",
+        "import numpy as np\nnp.load('a.npz', allow_pickle=True)",
+        "import numpy as np\nnp.load('a.npz', allow_pickle=trusted)",
+        "import pandas\npandas.read_pickle('a')",
+        "from pandas import read_pickle\nread_pickle('a')",
+    ],
+)
+def test_a_reader_that_executes_is_seen(line):
+    assert executing_readers(made_up(validation__store=line))
+    assert not executing_readers(made_up(validation__store="import numpy\nnumpy.load(f, allow_pickle=False)"))
 
 
 def test_there_is_no_cycle_of_imports():

@@ -16,7 +16,7 @@ from contact_scene import Event, SurfaceProfile
 
 @dataclass
 class UniformState:
-    """Serialisable state of a run on uniform annuli.
+    """State of a run on uniform annuli.
 
     Attributes
     ----------
@@ -24,14 +24,11 @@ class UniformState:
         Committed state of the surface and its energies.
     record
         Rows, events and profiles so far.
-    steps_done
-        Steps of the present loading interval that are done.
     """
 
     surface: AnnuliState
     energies: Energies
     record: TraceRecorder
-    steps_done: int = 0
 
     def commit(self, chain: Chain, annuli: UniformAnnuli, surface: AnnuliState, energies: Energies) -> None:
         """Take a state as the new committed one, and record its row.

@@ -26,10 +26,8 @@ from bem_solver.recorder import TraceRecorder, trace_without_start
 from contact_scene import Counters, Material, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
 from contact_scene.run_control.early_outcomes import below_zone_outcome, budget_outcome
 from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.monitor import KeptState, interruption, kept_state
+from contact_scene.run_control.monitor import interruption
 from contact_scene.scene import zone_too_long
-
-SOLVER = "bem, uniform annuli"
 
 
 def refusal_of_uniform(scene: Scene) -> UnsupportedScene | None:
@@ -62,16 +60,12 @@ def solve_uniform(
     UnsupportedScene
         If the annuli would be too many for one dense matrix.
     SceneError
-        If the process zone does not fit into the contact at the start, or the kept state is another solver's.
+        If the process zone does not fit into the contact at the start.
     """
-    kept = kept_state(monitor, SOLVER)
-    counters = kept.counters if kept is not None else Counters(factorisations=1)
-    cursor = kept.cursor if kept is not None else LoadingCursor()
-    run = _Run(scene, options, counters, cursor, monitor)
+    counters, cursor = Counters(factorisations=1), LoadingCursor()
+    run = _Run(scene, options, counters, monitor)
     try:
-        if kept is not None:
-            run.state = kept.content
-        elif not run.start():
+        if not run.start():
             return trace_without_start(scene.loading.without_start, counters)
         outcome = follow_loading(
             run, scene.loading, cursor, options.stop_times, options.profile_times, progress
@@ -91,11 +85,10 @@ class _Run:
         scene: Scene,
         options: Options,
         counters: Counters,
-        cursor: LoadingCursor,
         monitor: RunMonitor | None,
     ) -> None:
         self.scene, self.options, self.counters = scene, options, counters
-        self.cursor, self.monitor = cursor, monitor
+        self.monitor = monitor
         self.chain = Chain(scene.material, options.scheme == "backward-euler")
         self.work = scene.adhesion.work if scene.adhesion else 0.0
         self.largest = estimated_largest_radius(scene, self.chain)
@@ -111,10 +104,6 @@ class _Run:
         """Time, penetration and force of the committed state."""
         surface = self.state.surface
         return surface.time, surface.penetration, surface.force
-
-    def kept(self) -> KeptState:
-        """The state to continue from."""
-        return KeptState(SOLVER, self.cursor, self.counters, self.state)
 
     def start(self) -> bool:
         """Make the start state, glassy or relaxed; whether there is one."""
@@ -144,24 +133,20 @@ class _Run:
         """Take the run through an interval in equal steps; an outcome if it ends there."""
         state = self.state
         count = step_count(self.scene, interval, self.options, self.largest, self.length)
-        if state.steps_done == 0:
-            state.record.kink()
-        while state.steps_done < count:
+        state.record.kink()
+        for index in range(1, count + 1):
             time = state.surface.time
-            outcome = interruption(self.monitor, self.kept, time) or budget_outcome(
+            outcome = interruption(self.monitor, time) or budget_outcome(
                 self.counters, self.options.max_steps, time
             )
             if outcome is not None:
                 return outcome
-            index = state.steps_done + 1
             outcome = self._step(
                 interval, interval.length if index == count else interval.length * index / count
             )
             report(state.surface.time)
             if outcome is not None:
                 return outcome
-            state.steps_done = index
-        state.steps_done = 0
         return None
 
     def _step(self, interval: LoadingInterval, parameter: float) -> Outcome | None:

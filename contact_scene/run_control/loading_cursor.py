@@ -38,44 +38,17 @@ class LoadingCursor:
     ----------
     step : int
         Load steps that are done.
-    origin : tuple of float or None
-        Time, penetration and force where the present load step began; ``None`` before it begins.
-    jump_done : bool
-        Whether the load jump, if any, with which the present load step begins has been taken.
-    stops_reached : int
-        Stops of the present load step (see :func:`stops_within`) that are behind.
     trigger_side : float or None
         Side of the level of its trigger, if any, on which the present load step is (see ``trigger.passed``);
         ``None`` before it begins.
     """
 
     step: int = 0
-    origin: tuple[float, float, float] | None = None
-    jump_done: bool = False
-    stops_reached: int = 0
     trigger_side: float | None = None
 
-    @property
-    def at_start(self) -> bool:
-        """Whether no load step has begun."""
-        return self.step == 0 and self.origin is None
-
     def segment(self, loading: Loading, time: float, penetration: float, force: float) -> Segment:
-        """The present load step on the time axis; it begins at the present state unless it has begun before.
-
-        Parameters
-        ----------
-        loading : Loading
-        time, penetration, force : float
-            Present state.
-
-        Returns
-        -------
-        Segment
-        """
-        if self.origin is None:
-            self.origin = (time, penetration, force)
-        return loading.segment(loading.steps[self.step], *self.origin)
+        """The present load step on the time axis; it begins at the given state."""
+        return loading.segment(loading.steps[self.step], time, penetration, force)
 
     def triggered(self, segment: Segment, penetration: float, force: float, radius: float) -> bool:
         """Whether a state has reached the level that ends the present load step.
@@ -108,14 +81,9 @@ class LoadingCursor:
         """The level that ends the present load step is reached, whatever rounding says."""
         self.trigger_side = 0.0
 
-    def stop_reached(self) -> None:
-        """The next stop is reached."""
-        self.stops_reached += 1
-
     def step_done(self) -> None:
         """The present load step is done."""
-        self.step, self.origin, self.jump_done, self.stops_reached = self.step + 1, None, False, 0
-        self.trigger_side = None
+        self.step, self.trigger_side = self.step + 1, None
 
     def share(self, loading: Loading, segment: Segment, time: float) -> float:
         """Share of the loading that is done.

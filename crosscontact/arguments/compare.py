@@ -29,7 +29,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--out", metavar="DIR", help="write the report and every run there")
     max_steps_option(command)
     jobs_option(command)
-    fresh_option(command, replaces=True)
+    fresh_option(command)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

@@ -46,7 +46,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     max_steps_option(command)
     command.add_argument("--out", metavar="DIR", help="default: out/fields/SCENE")
-    fresh_option(command, replaces=True)
+    fresh_option(command, keeps_runs=False)
     _add_figures(command)
 
 

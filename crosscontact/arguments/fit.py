@@ -29,7 +29,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--out", metavar="DIR", help="write page, fit.json, scene.toml and figure there")
     max_steps_option(command)
     jobs_option(command)
-    fresh_option(command, replaces=True)
+    fresh_option(command)
 
 
 def _add_parameters(command: argparse.ArgumentParser) -> None:

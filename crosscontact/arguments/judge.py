@@ -12,7 +12,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("folder", metavar="DIR", help="holds answers: SCENE/trace.csv at any depth")
     command.add_argument("--out", metavar="REPORT", help="write page, Markdown, JSON and JUnit there")
     jobs_option(command)
-    fresh_option(command, replaces=True)
+    fresh_option(command)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

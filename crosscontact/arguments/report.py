@@ -29,7 +29,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         action="store_true",
         help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
     )
-    fresh_option(command, replaces=True)
+    fresh_option(command)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

@@ -39,12 +39,11 @@ def max_steps_option(command: argparse.ArgumentParser) -> None:
     )
 
 
-def fresh_option(command: argparse.ArgumentParser, replaces: bool = False) -> None:
-    """``--fresh``: ignore what is stored; with ``replaces`` also overwrite the results of another
-    scene, solver or command."""
-    replaced = ", and replace the results of another scene, solver or command" if replaces else ""
+def fresh_option(command: argparse.ArgumentParser, keeps_runs: bool = True) -> None:
+    """``--fresh``: replace what the folder holds of another scene, solver or command, and kept runs."""
+    kept = "; otherwise the runs that an interrupted command has finished there are taken over"
     command.add_argument(
         "--fresh",
         action="store_true",
-        help=f"start anew{replaced}; otherwise an interrupted command with the same --out is continued",
+        help=f"replace what --out holds, of another scene, solver or command{kept if keeps_runs else ''}",
     )

@@ -31,7 +31,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="draw force.png and force.svg, into --out or the current folder",
     )
     max_steps_option(command)
-    fresh_option(command, replaces=True)
+    fresh_option(command, keeps_runs=False)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

@@ -23,7 +23,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--only", choices=Names(_axis_names), metavar="AXIS", help="this axis only: one of %(choices)s"
     )
-    fresh_option(command, replaces=True)
+    fresh_option(command)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

@@ -33,7 +33,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="instead: steps, points, time and error of every solver with process zones of these ratios to "
         "the contact radius (5e-2 to 5e-9)",
     )
-    fresh_option(command, replaces=True)
+    fresh_option(command)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

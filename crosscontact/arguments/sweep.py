@@ -31,7 +31,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--dry-run", action="store_true", help="say how many runs there are, how long they take, how large"
     )
     command.add_argument("--plot", metavar="DIR", help="draw the figures of an earlier sweep again")
-    fresh_option(command, replaces=True)
+    fresh_option(command)
 
 
 def carry_out(options: argparse.Namespace, jobs: int) -> int:

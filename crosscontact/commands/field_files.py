@@ -1,7 +1,4 @@
-"""What ``crosscontact fields`` writes: files of each moment, pictures, and a table of energies.
-
-What an interrupted command has left is not made again.
-"""
+"""What ``crosscontact fields`` writes: files of each moment, and a table of energies."""
 
 from __future__ import annotations
 
@@ -13,9 +10,7 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Counters, Scene
 from validation.execution.files import in_words
-from validation.execution.fingerprints import fingerprint
 from validation.execution.progress import Progress
-from validation.execution.store import Store
 from validation.fields.balance import EnergySums, balance
 from validation.fields.files import ParaViewSeries
 from validation.fields.request import RecordedFields
@@ -25,34 +20,10 @@ if TYPE_CHECKING:
     from fem_solver import FieldState
 
 
-class StoredPictures:
-    """Pictures by name, drawn unless an interrupted command has left them.
-
-    Parameters
-    ----------
-    key : str
-        Fingerprint of the states they show.
-    store : Store
-    """
-
-    def __init__(self, key: str, store: Store) -> None:
-        self._key, self._store = key, store
-
-    def __call__(self, name: str, draw: Callable[[], bytes]) -> bytes:
-        key = fingerprint(self._key, name)
-        data = self._store.get(key)
-        if data is None:
-            data = draw()
-            self._store.put(key, data)
-        return bytes(data)
-
-
 def write_moments(
     recorded: RecordedFields,
     folder: Path,
     scene: Scene,
-    key: str,
-    store: Store,
     progress: Progress,
     on_moment: Callable[[FieldState], None] | None,
 ) -> list[str]:
@@ -63,10 +34,6 @@ def write_moments(
     recorded : RecordedFields
     folder : Path
     scene : Scene
-    key : str
-        Fingerprint of the moments' fields.
-    store : Store
-        Says which moments' files an interrupted command has left; those written are added.
     progress : Progress
     on_moment : callable(FieldState) or None
         Called with each state to be drawn, if any is; states recorded only as every n-th are too many.
@@ -78,15 +45,13 @@ def write_moments(
     trace = recorded.recording.trace
     before, begin = asdict(trace.counters), time.process_time()
     drawn = set(recorded.moments) - recorded.sampled
-    keys = {row: fingerprint(key, row) for row in recorded.moments if row not in recorded.frames}
-    there = {row for row, one in keys.items() if store.get(one)}
-    series = ParaViewSeries(folder, scene, keep=bool(there)) if keys else None
-    lines = [_HEAD] if keys else []
+    written = set(recorded.moments) - recorded.frames
+    series = ParaViewSeries(folder, scene) if written else None
+    lines = [_HEAD] if written else []
     for count, state in enumerate(recorded.states(), 1):
-        if series is not None and state.row in keys:
+        if series is not None and state.row in written:
             sums = balance(state, trace)
-            if not series.add(state, sums, state.row in there):
-                store.put(keys[state.row], True)
+            series.add(state, sums)
             lines.append(_line(state, sums))
         if on_moment is not None and state.row in drawn:
             on_moment(state)

@@ -1,7 +1,6 @@
 """``crosscontact fields``: run, compute the fields in the body at the requested moments, write, sum up.
 
-An interrupted command leaves its run with the history, files for ParaView and pictures; the same one goes on
-with them.
+Of an interrupted command nothing is taken over: the same one begins anew.
 """
 
 from __future__ import annotations
@@ -12,18 +11,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import OutcomeKind, SceneError, write_scene
-from crosscontact.commands.field_files import StoredPictures, write_moments
+from crosscontact.commands.field_files import write_moments
 from crosscontact.commands.forecast import announce, cost_within, expected_cost, warn
+from crosscontact.commands.interruption import drop_former
 from crosscontact.commands.refusals import check_taken
 from validation import cases, solvers
-from validation.execution.checkpoints import CHECKPOINT, RecordedRunWriter
 from validation.execution.files import output_folder
-from validation.execution.fingerprints import fingerprint
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused
 from validation.execution.signals import GracefulStop, interrupting
-from validation.execution.store import FOLDER, Store
 from validation.fields.figures.figure_set import FigureSet
 from validation.fields.request import METHOD, FieldRequest, RecordedFields, check_times, record_fields
 from validation.report.document import counted
@@ -56,8 +53,7 @@ class FieldsCommand:
     max_steps : int or None
         Largest number of steps; ``None``: by the forecast.
     fresh : bool
-        Whether what an interrupted command left is ignored, and results of another scene or solver are
-        replaced.
+        Whether results of another scene or solver are replaced.
     """
 
     case: cases.Case
@@ -66,14 +62,6 @@ class FieldsCommand:
     resolution: int | None
     max_steps: int | None
     fresh: bool
-
-    @property
-    def key(self) -> str:
-        """Fingerprint of the moments' fields, which do not depend on what else is requested."""
-        request, figures = self.request, self.figures
-        rows = None if figures is None else (figures.moments, figures.animate, figures.frames, figures.alike)
-        asked = (request.times, request.pull_off, request.every, rows)
-        return fingerprint("fields", self.case.scene, self.resolution, self.max_steps, asked)
 
     def announce(self, cost: Cost | None) -> None:
         """Say what this will cost, where that is much."""
@@ -155,12 +143,8 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     scene = command.case.scene
     if not command.fresh:
         check_unused(folder, scene, solver=METHOD.name)
-    store = Store(folder, command.fresh)
+    drop_former(folder)
     stop = GracefulStop()
-    writer = RecordedRunWriter(folder / CHECKPOINT, command.key, lambda: stop.requested, command.fresh)
-    stop.possible = lambda: writer.stepping
-    if writer.message:
-        print(f"crosscontact: {writer.message}", file=sys.stderr)
     warn(solvers.scene_warnings(scene))
     cost = cost_within(command.max_steps, expected_cost(scene, METHOD, command.resolution))
     command.announce(cost)
@@ -172,13 +156,13 @@ def _into(folder: Path, command: FieldsCommand) -> int:
             steps = StepProgress(progress, 1.0 if cost is None else cost.steps, "computing and writing")
             with stop.handling_signals():
                 recorded = record_fields(
-                    scene, command.request, command.resolution, steps, command.max_steps, writer
+                    scene, command.request, command.resolution, steps, command.max_steps, stop.monitor
                 )
-            if writer.stopped:
+            if stop.requested:
                 raise KeyboardInterrupt
             write_scene(scene, folder / "scene.toml")
             to_draw = None if figures is None else states.append
-            lines = write_moments(recorded, folder, scene, command.key, store, progress, to_draw)
+            lines = write_moments(recorded, folder, scene, progress, to_draw)
             if figures is not None and states:
                 progress.phase("drawing")
                 lines += figures.draw(
@@ -188,16 +172,10 @@ def _into(folder: Path, command: FieldsCommand) -> int:
                     scene,
                     progress,
                     recorded.recording.rows.values(),
-                    StoredPictures(command.key, store),
                 )
     except KeyboardInterrupt:
-        there = (folder / FOLDER).is_dir() or (folder / CHECKPOINT).exists()
-        done = f"{folder} holds what is done: the same command goes on with it"
-        none = "no step is kept: there is nothing to go on with"
-        print(f"crosscontact: {done if there else none}", file=sys.stderr)
+        print("crosscontact: the same command begins anew", file=sys.stderr)
         raise
-    store.clear()
-    writer.remove()
     for line in lines:
         print(line)
     return _exit_code(recorded)

@@ -34,3 +34,11 @@ def telling_what_is_kept(folder: Path | None, store: Store) -> Iterator[None]:
             words = "no run is done: there is nothing to keep"
         print(f"crosscontact: {words}", file=sys.stderr)
         raise
+
+
+def drop_former(folder: Path | None) -> None:
+    """Remove half a run that an earlier version has left in a folder, unread, and say so."""
+    former = None if folder is None else folder / "checkpoint"
+    if former is not None and former.is_file():
+        former.unlink()
+        print(f"crosscontact: starting anew: {former} is of an earlier version", file=sys.stderr)

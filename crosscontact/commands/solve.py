@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from contact_scene import OutcomeKind
 from crosscontact.commands.forecast import announce, cost_within, expected_cost, warn
+from crosscontact.commands.interruption import drop_former
 from crosscontact.commands.refusals import check_taken
 from crosscontact.key_numbers import SCALES_IN_WORDS, key_numbers, table
 from crosscontact.result import Result
 from crosscontact.tables import aligned
 from validation import cases, solvers
 from validation.drawing.export import png, svg_file
-from validation.execution.checkpoints import CHECKPOINT, CheckpointWriter, run_with_checkpoints
 from validation.execution.files import output_folder, write_whole
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused, write_run
 from validation.execution.runs import Run
+from validation.execution.runs import run as run_solver
+from validation.execution.signals import GracefulStop
 from validation.measure.windows import load_steps_begun
 
 DOTS_PER_INCH = 110
@@ -39,7 +39,8 @@ def run(
 ) -> int:
     """Run a solver, print the key numbers, write what is asked for.
 
-    With a folder to write to, an interrupted run is saved there and continued by the same command.
+    An interrupted run ends with its present step and is written as far as it came; the same command begins
+    anew.
 
     Parameters
     ----------
@@ -51,8 +52,7 @@ def run(
     out : str or None
         Folder of the run, if it is to be written.
     fresh : bool
-        Whether an interrupted run found there is ignored, and results of another scene or solver are
-        replaced.
+        Whether results of another scene or solver found there are replaced.
     estimate : bool
         Whether the errors are estimated.
     plot : bool
@@ -77,6 +77,7 @@ def run(
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_unused(folder, case.scene, solver=solver)
+    drop_former(folder)
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
     said = solvers.scene_warnings(case.scene)
     warn(said)
@@ -86,80 +87,53 @@ def run(
         progress.phase("set-up")
         after = "estimating the errors" if estimate else "measuring"
         steps = StepProgress(progress, 1.0 if cost is None else cost.steps, after)
-        with _telling_what_is_kept(folder):
-            result, writer = run_with_checkpoints(
-                case, solver, resolution, steps, folder, fresh=fresh, estimate=estimate, max_steps=max_steps
-            )
+        stop = GracefulStop()
+        try:
+            with stop.handling_signals():
+                result = run_solver(
+                    case, solver, resolution, steps, estimate, monitor=stop.monitor, max_steps=max_steps
+                )
+        except KeyboardInterrupt:
+            print("crosscontact: nothing is kept of the run", file=sys.stderr)
+            raise
     if result.refused:
         print(f"crosscontact: error: {result.failure}", file=sys.stderr)
         return 2
     try:
         if folder is not None:
-            _write(folder, case, result, writer)
+            write_run(folder, case.scene, result)
     finally:  # numbers that a full disk does not take are printed all the same
-        _print(case, result, _without_errors(writer, estimate))
+        _print(case, result, _without_errors(stop, estimate))
     known = solvers.trace_warnings(case.scene, result.trace) if said and result.trace is not None else ()
     warn([one for one in result.warnings if one not in known])
     if drawn is not None and result.trace is not None:
         _draw(Result(case.scene, result), drawn)
     if folder is not None:
         print(f"written to {folder}")
-    return _ending(result, writer, estimate)
+    return _ending(result, stop, estimate)
 
 
-@contextmanager
-def _telling_what_is_kept(folder: Path | None) -> Iterator[None]:
-    """Let an interruption pass and say what the same command finds."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        _say_what_is_kept(None if folder is None else folder / CHECKPOINT)
-        raise
-
-
-def _write(folder: Path, case: cases.Case, result: Run, writer: CheckpointWriter) -> None:
-    """The run's files; a finished run needs its checkpoint no longer."""
-    write_run(folder, case.scene, result)
-    if result.finished:
-        writer.remove()  # before anything is printed, to a reader that may have gone
-
-
-def _say_what_is_kept(checkpoint: Path | None, steps: int = 0) -> None:
-    """After an interruption: what the same command finds, if anything.
-
-    ``steps`` are those of the run, which a command without a folder does not keep.
-    """
-    if checkpoint is not None and checkpoint.exists():
-        print(f"crosscontact: saved in {checkpoint}: the same command continues it", file=sys.stderr)
-    elif steps > 0:
-        print("crosscontact: without --out DIR nothing is kept", file=sys.stderr)
-    else:
-        print("crosscontact: no step is done: there is nothing to keep", file=sys.stderr)
-
-
-def _ending(result: Run, writer: CheckpointWriter, estimate: bool) -> int:
-    """Say what is unfinished, keep the checkpoint that helps to finish it; the exit code."""
-    if writer.stopped and not result.finished:
-        _say_what_is_kept(writer.path, 0 if result.trace is None else len(result.trace))
+def _ending(result: Run, stop: GracefulStop, estimate: bool) -> int:
+    """Say what is unfinished; the exit code."""
+    if stop.requested and not result.finished:
+        print("crosscontact: the run ends here; the same command begins it anew", file=sys.stderr)
         raise KeyboardInterrupt
-    out_of_steps = result.trace is not None and result.trace.outcome.kind is OutcomeKind.STEP_BUDGET
-    if result.trace is not None and not out_of_steps:  # a breakdown may come of the machine: go on later
-        writer.remove()
     if not result.finished:
+        out_of_steps = result.trace is not None and result.trace.outcome.kind is OutcomeKind.STEP_BUDGET
         hint = "; --max-steps N allows more" if out_of_steps else ""
         print(f"crosscontact: not finished: {result.ending}{hint}", file=sys.stderr)
         return 1
-    if writer.stopped and estimate and not result.errors:
+    if stop.requested and estimate and not result.errors:
         print("crosscontact: the run is whole, its errors are not estimated", file=sys.stderr)
         raise KeyboardInterrupt
     return 0
 
 
-def _without_errors(writer: CheckpointWriter, estimate: bool) -> str:
+def _without_errors(stop: GracefulStop, estimate: bool) -> str:
     """Why a run that is whole has no error estimate."""
     if not estimate:
         return "add --estimate"
-    return "it was interrupted" if writer.stopped else "the coarser run ends otherwise"
+    return "it was interrupted" if stop.requested else "the coarser run ends otherwise"
 
 
 def _print(case: cases.Case, result: Run, without_errors: str) -> None:

@@ -81,7 +81,7 @@ def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, 
             progress.phase("drawing and writing")
             data = write_results(plan, runs, folder)
             draw(data, folder)
-        unfinished = sum(not runs.record(key)["finished"] for key in runs.keys)
+        unfinished = sum(not runs.record(key).finished for key in runs.keys)
     print(f"{plan.title or Path(name).stem}: {plan.count} runs of {plan.base.name} by {plan.solver}")
     for line in aligned(summary_rows(data)):
         print(line)

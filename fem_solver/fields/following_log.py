@@ -23,15 +23,6 @@ class FollowingLog:
         """Number of rows."""
         return len(self.states)
 
-    @property
-    def content(self) -> list[FollowingState]:
-        """What it holds, serialisable."""
-        return self.states
-
-    def restore(self, content: list[FollowingState]) -> None:
-        """Take up what a log of the same run held."""
-        self.states = content
-
     def accept(self, dt: float, forces: NDArray[np.float64]) -> None:
         """One more row, which the history has accepted."""
         self.states.append(replace(self.history.state, record=None, before=()))

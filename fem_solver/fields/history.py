@@ -47,7 +47,7 @@ class VolumeState:
 
 @dataclass
 class VolumeContent:
-    """What a :class:`VolumeLog` holds, serialisable.
+    """What a :class:`VolumeLog` holds.
 
     Parameters
     ----------
@@ -87,15 +87,6 @@ class SurfaceLog:
     def rows(self) -> int:
         """Number of rows."""
         return len(self.steps)
-
-    @property
-    def content(self) -> list[tuple[float, Array]]:
-        """What it holds, serialisable."""
-        return self.steps
-
-    def restore(self, content: list[tuple[float, Array]]) -> None:
-        """Take up what a log of the same run held."""
-        self.steps = content
 
     def accept(self, dt: float, forces: Array) -> None:
         """One more row, which the history has accepted."""
@@ -143,10 +134,6 @@ class VolumeLog:
     def incompressible(self) -> bool:
         """Whether there is no volume strain."""
         return self.history.bulk_modulus is None
-
-    def restore(self, content: VolumeContent) -> None:
-        """Take up what a log of the same run held."""
-        self.content = content
 
     def accept(self, dt: float, forces: Array) -> None:
         """One more row, which the history has accepted."""

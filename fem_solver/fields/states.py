@@ -139,8 +139,6 @@ def field_states(recording: Recording, labels: Mapping[int, str]) -> Iterator[Fi
     log = recording.log
     if log is None:
         raise KeyError("nothing was recorded: the options of the run record nothing")
-    if log.rows != len(recording.trace):
-        raise ValueError("the history is not whole: the run was continued from a checkpoint")
     missing = sorted(row for row in labels if row not in log)
     if missing:
         raise KeyError(f"rows not recorded: {missing}")

@@ -67,12 +67,6 @@ class FollowingHistory:
         """Energy of the partly released node beyond that of its mean; forces and gaps do not tell it."""
         return interface_energy(self.state, self.placement, self.solid)
 
-    def snapshot(self) -> FollowingState:
-        """Serialisable state."""
-        return self.state
-
-    def restore(self, state: FollowingState) -> None:
-        """Continue from a state."""
+    def take_back(self, state: FollowingState) -> None:
+        """Return to the state before the last step."""
         self.state = state
-
-    take_back = restore

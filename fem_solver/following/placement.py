@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -175,7 +174,6 @@ class Surfaces:
         self.largest = float(meshes.largest)
         self.rim = scene.indenter.edge
         self.reach = min(SURFACE_MARGIN * self.largest, self.rim)
-        self.stage_done: Callable[[], None] = lambda: None
 
     @property
     def factorisations(self) -> int:
@@ -230,7 +228,6 @@ class Surfaces:
     def _level(self, level: int) -> UnscaledSurface:
         if level not in self._levels:
             self._levels[level] = self._factorised(level)
-            self.stage_done()
         return self._levels[level]
 
     def half_space(self, level: int) -> tuple[HalfSpace, int]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +18,6 @@ from fem_solver.following.placement import Surfaces
 from fem_solver.irreversible_edge import edge_law
 from fem_solver.moduli import Moduli, moduli
 from fem_solver.options import DEFAULT_TOLERANCE, Options
-from fem_solver.setup import SetUpInterrupted
 
 Array = NDArray[np.float64]
 
@@ -103,9 +101,7 @@ class FollowingSetup:
         return math.isfinite(self.shortest_time)
 
 
-def set_up_following(
-    scene: Scene, meshes: Any, options: Options, proceed: Callable[[], bool] | None = None
-) -> FollowingSetup:
+def set_up_following(scene: Scene, meshes: Any, options: Options) -> FollowingSetup:
     """Make the surfaces and the undeformed state.
 
     Parameters
@@ -114,8 +110,6 @@ def set_up_following(
     meshes : object
         As of :class:`~fem_solver.following.placement.Surfaces`.
     options : Options
-    proceed : callable() -> bool, optional
-        Asked after every mesh that is factorised whether to go on.
 
     Returns
     -------
@@ -125,8 +119,6 @@ def set_up_following(
     ------
     UnsupportedScene
         If the chosen form or path does not apply to the scene.
-    SetUpInterrupted
-        If it was not to go on.
     """
     material = moduli(scene.material)
     if options.path == "quadrature":
@@ -139,15 +131,8 @@ def set_up_following(
         raise SceneError("adhesion", "is missing: only an adhesive edge needs a mesh that follows it", "work")
     unit = material.instantaneous_ratio, material.unit_plane_modulus
     surfaces = Surfaces(scene, meshes, *unit, options.form, options.far_field)
-
-    def stage_done() -> None:
-        if proceed is not None and not proceed():
-            raise SetUpInterrupted
-
-    surfaces.stage_done = stage_done
     modulus = material.surface
     history = FollowingHistory(surfaces, Components(modulus))
-    surfaces.stage_done = lambda: None
     times = modulus.times
     return FollowingSetup(
         surfaces=surfaces,

@@ -9,8 +9,6 @@ import numpy as np
 import pytest
 from support.invariants.checks import differences_in_units
 from support.invariants.coarse_solvers import SOLVERS
-from support.resumable_runs import bem, fem, front
-from support.stopped_runs import assert_same, in_parts
 
 import bem_solver
 import crosscontact as cc
@@ -206,22 +204,6 @@ def test_paper_scheme_refuses_what_it_does_not_know(asked):
         bem_solver.solve(asked, bem_solver.Options(annuli="uniform"))
     assert "\n" not in str(refused.value)
     assert "graded" in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    "solve",
-    [
-        pytest.param(front, marks=pytest.mark.slow),
-        *(pytest.param(solve, marks=pytest.mark.exhaustive) for solve in (bem, fem)),
-    ],
-)
-def test_interrupted_run_goes_on_to_the_same_bits(solve):
-    steps = (Ramp(0.05, 0.5, until_force=0.001), Hold(9.0, until_force=0.00097), Ramp(-0.5, 0.5))
-    asked = scene(RELAXING, *steps, machine=Machine(STIFFNESS))
-    whole = solve(asked)
-    _, found = in_parts(lambda monitor: solve(asked, monitor), (3, 17, 1, 5, 2, 8))
-    assert whole.outcome.kind is OutcomeKind.DETACHED
-    assert_same(found, whole)
 
 
 @pytest.mark.slow

@@ -10,11 +10,12 @@ from dataclasses import replace
 from itertools import cycle
 
 import pytest
-from support.resumable_runs import APART, RICH, SHORT, bem, fem, front, uninterrupted
-from support.stopped_runs import assert_same_columns
+from support.short_runs import APART, RICH, SHORT, assert_same_columns, bem, fem, front, uninterrupted
 
 from bem_solver.step import TrialStep
+from contact_scene import OutcomeKind
 from fem_solver.stepping import NodeReleaseRun
+from validation import solvers
 from validation.reference.tracking.problem import FrontProblem
 
 
@@ -87,3 +88,20 @@ def test_a_step_tried_in_vain_in_the_volume(twice):
     again = fem(SHORT)
     assert again.counters.factorisations > once.counters.factorisations  # other steps, other moduli
     assert_same_columns(again, once)
+
+
+@pytest.mark.parametrize(("name", "solve"), [("bem", bem), ("fem", fem), ("reference", front)])
+def test_a_stopped_run_is_the_beginning_of_the_whole(name, solve):
+    looks, shares = iter(range(30)), []
+    part = solvers.solver(name).solve(
+        RICH, 4, monitor=lambda: next(looks, None) is not None, progress=shares.append
+    )
+    assert part.outcome.kind is OutcomeKind.INTERRUPTED
+    assert part.outcome.time == part.time[-1]
+    assert 0.0 < shares[-1] < 1.0
+    looks = iter(range(30))
+    part, whole = solve(RICH, lambda: next(looks, None) is not None), uninterrupted(solve)
+    for column in ("time", "penetration", "force", "contact_radius", "stored_energy"):
+        mine, theirs = part.columns()[column], whole.columns()[column]
+        assert 1 < len(mine) < len(theirs)
+        assert mine.tobytes() == theirs[: len(mine)].tobytes(), column

@@ -9,12 +9,11 @@ import signal
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, named, small_scene, spring
 
 import crosscontact as cc
-from contact_scene import KeptState, LoadingCursor, OutcomeKind
+from contact_scene import OutcomeKind
 from crosscontact.cli import main
 from crosscontact.commands import forecast
 from validation import solvers
@@ -44,8 +43,7 @@ def stopped_at_row(row: int):
         for index in range(len(trace)):
             if index == row:
                 os.kill(os.getpid(), signal.SIGINT)
-            state = KeptState("bem", LoadingCursor(), trace.counters, index)
-            if monitor is not None and not monitor.continue_run(lambda state=state: state):
+            if monitor is not None and not monitor():
                 part = {name: column[:index] for name, column in trace.columns().items()}
                 outcome = cc.Outcome(
                     OutcomeKind.INTERRUPTED, "stopped from outside", float(trace.time[index])
@@ -63,7 +61,7 @@ def test_interrupted_without_a_folder_what_there_is_is_printed(capsys, scene_fil
     assert "small by bem: interrupted: stopped from outside" in out
     assert "approach_force" in out
     assert err.splitlines()[-2:] == [
-        "crosscontact: without --out DIR nothing is kept",
+        "crosscontact: the run ends here; the same command begins it anew",
         "crosscontact: interrupted",
     ]
 
@@ -132,7 +130,6 @@ def test_interrupted_in_the_error_estimate_the_run_stands(capsys, tmp_path, scen
     assert len(runs) == 2
     summary = json.loads((out / "summary.json").read_text())
     assert (summary["outcome"], summary["finished"], summary["error_estimates"]) == ("detached", True, {})
-    assert not (out / "checkpoint").exists()
     shown, said = capsys.readouterr()
     assert "no error estimate (it was interrupted)" in shown
     assert "the run is whole, its errors are not estimated" in said
@@ -154,24 +151,6 @@ def test_a_budget_that_ends_a_run_is_said(capsys, tmp_path, scene_file, monkeypa
     with pytest.raises(SystemExit) as refused:
         main([*given, "0"])
     assert refused.value.code == 2
-
-
-def test_a_run_out_of_steps_is_continued_with_more(tmp_path, scene_file):
-    def columns(folder):
-        return cc.load(folder).trace.columns()
-
-    given = ["solve", scene_file, "--solver", "bem", "--resolution", "4", "--out"]
-    whole, parts = str(tmp_path / "whole"), str(tmp_path / "parts")
-    assert main([*given, whole]) == 0
-    with pytest.MonkeyPatch.context() as often:
-        often.setattr("validation.execution.checkpoints.INTERVAL", 0.0)
-        often.setattr("validation.execution.checkpoints.INTERVAL_PER_WRITE", 0.0)
-        assert main([*given, parts, "--max-steps", "30"]) == 1
-    assert os.path.exists(f"{parts}/checkpoint")
-    assert main([*given, parts]) == 0
-    assert not os.path.exists(f"{parts}/checkpoint")
-    for name, column in columns(whole).items():
-        assert np.array_equal(column, columns(parts)[name]), name
 
 
 @pytest.mark.parametrize("content", ["scene", "trace", "damaged"])

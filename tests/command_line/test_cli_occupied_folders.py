@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import json
-import os
-import signal
 import tomllib
 
 import pytest
 from support.recorded import elastic_scene, hertz_curve
 from support.report_commands import WORK
-from support.spring_solver import SCENE, FunctionSolver, named, resumable, small_scene, spring
+from support.spring_solver import SCENE, FunctionSolver, named, small_scene, spring, stoppable
 
 import crosscontact as cc
 from contact_scene.scenefile import scene_from_dict
 from crosscontact.cli import main
 from validation import cases, solvers
 from validation.compare.premises import of_case
-from validation.execution import checkpoints
 from validation.execution.run_folder import write_run
 from validation.execution.runs import Run
 from validation.report import json_data
@@ -167,7 +164,7 @@ def test_premises_are_what_is_written(tmp_path):
 def solved(tmp_path, monkeypatch):
     """Solves the small scene by a stand-in of this name, into a folder."""
     for name in ("bem", "fem"):
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(resumable(spring()))))
+        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(stoppable(spring()))))
     file = small_scene(tmp_path)
     return lambda name, *more: main(["solve", file, "--solver", name, "--out", str(tmp_path / "out"), *more])
 
@@ -207,25 +204,6 @@ def test_a_solver_does_not_join_the_fields_of_another(capsys, tmp_path, solved):
     assert solved("bem") == 2
     assert "another solver, fem" in capsys.readouterr().err
     assert solved("fem") == 0
-
-
-def test_an_interrupted_run_goes_on_by_its_own_solver_alone(capsys, tmp_path, solved):
-    looks, look = iter(range(4)), checkpoints.CheckpointWriter.continue_run
-
-    def stop_later(writer, state):
-        if next(looks, None) is None:
-            os.kill(os.getpid(), signal.SIGINT)
-        return look(writer, state)
-
-    with pytest.MonkeyPatch.context() as stopping:
-        stopping.setattr(checkpoints.CheckpointWriter, "continue_run", stop_later)
-        assert solved("bem") == 1
-    kept = (tmp_path / "out/checkpoint").read_bytes()
-    assert solved("fem") == 2
-    assert (tmp_path / "out/checkpoint").read_bytes() == kept
-    capsys.readouterr()
-    assert solved("bem") == 0
-    assert "continuing the run" in capsys.readouterr().err
 
 
 def test_runs_of_a_report_are_told_by_their_scene(tmp_path, command, capsys):

@@ -26,7 +26,7 @@ from support.scene_pairs import (
     pairs_of,
     table,
 )
-from support.spring_solver import SCENE, StudiedSolver, named, resumable, spring
+from support.spring_solver import SCENE, StudiedSolver, named, spring, stoppable
 from support.table_rows import sampled
 
 import crosscontact as cc
@@ -38,7 +38,7 @@ from crosscontact import registry
 from crosscontact.cli import main
 from validation import solvers
 from validation.drawing import export
-from validation.execution import checkpoints, task_execution
+from validation.execution import signals, task_execution
 from validation.fields import files
 from validation.report import pictures
 from validation.studies import schemes
@@ -81,7 +81,7 @@ def by_modulus(scene, *given, **options):
 
 @pytest.fixture
 def _stand_ins(monkeypatch):
-    stand_in = StudiedSolver(resumable(by_modulus))
+    stand_in = StudiedSolver(stoppable(by_modulus))
     for name in registry.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, stand_in))
     for name, scheme in schemes.SCHEMES.items():
@@ -102,13 +102,13 @@ def quick_pictures(monkeypatch):
 def interrupted(row: Row, monkeypatch: pytest.MonkeyPatch) -> None:
     """The command stops in the middle of its work, once."""
     if row.command.startswith("solve"):
-        looks, look = iter(range(4)), checkpoints.CheckpointWriter.continue_run
+        looks, look = iter(range(4)), signals.GracefulStop.monitor
 
-        def stop_later(writer, state):
-            writer._stop = lambda: next(looks, None) is None
-            return look(writer, state)
+        def stop_later(stop):
+            stop.requested = next(looks, None) is None
+            return look(stop)
 
-        monkeypatch.setattr(checkpoints.CheckpointWriter, "continue_run", stop_later)
+        monkeypatch.setattr(signals.GracefulStop, "monitor", stop_later)
         return
     owner, name = {"fields": (files, "save"), "sweep": (batch, "run")}.get(
         row.command, (task_execution, "execute")

@@ -217,7 +217,8 @@ def test_tasks_tell_the_time_left_by_their_forecasts(clock, tmp_path):
 
     told = []
     made = [
-        Task(str(n), f"task {n}", work, (), expected_seconds=seconds) for n, seconds in enumerate((3, 1, 2))
+        Task(str(n), f"task {n}", work, (), str, expected_seconds=seconds)
+        for n, seconds in enumerate((3, 1, 2))
     ]
     run_tasks(made, progress=lambda done, text, left: told.append(text))
     assert [text.partition(", ")[2] for text in told] == ["about 3 s left", "about 3 s left", ""]

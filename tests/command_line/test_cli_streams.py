@@ -68,9 +68,7 @@ def test_progress_without_a_reader_ends_no_work(terminal, monkeypatch):
     assert stream.tried > 0
 
 
-def test_a_reader_that_leaves_early_leaves_no_checkpoint(scene_file, tmp_path, monkeypatch):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "checkpoint").write_text("written while the run went on")
+def test_a_reader_that_leaves_early_leaves_a_whole_run(scene_file, tmp_path, monkeypatch):
     with monkeypatch.context() as reading:
         reading.setattr(sys, "stdout", Gone(terminal=False))
         reading.setattr(os, "dup2", lambda *descriptors: None)  # main turns what is left to the void

@@ -99,7 +99,7 @@ def test_an_unfinished_run_round_trips(tmp_path):
         ("scene.toml", "x = 1", "scene.toml: x: unknown key"),
         ("summary.json", "{", "summary.json: damaged"),
         ("summary.json", "[]", "summary.json: damaged"),
-        ("summary.json", "{}", "summary.json: damaged"),
+        ("summary.json", "{}", "summary.json: solver: got None"),
         ("summary.json", "[" * 200_000, "summary.json: damaged"),
         ("trace.csv", "time\n1\n", "damaged"),
         ("trace.csv", "", "damaged"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -13,14 +12,16 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from support.interruptible_command import VERSION
+from support.damage import EXECUTED
+from support.interruptible_command import BEGUN, VERSION
 from support.spring_solver import SCENE, FunctionSolver, spring
 from support.unlaid_figures import without_layout
 
 from contact_scene import read_columns
 from crosscontact.cli import main
 from validation import solvers
-from validation.execution import checked_pickle, checkpoints, fingerprints, folder_lock
+from validation.execution import fingerprints, folder_lock, records
+from validation.execution.runs import Run
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"}
 TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
@@ -97,15 +98,16 @@ def assert_same_results(found: Path, wanted: Path) -> None:
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, uninterrupted, number):
     work = begin(*arguments(scene_file, "reference", tmp_path))
-    wait_for((tmp_path / checkpoints.CHECKPOINT).exists, "a checkpoint")
+    assert work.stdout is not None
+    assert work.stdout.readline().strip() == BEGUN
     work.send_signal(number)
     out, err = work.communicate(timeout=PATIENCE)
     assert work.returncode == 1, err
     assert "Traceback" not in err
     assert err.splitlines()[-1] == "crosscontact: interrupted"
-    assert "the same command continues it" in err
+    assert "the same command begins it anew" in err
     assert "interrupted: stopped from outside" in out
-    assert sorted(file.name for file in tmp_path.iterdir()) == [checkpoints.CHECKPOINT, *RESULTS]
+    assert sorted(file.name for file in tmp_path.iterdir()) == RESULTS
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert (summary["outcome"], summary["finished"]) == ("interrupted", False)
     whole = uninterrupted("reference")
@@ -113,67 +115,15 @@ def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, unint
     assert 0 < len(part) < len(force)
     assert part.tobytes() == force[: len(part)].tobytes()
     assert main(arguments(scene_file, "reference", tmp_path)) == 0
-    assert "continuing the run saved in" in capsys.readouterr().err
     assert_same_results(tmp_path, whole)
-    assert json.loads((tmp_path / "summary.json").read_text())["wall_seconds"] > summary["wall_seconds"]
 
 
-@pytest.mark.parametrize(
-    "solver",
-    [pytest.param(name, marks=pytest.mark.slow) for name in ("reference", "bem", "fem")],
-)
-def test_killed_at_any_moment(tmp_path, scene_file, uninterrupted, solver):
-    chance = random.Random(solver)
-    given = arguments(scene_file, solver, tmp_path)
-    kept = tmp_path / checkpoints.CHECKPOINT
-    seen = 0
-    for _ in range(2):
-        seen = kept.stat().st_mtime_ns if kept.exists() else 0
-        work = begin(*given)
-        wait_for(lambda seen=seen: kept.exists() and kept.stat().st_mtime_ns != seen, "a newer checkpoint")
-        time.sleep(chance.uniform(0.0, 0.3))
-        work.kill()
-        work.communicate()
-        assert work.returncode == -signal.SIGKILL
-        state, seconds = checked_pickle.read(
-            kept, json.loads(kept.read_bytes().partition(b"\n")[0])["fingerprint"]
-        )
-        assert state is not None
-        assert seconds > 0.0
-        assert not (tmp_path / "summary.json").exists()
-    assert main(given) == 0
-    assert not kept.exists()
-    assert not (tmp_path / folder_lock.LOCK_FILE).exists()
-    assert_same_results(tmp_path, uninterrupted(solver))
-
-
-@pytest.mark.parametrize(
-    ("content", "said"), [(b"no such thing", "damaged"), (None, "another scene, solver, option or version")]
-)
-def test_a_checkpoint_of_no_use_is_one_line(capsys, tmp_path, scene_file, uninterrupted, content, said):
-    kept = tmp_path / checkpoints.CHECKPOINT
-    if content is None:
-        checked_pickle.write(kept, "another question", None)
-    else:
-        kept.write_bytes(content)
+def test_a_run_of_an_earlier_version_is_begun_anew(capsys, tmp_path, scene_file, uninterrupted):
+    (tmp_path / "checkpoint").write_bytes(EXECUTED)
     assert main(arguments(scene_file, "reference", tmp_path)) == 0
     (line,) = [line for line in capsys.readouterr().err.splitlines() if "checkpoint" in line]
-    assert line.startswith("crosscontact: starting anew")
-    assert said in line
+    assert line == f"crosscontact: starting anew: {tmp_path / 'checkpoint'} is of an earlier version"
     assert_same_results(tmp_path, uninterrupted("reference"))
-
-
-def test_a_breakdown_keeps_the_checkpoint(tmp_path, scene_file, monkeypatch):
-    def fall(*given, monitor, **options):
-        assert monitor.start_state == "half-way"
-        raise MemoryError("no memory left")
-
-    monkeypatch.setitem(solvers.SOLVERS, "bem", FunctionSolver(fall))
-    kept = tmp_path / checkpoints.CHECKPOINT
-    monkeypatch.setattr(checkpoints, "fingerprint", lambda *parts: "q")
-    checked_pickle.write(kept, "q", ("half-way", 1.0), 2.0)
-    assert main(arguments(scene_file, "bem", tmp_path)) == 1
-    assert kept.exists()
 
 
 def test_bad_input_leaves_no_folder(tmp_path):
@@ -218,11 +168,9 @@ def test_a_report_does_what_is_missing_and_has_the_run_times_of_the_runs(
     solved.stops = "reference"
     assert main([*given, str(twice)]) == 1
     assert [file.name for file in twice.iterdir()] == [".unfinished"]
-    entries = list((twice / ".unfinished").iterdir())
-    measured = {
-        kept.solver: kept.wall_seconds
-        for kept, _ in (checked_pickle.read(file, file.name) for file in entries)
-    }
+    entries = list((twice / ".unfinished").glob("[!.]*"))
+    kept = [records.loads(file.read_text().splitlines()[2], Run) for file in entries]
+    measured = {run.solver: run.wall_seconds for run in kept}
     assert set(measured) == {"bem", "fem"}
     assert main([*given, str(twice)]) == 0
     assert sorted(solved.runs) == sorted(all_runs)

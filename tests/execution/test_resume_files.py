@@ -4,92 +4,243 @@ from __future__ import annotations
 
 import dataclasses
 import errno
+import hashlib
+import io
 import json
 import os
-import pickle
+import random
 import signal
-import time
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.damage import CRASHING, EXECUTED, changed, is_of, with_other_bytes
 from support.spring_solver import spring
 
-from contact_scene import SceneError, Sphere, read_columns
+import crosscontact as cc
+from benchmarks import saved_report as saved
+from contact_scene import Event, SceneError, Sphere, SurfaceProfile, read_columns
 from contact_scene.indenter import TabulatedProfile
 from validation import cases
-from validation.execution import checked_pickle, checkpoints, files, fingerprints, folder_lock
-from validation.execution.run_folder import write_run
+from validation.compare import regression
+from validation.execution import fingerprints, folder_lock, records
+from validation.execution.run_folder import read_run, write_run
+from validation.execution.run_table import Columns, RunRecord, RunTable, StoredRun
 from validation.execution.runs import Run
 from validation.execution.store import Store
+from validation.fits.fit_run import FitRun
+from validation.stability.case_runs import CaseAnswer
+from validation.studies.convergence import LevelRun
+from validation.studies.ladders import Level
+from validation.studies.schemes import Settings
+from validation.studies.study import FinestReference
+from validation.studies.zones import MeasuredRun
 
 CASE = cases.load("cycle-v0.1")
 
 
-@pytest.mark.parametrize(
-    "array",
-    [
-        np.arange(24.0).reshape(4, 6)[1:3, ::2],
-        np.arange(24.0)[::-3],
-        np.asfortranarray(np.arange(6.0).reshape(2, 3)),
-        np.broadcast_to(np.arange(3.0), (2, 3)),
-        np.empty((0, 4))[:, ::2],
-        np.array(2.5),
-    ],
+TRACE = dataclasses.replace(
+    spring()(CASE.scene),
+    extra={"stage": np.arange(80.0)[::2][:39]},
+    events=(Event("pull-off", 1.0, -0.0, 5e-324, 1e300),),
+    profiles=(SurfaceProfile(0.1, 0.2, 0.3, 0.4, *np.arange(8.0).reshape(4, 2)),),
 )
-def test_arrays_keep_their_layout(array):
-    back = checked_pickle.loads(checked_pickle.dumps({"of": array}))["of"]
-    assert np.array_equal(back, array)
-    assert back.dtype == array.dtype
-    if array.size > 1:
-        assert back.strides == array.strides
+MEASURES = {"loop_energy": 0.1 + 0.2, "pull_off_force": None, "wall_seconds": 0.0}
+RUN = Run(CASE.name, "bem", TRACE, measures=MEASURES, errors={"force": 1e-3}, warnings=("a",))
+LEVEL = LevelRun(Level(0.5, "8", Settings(8)), {"a": None}, {"b": np.float64(0.1)}, {"steps": 3})
+STORED = {
+    "run": (RUN, Run),
+    "failed run": (Run("s", "bem", failure="no memory", details="line\nline"), Run),
+    "measured run": (MeasuredRun(RUN, 10**9), MeasuredRun),
+    "level": (LEVEL, LevelRun),
+    "finest reference": ((TRACE, 30, "words"), FinestReference),
+    "answer of a case": (CaseAnswer(TRACE, seconds=0.5), CaseAnswer),
+    "run of a fit": (FitRun(*np.arange(12.0).reshape(4, 3), None, "why"), FitRun),
+}
+"""What is stored of every command, and its kind."""
 
 
-class Evil:
-    def __reduce__(self):
-        return os.system, ("true",)
+@pytest.mark.parametrize("name", STORED)
+def test_what_is_stored_comes_back_bit_for_bit(tmp_path, name):
+    value, kind = STORED[name]
+    Store(tmp_path).put("key", value)
+    back = Store(tmp_path).get("key", kind)
+    assert is_of(back, kind)
+    assert records.dumps(back) == records.dumps(value)
 
 
-class Sly:
-    """Reaches through one of our modules for something that is not ours."""
-
-    def __reduce__(self):
-        return files.json.JSONDecoder, ()
-
-
-@pytest.mark.parametrize("thing", [Evil(), Sly(), print, files.write_whole, Path("x"), OSError("x")])
-def test_nothing_foreign_is_read_back(thing):
-    with pytest.raises(checked_pickle.UnusableFile):
-        checked_pickle.loads(pickle.dumps(thing))
-
-
-def test_no_detour_through_our_modules():
-    detour = b"\x80\x04\x8c\x1avalidation.execution.files\x8c\x10json.JSONDecoder\x93."
-    assert pickle.loads(detour) is json.JSONDecoder
-    with pytest.raises(checked_pickle.UnusableFile):
-        checked_pickle.loads(detour)
-
-
-@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "text", "no digest", "other", "list"])
-def test_a_file_that_is_of_no_use_is_told(tmp_path, damage):
-    file = tmp_path / "kept"
-    checked_pickle.write(file, "what?", [1.0, np.arange(5.0)], 2.5)
-    value, seconds = checked_pickle.read(file, "what?")
-    assert (value[0], seconds) == (1.0, 2.5)
+def fuzzed(name: str, seeds: range, folder: Path) -> int:
+    """Damage a stored value again and again; how often it was given back as something of its kind."""
+    value, kind = STORED[name]
+    store = Store(folder)
+    store.put("key", value)
+    file = folder / ".unfinished/key"
     whole = file.read_bytes()
-    file.write_bytes(
-        {
-            "cut": whole[:-1],
-            "flipped": whole[:-9] + bytes([whole[-9] ^ 1]) + whole[-8:],
-            "empty": b"",
-            "text": b"hello\n",
-            "no digest": b'{"format": 1, "fingerprint": "what?"}\n',
-            "other": whole,
-            "list": b"[1]\n",
-        }[damage]
-    )
-    with pytest.raises(checked_pickle.UnusableFile):
-        checked_pickle.read(file, "who?" if damage == "other" else "what?")
+    header, answer = whole.decode().splitlines()[1:]
+    given = 0
+    for seed in seeds:
+        chance = random.Random(seed)
+        if seed % 4 == 0:
+            file.write_bytes(with_other_bytes(whole, chance))
+        else:  # with a digest that is right
+            body = f"{header}\n{changed(answer, chance)}"
+            file.write_text(f"{hashlib.sha256(body.encode()).hexdigest()}\n{body}")
+        found = store.get("key", kind)
+        assert found is None or is_of(found, kind), seed
+        given += found is not None
+    return given
+
+
+@pytest.mark.parametrize("name", STORED)
+def test_what_is_damaged_is_begun_anew(tmp_path, name):
+    assert fuzzed(name, range(100), tmp_path) < 70
+
+
+def fuzzed_run(seeds: range, folder: Path) -> int:
+    """The same of the folder of a run."""
+    write_run(folder, CASE.scene, RUN)
+    files = {name: (folder / name).read_bytes() for name in ("scene.toml", "summary.json", "trace.csv")}
+    said, given = [], 0
+    for seed in seeds:
+        chance = random.Random(seed)
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+        if seed % 2:
+            name = chance.choice(list(files))
+            (folder / name).write_bytes(with_other_bytes(files[name], chance))
+        else:
+            (folder / "summary.json").write_text(changed(files["summary.json"].decode(), chance))
+        try:
+            _, found = read_run(folder)
+        except SceneError as error:
+            said.append(str(error))
+            continue
+        assert is_of(found, Run), seed
+        given += 1
+    assert "\n" not in "".join(said)
+    return given
+
+
+def test_a_damaged_folder_of_a_run_is_refused(tmp_path):
+    assert fuzzed_run(range(200), tmp_path) < 150
+
+
+def fuzzed_table(seeds: range, folder: Path) -> int:
+    """The same of the runs of a sweep: their records, traces, and the bytes of the file."""
+    record = RunRecord("completed", "", True, {"a": 0.1, "b": 5e-324}, {"a": 0.2}, ("c",), 3)
+    with RunTable(folder) as table:
+        table.put([StoredRun(str(n), record, 0.5, {"time": np.arange(3.0)}) for n in range(30)])
+    file, said, given = folder / "runs.sqlite", [], 0
+    whole, cells = file.read_bytes(), (records.dumps(record), records.dumps({"time": np.arange(3.0)}))
+    for seed in seeds:
+        chance = random.Random(seed)
+        file.write_bytes(whole if seed % 2 else with_other_bytes(whole, chance))
+        for ending in ("-wal", "-shm"):
+            file.with_name(file.name + ending).unlink(missing_ok=True)
+        if seed % 2:
+            with closing(sqlite3.connect(file)) as connection, connection:
+                connection.execute("UPDATE runs SET record = ?", (changed(cells[0], chance),))
+                connection.execute("UPDATE traces SET columns = ?", (changed(cells[1], chance),))
+        try:
+            with RunTable(folder) as table:
+                for key in map(str, range(30)):
+                    found, columns = table.record(key), table.columns(key)
+                    assert found is None or is_of(found, RunRecord), seed
+                    assert columns is None or is_of(columns, Columns), seed
+                    assert table.holds(key, trace=True) == (
+                        found is not None and (found.rows == 0 or columns is not None)
+                    )
+                    given += found is not None
+        except SceneError as error:
+            said.append(str(error))
+    assert "\n" not in "".join(said)
+    return given
+
+
+def test_a_damaged_table_of_runs_is_refused_or_begun_anew(tmp_path):
+    assert 0 < fuzzed_table(range(60), tmp_path) < 1200
+
+
+@pytest.mark.slow
+def test_ten_thousand_damages(tmp_path):
+    for name in STORED:
+        (tmp_path / name).mkdir()
+        fuzzed(name, range(1000), tmp_path / name)
+    fuzzed_run(range(2000), tmp_path / "of a run")
+    (tmp_path / "of a sweep").mkdir()
+    fuzzed_table(range(1000), tmp_path / "of a sweep")
+
+
+def objects() -> bytes:
+    """A ``.npz`` with an array of objects, which NumPy unpickles if it may."""
+    stream = io.BytesIO()
+    np.savez(stream, time=np.array([Executing()], object))
+    return stream.getvalue()
+
+
+class Executing:
+    def __reduce__(self):
+        return os.system, ("touch executed",)
+
+
+@pytest.mark.parametrize("content", [EXECUTED, CRASHING, objects()], ids=["pickle", "crash", "npz"])
+def test_nothing_on_a_disk_is_executed(tmp_path, monkeypatch, content):
+    """In place of a stored answer, of the files of a run and a report, and of a trace of a sweep."""
+    monkeypatch.chdir(tmp_path)
+    out = tmp_path / "out"
+    out.mkdir()
+    Store(out).put("key", RUN)
+    for name in ("key", ".version"):
+        (out / ".unfinished" / name).write_bytes(content)
+        assert Store(out).get("key", Run) is None
+    for name in ("scene.toml", "summary.json", "trace.csv"):
+        write_run(out, CASE.scene, RUN)
+        (out / name).write_bytes(content)
+        with pytest.raises(SceneError):
+            cc.load(out)
+    (out / "report.json").write_bytes(content)
+    for source in (out, out / "report.json"):
+        with pytest.raises(SceneError):
+            saved.read(source)
+    with pytest.raises(SceneError):
+        regression.read(str(out / "report.json"))
+    with RunTable(out) as table:
+        table.put([StoredRun("key", RunRecord("completed", "", rows=1), 0.5, {"time": np.arange(1.0)})])
+        table._connection.execute("UPDATE runs SET record = ?", (content,))
+        table._connection.execute("UPDATE traces SET columns = ?", (content,))
+        assert (table.record("key"), table.columns("key")) == (None, None)
+    (out / "runs.sqlite").write_bytes(content)
+    with pytest.raises(SceneError):
+        RunTable(out)
+    assert not (tmp_path / "executed").exists()
+
+
+def test_a_value_of_a_wrong_type_is_told_by_its_key(tmp_path):
+    write_run(tmp_path, CASE.scene, RUN)
+    file = tmp_path / "summary.json"
+    summary = json.loads(file.read_text())
+    for key, value in {"pull_off_force": [], "warnings": "none", "counters": {"steps": 1.5}}.items():
+        file.write_text(json.dumps(summary | {key: value}))
+        with pytest.raises(SceneError, match=f"summary.json: {key}.*allowed: "):
+            cc.load(tmp_path)
+
+
+def test_what_another_version_has_stored_is_begun_anew(tmp_path, monkeypatch, capsys):
+    Store(tmp_path).put("key", 1.5)
+    with RunTable(tmp_path) as table:
+        table.put([StoredRun("key", RunRecord("completed", ""), 0.5)])
+    assert Store(tmp_path).get("key", float) == 1.5
+    RunTable(tmp_path).close()
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(fingerprints, "version", lambda: "0123456789")
+    assert Store(tmp_path).get("key", float) is None
+    RunTable(tmp_path).close()
+    assert capsys.readouterr().err.splitlines() == [
+        f"crosscontact: starting anew: {tmp_path / name} is of another version"
+        for name in (".unfinished", "runs.sqlite")
+    ]
 
 
 def test_questions_are_told_apart():
@@ -122,60 +273,22 @@ def test_another_version_of_the_program_asks_another_question(monkeypatch):
     assert fingerprints.fingerprint(CASE.scene) != before
 
 
-def test_a_writer_goes_on_ignores_and_starts_afresh(tmp_path):
-    file = tmp_path / checkpoints.CHECKPOINT
-    stopping = checkpoints.CheckpointWriter(file, "q", lambda: True)
-    assert (stopping.start_state, stopping.message) == (None, "")
-    assert not stopping.continue_run(lambda: [1, 2])
-    assert stopping.stopped
-    going = checkpoints.CheckpointWriter(file, "q", lambda: False)
-    assert going.start_state == [1, 2]
-    assert "continuing" in going.message
-    assert going.continue_run(lambda: pytest.fail("kept too soon"))
-    assert checkpoints.CheckpointWriter(file, "q", lambda: False, fresh=True).start_state is None
-    other = checkpoints.CheckpointWriter(file, "p", lambda: False)
-    assert other.start_state is None
-    assert "another scene" in other.message
-    going.remove()
-    assert not file.exists()
-
-
-def test_a_writer_keeps_now_and_then(tmp_path, monkeypatch):
-    monkeypatch.setattr(checkpoints, "INTERVAL", 0.0)
-    monkeypatch.setattr(checkpoints, "INTERVAL_PER_WRITE", 0.0)
-    file = tmp_path / checkpoints.CHECKPOINT
-    writer = checkpoints.CheckpointWriter(file, "q", lambda: False)
-    for state in range(3):
-        assert writer.continue_run(lambda state=state: state)
-        assert checked_pickle.read(file, "q")[0][0] == state
-
-
-def test_a_full_disk_stops_no_run(tmp_path, monkeypatch, capsys):
-    def full(*arguments):
-        raise OSError("no space left")
-
-    monkeypatch.setattr(checked_pickle, "write_whole", full)
-    writer = checkpoints.CheckpointWriter(tmp_path / "kept", "q", lambda: True)
-    assert not writer.continue_run(lambda: 1)
-    assert not writer.continue_run(lambda: 2)
-    assert capsys.readouterr().err.count("cannot be saved: no space left") == 1
-
-
 def test_a_store_takes_over_what_is_whole(tmp_path):
     store = Store(tmp_path)
-    assert store.get("a") is None
+    numbers = dict[str, float]
+    assert store.get("a", numbers) is None
     store.put("a", {"x": 0.1})
     store.put("b", {"x": 0.2})
     broken = next((tmp_path / ".unfinished").glob("b"))
     broken.write_bytes(broken.read_bytes()[:-2])
     again = Store(tmp_path)
-    assert (again.get("a"), again.get("b"), again.taken_over) == ({"x": 0.1}, None, 1)
+    assert (again.get("a", numbers), again.get("b", numbers), again.taken_over) == ({"x": 0.1}, None, 1)
     assert again.seconds > 0.0
     again.clear()
     assert list(tmp_path.iterdir()) == []
     nowhere = Store()
     nowhere.put("a", 1)
-    assert nowhere.get("a") is None
+    assert nowhere.get("a", int) is None
 
 
 def test_a_folder_is_held_once(tmp_path):
@@ -282,14 +395,3 @@ def test_results_are_whole_whenever_the_program_is_killed(tmp_path, survived):
     write_run(tmp_path, CASE.scene, after)  # and whatever was left lying about goes
     assert sorted(file.name for file in tmp_path.iterdir()) == ["scene.toml", "summary.json", "trace.csv"]
     assert json.loads((tmp_path / "summary.json").read_text())["pull_off_force"] == 0.01
-
-
-def test_a_writer_knows_the_time_behind_it(tmp_path):
-    file = tmp_path / "kept"
-    writer = checkpoints.CheckpointWriter(file, "q", lambda: True)
-    time.sleep(0.02)
-    writer.continue_run(lambda: None)
-    again = checkpoints.CheckpointWriter(file, "q", lambda: True)
-    assert again.seconds >= 0.02
-    again.continue_run(lambda: None)
-    assert checkpoints.CheckpointWriter(file, "q", lambda: True).seconds > again.seconds

@@ -28,7 +28,7 @@ class Answer:
 
 
 def task(value: float, **more) -> Task:
-    return Task(f"{value:g}", f"square of {value:g}", square, (value,), **more)
+    return Task(f"{value:g}", f"square of {value:g}", square, (value,), float, **more)
 
 
 @pytest.mark.parametrize("threads", [None, 2])
@@ -53,11 +53,11 @@ def test_answers_are_stored_and_taken_over_breakdowns_are_not(tmp_path, threads)
 
 
 def test_an_answer_that_reports_a_breakdown_is_tried_again(tmp_path):
-    reports = [Task(key, key, Answer, (why,)) for key, why in (("a", ""), ("b", "no memory left"))]
+    reports = [Task(key, key, Answer, (why,), Answer) for key, why in (("a", ""), ("b", "no memory left"))]
     lines = []
     run_tasks(reports, None, Store(tmp_path), lambda share, text, _: lines.append(text))
     assert lines[1] == "2/2 b: no memory left"
-    assert [file.name for file in (tmp_path / ".unfinished").iterdir()] == ["a"]
+    assert [file.name for file in (tmp_path / ".unfinished").glob("[!.]*")] == ["a"]
 
 
 def test_several_calls_share_one_progress():
@@ -184,5 +184,5 @@ def test_an_executor_that_gives_up_ends_the_work_and_what_is_done_is_stored(tmp_
     given, store = [], Store(tmp_path)
     with pytest.raises(ConnectionError, match=said):
         run_tasks([task(3.0, expected_seconds=9.0), task(2.0)], Executor(), store)
-    assert store.get("3") == 9.0
+    assert store.get("3", float) == 9.0
     assert len(given) == 2

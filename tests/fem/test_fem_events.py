@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.paper_scenes import ELASTIC, ONE, WORK, ZONE
+from support.paper_scenes import ELASTIC, WORK, ZONE
 from support.paper_scenes import scene as scene_of
 
 from contact_scene import (
@@ -25,7 +25,6 @@ from contact_scene import (
 )
 from fem_solver import Options, record, solve
 from fem_solver.release import ContactProblem
-from fem_solver.setup import SetUpInterrupted
 from fem_solver.setup_memory import NODES_PER_INTERVAL, UNKNOWNS_PER_VERTEX, setup_memory
 from meshes import fit, structured_half_space
 
@@ -166,35 +165,6 @@ def test_many_branches_cost_little_and_their_energies_are_those_of_their_variabl
     history, state = recording.setup.history, recording.setup.history.state
     forms = [branch @ history.operator.displacement(branch) for branch in state.branches]
     assert np.allclose(state.forms, forms, rtol=1e-9, atol=1e-12 * max(forms))
-
-
-class Monitor:
-    """Stops a set-up at its ``after``-th stage."""
-
-    start_state = None
-
-    def __init__(self, after):
-        self.stages, self._after = 0, after
-
-    def continue_set_up(self):
-        self.stages += 1
-        return self.stages < self._after
-
-    def continue_run(self, state):
-        raise AssertionError("the run has begun")
-
-
-@pytest.mark.parametrize("material", [ONE, Material(0.75, 0.3, (Branch(6.75, 1.0),), bulk="elastic")])
-def test_a_set_up_is_stopped_between_its_stages(material):
-    scene = scene_of(Ramp(0.03, 0.1), material=material)
-    for after in (1, 2):
-        monitor = Monitor(after)
-        trace = solve(scene, mesh(divisions=1), monitor=monitor)
-        assert monitor.stages == after
-        assert trace.outcome.kind is OutcomeKind.INTERRUPTED
-        assert len(trace) == 0
-        with pytest.raises(SetUpInterrupted):
-            record(scene, mesh(divisions=1), monitor=Monitor(after))
 
 
 def test_memory_is_forecast_from_the_size_of_the_mesh(monkeypatch):

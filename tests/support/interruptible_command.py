@@ -1,4 +1,4 @@
-"""The command line with runs that rest at every step and write many checkpoints: something to be stopped.
+"""The command line with runs that rest at every step and say when they begin: something to be stopped.
 
 The version is fixed, so that whoever edits a source meanwhile does not disturb. Run as
 ``python tests/support/interruptible_command.py REST ARGUMENTS...``.
@@ -10,19 +10,21 @@ import sys
 import time
 
 from crosscontact.cli import main
-from validation.execution import checkpoints, fingerprints
+from validation.execution import fingerprints, signals
 
 VERSION = "of the tests"
+BEGUN = "the run has begun"
 
 if __name__ == "__main__":
     rest = float(sys.argv[1])
-    continue_run = checkpoints.CheckpointWriter.continue_run
+    monitor, looks = signals.GracefulStop.monitor, iter(range(10))
 
-    def rest_at_every_step(self, state):
+    def rest_at_every_step(self):
+        if next(looks, None) == 9:
+            print(BEGUN, flush=True)
         time.sleep(rest)
-        return continue_run(self, state)
+        return monitor(self)
 
     fingerprints.version = lambda: VERSION
-    checkpoints.INTERVAL = checkpoints.INTERVAL_PER_WRITE = 0.01
-    checkpoints.CheckpointWriter.continue_run = rest_at_every_step
+    signals.GracefulStop.monitor = rest_at_every_step
     sys.exit(main(sys.argv[2:]))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from contact_scene import Counters, KeptState, LoadingCursor, Outcome, OutcomeKind, Scene, Trace
+from contact_scene import Counters, Outcome, OutcomeKind, Scene, Trace
 from validation.solvers import SOLVERS, RunOptions, Solver
 
 SCENE = """
@@ -113,15 +113,13 @@ def spring(
     return solve
 
 
-def resumable(whole: Callable[..., Trace]) -> Callable[..., Trace]:
+def stoppable(whole: Callable[..., Trace]) -> Callable[..., Trace]:
     """A function that gives the rows of another one by one, asking the monitor before each."""
 
     def solve(scene: Scene, resolution=None, *, monitor=None, **options) -> Trace:
         trace = whole(scene, resolution, **options)
-        kept = None if monitor is None else monitor.start_state
-        for row in range(0 if kept is None else kept.content, len(trace)):
-            state = KeptState("spring", LoadingCursor(), trace.counters, row)
-            if monitor is not None and not monitor.continue_run(lambda state=state: state):
+        for row in range(len(trace)):
+            if monitor is not None and not monitor():
                 part = {name: column[: max(row, 1)] for name, column in trace.columns().items()}
                 outcome = Outcome(OutcomeKind.INTERRUPTED, "stopped from outside", float(part["time"][-1]))
                 return dataclasses.replace(trace, **part, outcome=outcome)

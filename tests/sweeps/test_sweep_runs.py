@@ -19,7 +19,7 @@ from crosscontact.cli import main
 from validation import solvers
 from validation.execution.engines import Engine
 from validation.execution.polled_jobs import PolledJobs
-from validation.execution.run_table import RunTable, StoredRun
+from validation.execution.run_table import RunRecord, RunTable, StoredRun
 from validation.sweeps import run_plan
 from validation.sweeps.batch import OtherVersion, SweepOptions, run_batch
 from validation.sweeps.dataset import to_dataset
@@ -198,7 +198,7 @@ def test_a_worker_with_other_sources_is_refused(monkeypatch):
 
 
 def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):
-    numbers = {"rows": 2, "measures": {"a": 0.1 + 0.2, "b": 5e-324}}
+    numbers = RunRecord("completed", "", True, {"a": 0.1 + 0.2, "b": 5e-324}, rows=2)
     columns = {"time": np.array([0.0, 1.0 / 3.0])}
     with RunTable(tmp_path) as table:
         table.put([StoredRun("x", numbers, 1.5, columns), StoredRun("y", numbers, 0.5)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import shutil
 import tempfile
@@ -27,6 +28,7 @@ from contact_scene import (
     write_trace,
 )
 from contact_scene.files import read_text
+from validation.execution import records
 from validation.execution.files import from_json, move_whole, to_json, write_whole
 from validation.execution.runs import Run
 from validation.measure.observables import Observables
@@ -95,21 +97,22 @@ def _solvers_of(folder: Path) -> set[str]:
     return found
 
 
-_NO_MEASURES = (
-    "solver",
-    "scene",
-    "outcome",
-    "reason",
-    "finished",
-    "past_extremum",
-    "warnings",
-    "cpu_seconds",
-    "estimate_seconds",
-    "counters",
-    "error_estimates",
-    "events",
-)
-"""Keys of ``summary.json`` that are no measures."""
+_NO_MEASURES: dict[str, Any] = {
+    "solver": str,
+    "scene": str,
+    "outcome": OutcomeKind,
+    "reason": str,
+    "finished": bool,
+    "past_extremum": bool,
+    "warnings": tuple[str, ...],
+    "wall_seconds": float,
+    "cpu_seconds": float,
+    "estimate_seconds": float,
+    "counters": Counters,
+    "error_estimates": dict[str, float | None],
+    "events": tuple[Event, ...],
+}
+"""Keys of the ``summary.json`` of a run with a trace that are no measures, and what each holds."""
 
 
 def write_run(folder: Path, scene: Scene, result: Run) -> None:
@@ -166,25 +169,35 @@ def read_run(source: Path) -> tuple[Scene, Run]:
     file = str(source / "summary.json")
     try:
         summary = from_json(read_text(Path(file)))
-        if summary["outcome"] in ("failed", "refused"):
-            problem = f"{summary['solver']} gave no answer: {summary['reason']}"
-            raise SceneError("outcome", problem, "a run with a trace", file)
+        if not isinstance(summary, dict):
+            raise ValueError("no object of JSON")
+        if summary.get("outcome") in ("failed", "refused"):
+            problem = f"{summary.get('solver')} gave no answer: {summary.get('reason')}"
+            raise SceneError("outcome", problem, "a run with a trace")
         run = _run(summary, read_columns(source / "trace.csv"))
-    except SceneError:
-        raise
+    except SceneError as error:
+        raise error.in_file(file) from None
     except OSError as error:
         problem = f"cannot be read: {error.strerror or error}"
         raise SceneError("trace.csv", problem, "the trace of the run", str(source)) from None
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
+    except (ValueError, csv.Error) as error:
         raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
     return scene, run
 
 
 def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
     """The run that a folder holds; its outcome is dated by the last row of the trace."""
+    of = {name: records.checked(summary.get(name), kind, name) for name, kind in _NO_MEASURES.items()}
+    measures: dict[str, float | None] = {
+        name: records.checked(value, float | None, name)
+        for name, value in summary.items()
+        if name == "wall_seconds" or name not in _NO_MEASURES
+    }
+    if not all(np.isfinite(column).all() for column in columns.values()):
+        raise ValueError("a number is not finite")
     end = float(columns["time"][-1]) if columns["time"].size else 0.0
     trace = Trace(
-        summary["solver"],
+        of["solver"],
         columns["time"],
         columns["penetration"],
         columns["force"],
@@ -192,22 +205,21 @@ def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Ru
         columns["stored_energy"],
         columns["external_work"],
         columns["dissipated_energy"],
-        Outcome(OutcomeKind(summary["outcome"]), summary["reason"], end, summary["past_extremum"]),
-        Counters(**summary["counters"]),
+        outcome=Outcome(of["outcome"], of["reason"], end, of["past_extremum"]),
+        counters=of["counters"],
         extra={name: column for name, column in columns.items() if name not in COLUMNS},
-        events=tuple(Event(**event) for event in summary["events"]),
-        wall_seconds=summary["wall_seconds"],
+        events=of["events"],
+        wall_seconds=of["wall_seconds"],
     )
-    measures = {name: value for name, value in summary.items() if name not in _NO_MEASURES}
-    measures |= {f"counters.{name}": float(count) for name, count in summary["counters"].items()}
+    measures |= {f"counters.{name}": float(count) for name, count in vars(of["counters"]).items()}
     return Run(
-        summary["scene"],
-        summary["solver"],
+        of["scene"],
+        of["solver"],
         trace,
-        wall_seconds=summary["wall_seconds"],
-        cpu_seconds=summary["cpu_seconds"],
-        estimate_seconds=summary["estimate_seconds"],
+        wall_seconds=of["wall_seconds"],
+        cpu_seconds=of["cpu_seconds"],
+        estimate_seconds=of["estimate_seconds"],
         measures=measures,
-        errors=summary["error_estimates"] or {},
-        warnings=tuple(summary["warnings"]),
+        errors={name: error for name, error in of["error_estimates"].items() if error is not None},
+        warnings=of["warnings"],
     )

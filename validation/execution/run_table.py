@@ -1,24 +1,25 @@
 """Finished runs of a sweep by fingerprint, in one file: what ``kill -9`` leaves of it is whole.
 
 An SQLite file with a write-ahead log. A row is a run: what is known about it as JSON, which gives the numbers
-back bit for bit, its processor time, and, if it was asked for, its trace. One process holds the file at a
-time, as it holds the folder (see ``folder_lock``).
+back bit for bit, its processor time, and, if it was asked for, its trace. What cannot be read back counts as
+not stored. One process holds the file at a time, as it holds the folder (see ``folder_lock``).
 """
 
 from __future__ import annotations
 
-import json
 import sqlite3
+import sys
+import zlib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError
-from validation.execution import checked_pickle
+from validation.execution import fingerprints, records
 
 FILE = "runs.sqlite"
 _TABLES = """
@@ -26,13 +27,40 @@ PRAGMA locking_mode = EXCLUSIVE;
 PRAGMA journal_mode = WAL;
 PRAGMA synchronous = NORMAL;
 CREATE TABLE IF NOT EXISTS runs (fingerprint TEXT PRIMARY KEY, record TEXT, seconds REAL);
-CREATE TABLE IF NOT EXISTS traces (fingerprint TEXT PRIMARY KEY, columns BLOB);
+CREATE TABLE IF NOT EXISTS traces (fingerprint TEXT PRIMARY KEY, columns TEXT);
 """
 _COLUMNS = (
     "SELECT fingerprint, record, seconds FROM runs LIMIT 0", "SELECT fingerprint, columns FROM traces LIMIT 0"
 )  # fmt: skip
 """What the tables of another program do not answer."""
 Columns = dict[str, NDArray[np.float64]]
+
+
+_Kind = TypeVar("_Kind")
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """What a sweep keeps of a run.
+
+    Parameters
+    ----------
+    outcome, reason : str
+    finished : bool
+    measures, errors : dict of str to float
+        What applies, and its relative error estimates.
+    warnings : tuple of str
+    rows : int
+        Of its trace.
+    """
+
+    outcome: str
+    reason: str
+    finished: bool = False
+    measures: dict[str, float] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    rows: int = 0
 
 
 @dataclass(frozen=True)
@@ -43,8 +71,7 @@ class StoredRun:
     ----------
     fingerprint : str
         Of what was computed (see ``fingerprints``).
-    record : dict
-        What is known about it; JSON can express it.
+    record : RunRecord
     seconds : float
         Processor time.
     columns : dict of str to (rows,) array, or None
@@ -52,7 +79,7 @@ class StoredRun:
     """
 
     fingerprint: str
-    record: dict[str, Any]
+    record: RunRecord
     seconds: float
     columns: Columns | None = None
 
@@ -80,50 +107,75 @@ class RunTable:
                 self._path.with_name(FILE + ending).unlink(missing_ok=True)
         try:
             self._connection = sqlite3.connect(self._path or ":memory:")
+            self._make_tables()
+        except sqlite3.DatabaseError as error:
+            raise self._unusable(error) from None
+
+    def _make_tables(self) -> None:
+        try:
             self._connection.executescript(_TABLES)
             for question in _COLUMNS:
                 self._connection.execute(question)
-        except sqlite3.DatabaseError as error:
-            problem = f"{self._path} cannot be used: {error}"
-            raise SceneError("--out", problem, "runs that this program has stored, or --fresh") from None
+            self._tell_of_other_version()
+        except sqlite3.DatabaseError:
+            self.close()
+            raise
+
+    def _tell_of_other_version(self) -> None:
+        """Say that nothing is taken over of what another version has stored."""
+        of_this = zlib.crc32(fingerprints.version().encode()) >> 1
+        (before,) = self._connection.execute("PRAGMA user_version").fetchone()
+        if before != of_this and self._connection.execute("SELECT 1 FROM runs LIMIT 1").fetchone():
+            print(f"crosscontact: starting anew: {self._path} is of another version", file=sys.stderr)
+        self._connection.execute(f"PRAGMA user_version = {of_this}")
 
     def put(self, runs: Iterable[StoredRun]) -> None:
         """Store runs, all of them or none."""
         with self._connection:
             for run in runs:
-                row = (run.fingerprint, json.dumps(run.record, allow_nan=False), run.seconds)
+                row = (run.fingerprint, records.dumps(run.record), run.seconds)
                 self._connection.execute("INSERT OR REPLACE INTO runs VALUES (?, ?, ?)", row)
                 if run.columns is not None:
-                    trace = (run.fingerprint, checked_pickle.dumps(run.columns))
+                    trace = (run.fingerprint, records.dumps(run.columns))
                     self._connection.execute("INSERT OR REPLACE INTO traces VALUES (?, ?)", trace)
 
-    def record(self, fingerprint: str) -> dict[str, Any] | None:
+    def record(self, fingerprint: str) -> RunRecord | None:
         """What is known about a run; ``None`` if it is not stored."""
-        row = self._row("SELECT record FROM runs WHERE fingerprint = ?", fingerprint)
-        return None if row is None else json.loads(row[0])
+        return self._value("SELECT record FROM runs WHERE fingerprint = ?", fingerprint, RunRecord)
 
     def columns(self, fingerprint: str) -> Columns | None:
         """The trace of a run; ``None`` if it is not kept."""
-        row = self._row("SELECT columns FROM traces WHERE fingerprint = ?", fingerprint)
-        return None if row is None else checked_pickle.loads(row[0])
+        return self._value("SELECT columns FROM traces WHERE fingerprint = ?", fingerprint, Columns)
 
     def holds(self, fingerprint: str, trace: bool = False) -> bool:
         """Whether a run is stored, with its trace if that is asked for and the run has one."""
-        record = self._row("SELECT record FROM runs WHERE fingerprint = ?", fingerprint)
+        record = self.record(fingerprint)
         if record is None:
             return False
-        if not trace or json.loads(record[0])["rows"] == 0:
-            return True
-        return self._row("SELECT 1 FROM traces WHERE fingerprint = ?", fingerprint) is not None
+        return not trace or record.rows == 0 or self.columns(fingerprint) is not None
 
     def seconds(self, fingerprint: str) -> float | None:
         """Processor time of a stored run."""
-        row = self._row("SELECT seconds FROM runs WHERE fingerprint = ?", fingerprint)
-        return None if row is None else float(row[0])
+        seconds = self._cell("SELECT seconds FROM runs WHERE fingerprint = ?", fingerprint)
+        return seconds if isinstance(seconds, float) else None
 
-    def _row(self, question: str, fingerprint: str) -> tuple[Any, ...] | None:
-        row: tuple[Any, ...] | None = self._connection.execute(question, (fingerprint,)).fetchone()
-        return row
+    def _value(self, question: str, fingerprint: str, kind: type[_Kind]) -> _Kind | None:
+        cell = self._cell(question, fingerprint)
+        try:
+            return records.loads(cell, kind) if isinstance(cell, str) else None
+        except SceneError:
+            return None
+
+    def _cell(self, question: str, fingerprint: str) -> Any:
+        try:
+            row = self._connection.execute(question, (fingerprint,)).fetchone()
+        except sqlite3.DatabaseError as error:
+            raise self._unusable(error) from None
+        return None if row is None else row[0]
+
+    def _unusable(self, error: sqlite3.DatabaseError) -> SceneError:
+        problem = f"{self._path} cannot be used: {error}"
+        return SceneError("--out", problem, "runs that this program has stored, or --fresh")
 
     def close(self) -> None:
         """Close the file."""

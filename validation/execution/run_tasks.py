@@ -47,7 +47,7 @@ def run_tasks(
     results: dict[int, TaskResult] = {}
     told = TaskProgress([task.expected_seconds for task in tasks], progress, done_before, total)
     for index, task in enumerate(tasks):
-        value = store.get(task.key)
+        value = None if task.answer is None else store.get(task.key, task.answer)
         if value is not None:
             results[index] = TaskResult(task, value, stored=True)
             told.take_over(index)
@@ -62,7 +62,7 @@ def run_tasks(
     for index, result in completed_tasks(missing, executor, on_shares=on_shares):
         results[index] = result
         breakdown = result.failure or getattr(result.value, "breakdown", "")
-        if not breakdown:
+        if not breakdown and result.task.answer is not None:
             store.put(result.task.key, result.value)
         if on_result is not None:
             on_result(result)

@@ -107,15 +107,13 @@ def run(
     *,
     monitor: RunMonitor | None = None,
     max_steps: int | None = None,
-    estimate_monitor: RunMonitor | None = None,
     estimate_progress: solvers.Progress | None = None,
 ) -> Run:
     """Run one solver; a refusal or a breakdown is part of the answer.
 
     Parameters
     ----------
-    case, solver, resolution, progress, estimate, monitor, max_steps, estimate_monitor,
-    estimate_progress
+    case, solver, resolution, progress, estimate, monitor, max_steps, estimate_progress
         As of :func:`run_or_raise`.
 
     Returns
@@ -132,7 +130,6 @@ def run(
             estimate,
             monitor=monitor,
             max_steps=max_steps,
-            estimate_monitor=estimate_monitor,
             estimate_progress=estimate_progress,
         )
     except SceneError as error:
@@ -158,7 +155,6 @@ def run_or_raise(
     monitor: RunMonitor | None = None,
     stop_times: Collection[float] = (),
     max_steps: int | None = None,
-    estimate_monitor: RunMonitor | None = None,
     estimate_progress: solvers.Progress | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
@@ -175,13 +171,11 @@ def run_or_raise(
     estimate : bool
         Whether to estimate errors (see ``error_estimate``): by a coarser run, half as long again.
     monitor : RunMonitor or None
-        May save the run's state, stop it, and have it continued.
+        Asked between two steps whether the run is to continue; an error estimate that it stops is left out.
     stop_times : collection of float
         Further times that are stepped onto.
     max_steps : int or None
         Largest number of steps, accepted and rejected together; ``None``: by the forecast.
-    estimate_monitor : RunMonitor or None
-        May stop the second run, from which errors are estimated; then there is no estimate.
     estimate_progress : callable or None
         Called with the share of the loading that is done in that second run.
 
@@ -221,7 +215,7 @@ def run_or_raise(
     if not estimate or not result.finished:
         return result
     spent = time.process_time()
-    errors = _errors(case, result, method, resolution, estimate_monitor, estimate_progress)
+    errors = _errors(case, result, method, resolution, monitor, estimate_progress)
     return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
 
 

@@ -1,4 +1,4 @@
-"""SIGINT (Ctrl-C) and SIGTERM: both interrupt, and a run with checkpoints ends with its present step."""
+"""SIGINT (Ctrl-C) and SIGTERM: both interrupt, and a single run ends with its present step."""
 
 from __future__ import annotations
 
@@ -56,18 +56,21 @@ def interrupts_blocked() -> Iterator[None]:
 class GracefulStop:
     """Signal handler that has a run end with its present step.
 
-    It does where ``possible()`` says that the run can be stopped between two steps; elsewhere, and at a
-    second signal, it interrupts at once.
+    Before the first step, and at a second signal, it interrupts at once.
     """
 
     def __init__(self) -> None:
-        self.requested = False
-        self.possible: Callable[[], bool] = lambda: False
+        self.requested = self._stepping = False
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
-        if self.requested or not self.possible():
+        if self.requested or not self._stepping:
             _interrupt(number, frame)
         self.requested = True
+
+    def monitor(self) -> bool:
+        """Whether the run is to continue, asked by it between two steps."""
+        self._stepping = True
+        return not self.requested
 
     @contextmanager
     def handling_signals(self) -> Iterator[None]:

@@ -64,6 +64,7 @@ def run_task(
         f"{case.name} {solver}",
         partial(run_telling_share, max_steps=max_steps),
         (case, solver, resolution, estimate),
+        Run,
         seconds * relative_time(estimate),
         tells_share=True,
     )

@@ -6,25 +6,43 @@ taken over bit for bit, run times included. When its results are written the sto
 
 from __future__ import annotations
 
+import hashlib
 import shutil
+import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from validation.execution import checked_pickle
+from contact_scene.errors import SceneError
+from contact_scene.files import read_text
+from validation.execution import fingerprints, records
+from validation.execution.files import write_whole
 
 FOLDER = ".unfinished"
+VERSION = ".version"
+"""File that says by which version of the program, and of its packages, the answers were given."""
+LARGEST = 1_000_000_000
+"""Bytes of a stored answer, at most."""
+
+
+@dataclass(frozen=True)
+class _Header:
+    """What stands beside an answer: its fingerprint, and the wall time (s) of the work up to it."""
+
+    fingerprint: str
+    seconds: float
 
 
 class Store:
-    """Answers by fingerprint (see ``fingerprints``).
+    """Answers by fingerprint (see ``fingerprints``), each a file: a digest, a header and the answer as JSON.
 
     Parameters
     ----------
     out : Path or None
         The command's folder; without one nothing is stored.
     fresh : bool
-        Whether to remove what is stored.
+        Whether to remove what is stored. What another version has stored is removed in any case.
 
     Attributes
     ----------
@@ -39,6 +57,9 @@ class Store:
         self._began = time.perf_counter()
         if fresh:
             self.clear()
+        elif self._folder is not None and self._folder.is_dir() and not _is_of_this_version(self._folder):
+            print(f"crosscontact: starting anew: {self._folder} is of another version", file=sys.stderr)
+            self.clear()
 
     @property
     def seconds(self) -> float:
@@ -48,27 +69,43 @@ class Store:
     @property
     def holds_answers(self) -> bool:
         """Whether an answer is stored, of this attempt or an earlier one."""
-        return self._folder is not None and self._folder.is_dir() and any(self._folder.iterdir())
+        return self._folder is not None and any(self._folder.glob("[!.]*"))
 
-    def get(self, fingerprint: str) -> Any:
-        """The stored answer, or ``None``."""
-        if self._folder is None:
+    def get(self, fingerprint: str, kind: Any) -> Any:
+        """The stored answer of a kind (see ``records``); ``None`` if there is none that can be used."""
+        if self._folder is None or not (self._folder / fingerprint).is_file():
             return None
         try:
-            answer, seconds = checked_pickle.read(self._folder / fingerprint, fingerprint)
-        except checked_pickle.UnusableFile:
+            digest, _, body = read_text(self._folder / fingerprint, LARGEST).partition("\n")
+            if hashlib.sha256(body.encode()).hexdigest() != digest:
+                return None
+            header, _, answer = body.partition("\n")
+            about: _Header = records.loads(header, _Header)
+            found = records.loads(answer, kind) if about.fingerprint == fingerprint else None
+        except SceneError:
             return None
-        self.taken_over += 1
-        self._seconds_before = max(self._seconds_before, seconds)
-        return answer
+        self.taken_over += found is not None
+        self._seconds_before = max(self._seconds_before, about.seconds)
+        return found
 
     def put(self, fingerprint: str, answer: Any) -> None:
         """Store an answer."""
-        if self._folder is not None:
-            self._folder.mkdir(exist_ok=True)
-            checked_pickle.write(self._folder / fingerprint, fingerprint, answer, self.seconds)
+        if self._folder is None:
+            return
+        if not self._folder.is_dir():
+            self._folder.mkdir()
+            write_whole(self._folder / VERSION, fingerprints.version())
+        body = f"{records.dumps(_Header(fingerprint, self.seconds))}\n{records.dumps(answer)}"
+        write_whole(self._folder / fingerprint, f"{hashlib.sha256(body.encode()).hexdigest()}\n{body}")
 
     def clear(self) -> None:
         """Remove all answers."""
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def _is_of_this_version(folder: Path) -> bool:
+    try:
+        return read_text(folder / VERSION) == fingerprints.version()
+    except SceneError:
+        return False

@@ -30,6 +30,8 @@ class Task:
     function, arguments : callable, tuple
         Picklable where an executor has processes. A value with an attribute ``breakdown`` that is not empty
         counts as a failure: it is not stored, so that the next attempt tries again.
+    answer : type or annotation
+        Kind of the answer, by which a stored one is read (see ``records``); ``None``: it is not stored.
     expected_seconds : float
         A guess; long tasks are submitted first.
     time_limit : float or None
@@ -43,6 +45,7 @@ class Task:
     label: str
     function: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
+    answer: Any = None
     expected_seconds: float = 1.0
     time_limit: float | None = None
     tells_share: bool = False

@@ -36,11 +36,9 @@ class ParaViewSeries:
     ----------
     folder : Path
     scene : Scene
-    keep : bool
-        Whether files of an interrupted command stay, to be taken over.
     """
 
-    def __init__(self, folder: Path, scene: Scene, keep: bool = False) -> None:
+    def __init__(self, folder: Path, scene: Scene) -> None:
         self._folder, self._scene = folder, scene
         self._moments: list[dict[str, Any]] = []
         self._times: list[float] = []
@@ -49,25 +47,11 @@ class ParaViewSeries:
             (folder / f"{name}.pvd").unlink(missing_ok=True)
             (folder / name).mkdir(exist_ok=True)
             for left_over in (folder / name).glob(f"{name}_[0-9]*.{kind}"):
-                if not keep:
-                    left_over.unlink()
+                left_over.unlink()
         (folder / FIELDS).unlink(missing_ok=True)
 
-    def add(self, state: FieldState, balance: EnergySums, there: bool = False) -> bool:
-        """Write one state.
-
-        Parameters
-        ----------
-        state : FieldState
-        balance : EnergySums
-            What its densities add up to.
-        there : bool
-            Whether its files may be there, to be taken over.
-
-        Returns
-        -------
-        bool
-            Whether they were taken over.
+    def add(self, state: FieldState, balance: EnergySums) -> None:
+        """Write one state, and what its densities add up to.
 
         Raises
         ------
@@ -78,18 +62,15 @@ class ParaViewSeries:
 
         index = len(self._times)
         paths = [self._folder / name / _file(name, index) for name in PARTS]
-        taken_over = there and all(path.is_file() for path in paths)
-        if not taken_over:
-            sets = grid(state), surface(state), indenter(state, self._scene)
-            for data, path in zip(sets, paths, strict=True):
-                save(data, path)
+        sets = grid(state), surface(state), indenter(state, self._scene)
+        for data, path in zip(sets, paths, strict=True):
+            save(data, path)
         self.bytes += sum(path.stat().st_size for path in paths)
         before = self._times[-1] if self._times else -math.inf
         # a jump of the load is two states at one time; a reader of the list would show only one of them
         self._times.append(state.time if state.time > before else math.nextafter(before, math.inf))
         about = ("row", "time", "label", "penetration", "force", "contact_radius")
         self._moments.append({name: getattr(state, name) for name in about} | asdict(balance))
-        return taken_over
 
     def close(self, numbers: dict[str, Any]) -> list[Path]:
         """Write the lists and the numbers; returns what a reader would open."""

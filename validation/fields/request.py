@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from contact_scene import Loading, OutcomeKind, RunMonitor, Scene, SceneError, Trace
-from validation.fields.second_run import SecondRunMonitor, picked_before
 from validation.measure.observables import largest_tension
 from validation.measure.round_off import ROUND_OFF
 from validation.solvers.finite_elements import FiniteElements
@@ -110,7 +109,7 @@ def record_fields(
     max_steps : int, optional
         Largest number of steps, accepted and rejected together; default: by the forecast.
     monitor : RunMonitor, optional
-        May keep the run with its history, stop it, and have it continued.
+        Asked between two steps whether the run is to continue.
 
     Returns
     -------
@@ -134,16 +133,12 @@ def record_fields(
         record_pull_off=True,
         max_steps=METHOD.step_budget(scene, resolution) if max_steps is None else max_steps,
     )
-    picked = picked_before(monitor)
-    if not picked:
-        recording = record(scene, mesh, options, progress, monitor)
-        if request.picked is not None and len(recording.trace):
-            picked = request.picked(recording.trace, scene)
-        stopped = recording.trace.outcome.kind is OutcomeKind.INTERRUPTED
-        if stopped or not (picked and isinstance(recording.log, VolumeLog)):
-            return _select(recording, request, picked)
-    second = None if monitor is None else SecondRunMonitor(monitor, picked)
-    recording = record(scene, mesh, replace(options, record_rows=tuple(picked)), progress, second)
+    recording, picked = record(scene, mesh, options, progress, monitor), {}
+    if request.picked is not None and len(recording.trace):
+        picked = request.picked(recording.trace, scene)
+    stopped = recording.trace.outcome.kind is OutcomeKind.INTERRUPTED
+    if picked and not stopped and isinstance(recording.log, VolumeLog):
+        recording = record(scene, mesh, replace(options, record_rows=tuple(picked)), progress, monitor)
     return _select(recording, request, picked)
 
 

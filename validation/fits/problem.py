@@ -171,7 +171,7 @@ class FitProblem:
             keys.append("" if asked is None else fingerprint("fit", asked[0], *asked_of))
             if asked is not None and keys[-1] not in self._kept:
                 arguments = (asked[0], *asked_of)
-                tasks[keys[-1]] = Task(keys[-1], f"curve {curve + 1}", run_of, arguments)
+                tasks[keys[-1]] = Task(keys[-1], f"curve {curve + 1}", run_of, arguments, FitRun)
         executor = self.executor if len(tasks) > 1 else None
         for result in run_tasks(tasks.values(), executor, self.store):
             run = result.value or replace(NO_CONTACT, failure=result.failure)

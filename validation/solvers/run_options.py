@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from contact_scene import RunMonitor, SceneError
-from contact_scene.errors import shown
+from contact_scene import RunMonitor
 from contact_scene.run_control.options import whole_number
 from contact_scene.value_checks import as_tuple, finite, function_or_none, positive, true_or_false
 
@@ -57,8 +56,7 @@ class RunOptions:
         if self.max_steps is not None:
             object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
         function_or_none(self.progress, "progress", "the share that is done")
-        if self.monitor is not None and not callable(getattr(self.monitor, "continue_run", None)):
-            raise SceneError("monitor", f"got {shown(self.monitor)}", "a RunMonitor or None")
+        function_or_none(self.monitor, "monitor", "nothing, and says whether the run is to continue")
         true_or_false(self.estimate_errors, "estimate_errors")
 
     @property

@@ -104,6 +104,7 @@ def _tasks(case: StabilityCase, solver: str, solve: SolveCase) -> list[Task]:
             f"{case.name}: {run.solver}",
             solve,
             (run,),
+            CaseAnswer,
             expected_seconds=case.seconds,
             time_limit=case.seconds,
         )

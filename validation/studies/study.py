@@ -33,6 +33,9 @@ from validation.studies.convergence import (
 from validation.studies.ladders import Ladder, Level, finest, ladders
 from validation.studies.schemes import Settings, scheme
 
+FinestReference = tuple[Trace | None, int, str]
+"""Of a scene, its resolution (0 without one), and what it is, or why there is none, in words."""
+
 
 @dataclass(frozen=True)
 class SceneStudy:
@@ -130,7 +133,9 @@ def _study_scene(
         return results
 
     key = fingerprint("finest reference", case.scene, max_steps)
-    (answer,) = run([Task(key, f"{case.name} reference", _finest_reference, (case, max_steps))])
+    (answer,) = run(
+        [Task(key, f"{case.name} reference", _finest_reference, (case, max_steps), FinestReference)]
+    )
     reference, resolution, words = answer.value or (None, 0, f"no reference; {answer.failure}")
     tasks = [
         [] if declined[ladder.scheme] else _level_tasks(case, ladder, reference, max_steps)
@@ -194,6 +199,7 @@ def _level_tasks(case: Case, ladder: Ladder, reference: Trace | None, max_steps:
             f"{case.name} {ladder.scheme} {ladder.kind} {level.label}",
             run_timed if ladder.timed else run_level,
             (case, ladder.scheme, level, _own_reference(reference, level), max_steps),
+            LevelRun,
         )
         for level in ladder.levels
     ]
@@ -211,7 +217,7 @@ def _own_reference(reference: Trace | None, level: Level) -> Trace | None:
     return reference if level.settings.zone_factor == 1.0 else None
 
 
-def _finest_reference(case: Case, max_steps: int | None) -> tuple[Trace | None, int, str]:
+def _finest_reference(case: Case, max_steps: int | None) -> FinestReference:
     """The finest front tracking that reaches its end, its resolution, and why the finer ones failed."""
     failures = []
     for resolution in finest(case.scene):

@@ -186,6 +186,7 @@ def _zone_run(
         key=fingerprint("memory", plain.key),
         function=_measured,
         arguments=(plain.function, *plain.arguments),
+        answer=MeasuredRun,
         time_limit=PATIENCE,
         tells_share=False,
     )

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from contact_scene import Scene
 from validation.cases import Case
 from validation.execution.fingerprints import fingerprint, version
-from validation.execution.run_table import StoredRun
+from validation.execution.run_table import RunRecord, StoredRun
 from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import origin_of
 
@@ -105,37 +104,24 @@ def run_batch(
     return done
 
 
-def record_of(result: Run) -> dict[str, Any]:
-    """What a sweep keeps of a run: how it ended, measures, relative error estimates, warnings."""
+def record_of(result: Run) -> RunRecord:
+    """What a sweep keeps of a run."""
     trace = result.trace
     if trace is None:
-        return failed_record(result.outcome, result.failure)
+        return RunRecord(result.outcome, result.failure)
     measures = {name: value for name, value in result.measures.items() if name not in NOT_REPEATABLE}
-    return {
-        "outcome": result.outcome,
-        "reason": trace.outcome.reason,
-        "finished": result.finished,
-        "measures": _finite(measures),
-        "errors": _finite(result.errors),
-        "warnings": list(result.warnings),
-        "rows": len(trace),
-    }
+    return RunRecord(
+        result.outcome,
+        trace.outcome.reason,
+        result.finished,
+        _finite(measures),
+        _finite(result.errors),
+        result.warnings,
+        len(trace),
+    )
 
 
-def failed_record(outcome: str, reason: str) -> dict[str, Any]:
-    """The same of a run without an answer."""
-    return {
-        "outcome": outcome,
-        "reason": reason,
-        "finished": False,
-        "measures": {},
-        "errors": {},
-        "warnings": [],
-        "rows": 0,
-    }
-
-
-def _finite(numbers: dict[str, Any]) -> dict[str, float]:
+def _finite(numbers: Mapping[str, float | None]) -> dict[str, float]:
     """Plain floats; what does not apply is left out."""
     return {
         name: float(value) for name, value in numbers.items() if value is not None and math.isfinite(value)

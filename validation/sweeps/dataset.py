@@ -100,11 +100,11 @@ def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, NDArray[Any]]:
     numbers: dict[str, NDArray[np.float64]] = {}
     words: dict[str, list[str]] = {"outcome": [], "reason": [], "warnings": []}
     for index, key in enumerate(runs.keys):
-        record: dict[str, Any] = runs.record(key)
-        words["outcome"].append(record["outcome"])
-        words["reason"].append(record["reason"])
-        words["warnings"].append("; ".join(record["warnings"]))
-        for ending, found in (("", record["measures"]), (ERROR, record["errors"])):
+        record = runs.record(key)
+        words["outcome"].append(record.outcome)
+        words["reason"].append(record.reason)
+        words["warnings"].append("; ".join(record.warnings))
+        for ending, found in (("", record.measures), (ERROR, record.errors)):
             for name, value in found.items():
                 if plan.measures and name not in plan.measures:
                     continue

@@ -17,11 +17,11 @@ from validation.execution.engines import Engine
 from validation.execution.fingerprints import version
 from validation.execution.memory import keep_freed
 from validation.execution.progress import duration
-from validation.execution.run_table import RunTable, StoredRun
+from validation.execution.run_table import RunRecord, RunTable, StoredRun
 from validation.execution.solver_tasks import expected_seconds
 from validation.execution.task_execution import completed_tasks
 from validation.execution.tasks import Task, TaskResult
-from validation.sweeps.batch import BatchedRun, OtherVersion, SweepOptions, failed_record, run_batch
+from validation.sweeps.batch import BatchedRun, OtherVersion, SweepOptions, run_batch
 from validation.sweeps.plan import Rows, SweepPlan
 
 TAIL = 2
@@ -50,7 +50,7 @@ class SweepRuns:
     table: RunTable
     failed: dict[str, StoredRun] = field(default_factory=dict)
 
-    def record(self, key: str) -> dict[str, object]:
+    def record(self, key: str) -> RunRecord:
         """What is known about a run."""
         known = self.failed[key].record if key in self.failed else self.table.record(key)
         if known is None:
@@ -178,7 +178,7 @@ def carry_out(
             if len(lost) > 1:  # one run may have ended the process of all: each for itself
                 again += lost
                 continue
-            found.failed[lost[0][0]] = StoredRun(lost[0][0], failed_record("failed", result.failure), 0.0)
+            found.failed[lost[0][0]] = StoredRun(lost[0][0], RunRecord("failed", result.failure), 0.0)
             tell(1)
         left, largest = again, 1
     return found

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
 
     from fem_solver.fields.states import FieldState
 
-Keep = Callable[[str, Callable[[], bytes]], bytes]
 FRAME, LAST = 120, 1500
 """Durations of a frame and of the last one, milliseconds."""
 DOTS = 90
@@ -43,7 +41,6 @@ def film(
     scene: Scene,
     quantity: Quantity,
     progress: Callable[[float], None] = lambda done: None,
-    kept: Keep = lambda name, draw: draw(),
 ) -> bytes:
     """Draw all states as an animation.
 
@@ -55,8 +52,6 @@ def film(
     scene : Scene
     quantity : Quantity
     progress : callable(float)
-    kept : callable(str, callable() -> bytes) -> bytes
-        Gives the picture of a name, drawn by a function unless an interrupted command has left it.
 
     Returns
     -------
@@ -71,9 +66,8 @@ def film(
     from PIL import Image as New
 
     pictures: list[Image] = []
-    for count, (state, draw) in enumerate(_drawings(states, trace, scene, quantity), 1):
-        data = kept(f"frame_{quantity.name}_{state.row:06d}", partial(_png, draw))
-        pictures.append(New.open(io.BytesIO(data)).convert("RGB"))
+    for count, figure in enumerate(frames(states, trace, scene, quantity), 1):
+        pictures.append(New.open(io.BytesIO(_png(figure))).convert("RGB"))
         progress(count / len(states))
     table = palette(quantity.kind.value)
     flat = [picture.quantize(palette=table, dither=New.Dither.NONE) for picture in pictures]
@@ -95,15 +89,8 @@ def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Q
     ------
     Figure
     """
-    return (draw() for _, draw in _drawings(states, trace, scene, quantity))
-
-
-def _drawings(
-    states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Quantity
-) -> list[tuple[FieldState, Callable[[], Figure]]]:
-    """Each state, and a function that draws its frame."""
     cut, view, colour_range = sections_alike(states, scene, quantity)
-    return [(section.state, partial(_frame, section, view, quantity, colour_range, trace)) for section in cut]
+    return (_frame(section, view, quantity, colour_range, trace) for section in cut)
 
 
 def _frame(
@@ -141,9 +128,9 @@ def _frame(
     return frame
 
 
-def _png(draw: Callable[[], Figure]) -> bytes:
+def _png(figure: Figure) -> bytes:
     stream = io.BytesIO()
-    draw().savefig(stream, format="png", dpi=DOTS, facecolor="white")
+    figure.savefig(stream, format="png", dpi=DOTS, facecolor="white")
     return stream.getvalue()
 
 

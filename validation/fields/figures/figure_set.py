@@ -16,7 +16,6 @@ from contact_scene import Scene, SceneError, Trace
 from validation.drawing.export import png
 from validation.execution.files import in_words, write_whole
 from validation.fields.figures import animation, moment_panels, moments, revolution
-from validation.fields.figures.animation import Keep
 from validation.fields.figures.quantities import QUANTITIES, Quantity
 from validation.fields.figures.rendering import NoRendering
 from validation.fields.figures.single_section import alike, single_section
@@ -103,7 +102,6 @@ class FigureSet:
         scene: Scene,
         progress: Progress,
         requested: Collection[int] = (),
-        kept: Keep = lambda name, draw: draw(),
     ) -> list[str]:
         """Draw, and report what was drawn, or why not.
 
@@ -117,8 +115,6 @@ class FigureSet:
         progress : callable(float)
         requested : collection of int
             Rows of the trace that get a section although the animation shows them.
-        kept : callable(str, callable() -> bytes) -> bytes
-            Gives the picture of a name, drawn by a function unless an interrupted command has left it.
 
         Returns
         -------
@@ -131,7 +127,7 @@ class FigureSet:
             If VTK cannot draw here, and more was requested than the sections drawn by default.
         """
         try:
-            written = self._write(folder, states, trace, scene, progress, requested, kept)
+            written = self._write(folder, states, trace, scene, progress, requested)
             lines = [f"drawn: {path} ({in_words(path.stat().st_size)})" for path in written]
             if (
                 self.show
@@ -153,7 +149,6 @@ class FigureSet:
         scene: Scene,
         progress: Progress,
         requested: Collection[int],
-        kept: Keep,
     ) -> list[Path]:
         """Draw everything but the window; states in contact only.
 
@@ -161,7 +156,7 @@ class FigureSet:
 
         Parameters
         ----------
-        folder, states, trace, scene, progress, requested, kept
+        folder, states, trace, scene, progress, requested
             As of :meth:`draw`.
 
         Returns
@@ -198,14 +193,14 @@ class FigureSet:
         for count, (name, draw) in enumerate(drawings, 1):
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(path, kept(name, partial(_png, draw)))
+            write_whole(path, png(draw()))
             written.append(path)
             progress(count / total)
         if frames:
             path = folder / f"cycle_{first.name}.gif"
             begun = len(drawings) / total
             rest = partial(_rest, progress, begun)
-            write_whole(path, animation.film(frames, trace, scene, first, rest, kept))
+            write_whole(path, animation.film(frames, trace, scene, first, rest))
             written.append(path)
         return written
 
@@ -220,7 +215,3 @@ def _rest(progress: Progress, begun: float, done: float) -> None:
 
 def _touching(states: Sequence[FieldState]) -> list[FieldState]:
     return [state for state in states if state.contact_radius > 0.0]
-
-
-def _png(draw: Callable[[], Figure]) -> bytes:
-    return png(draw())

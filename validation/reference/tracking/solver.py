@@ -26,13 +26,11 @@ from contact_scene import (
 )
 from contact_scene.machine import machine_columns
 from contact_scene.run_control.blas_threads import single_threaded
-from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.monitor import kept_state
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.problem import FrontProblem, front_problem, with_elastic_travel
-from validation.reference.tracking.recorder import EXTRA_COLUMNS, RADIUS_OF_ROW
+from validation.reference.tracking.recorder import EXTRA_COLUMNS
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step import RowTolerances
 from validation.reference.tracking.stepping import NAME, FrontStepper, beyond_floating_point
@@ -73,8 +71,7 @@ def solve(
     progress : callable(fraction), optional
         Called after each step with the share of the loading that is done.
     monitor : RunMonitor, optional
-        Keeps the state of the run between steps, stops it, or has it continued. Does not see the second run
-        for error estimates.
+        Asked between two steps whether the run is to continue; not in the second run for error estimates.
 
     Returns
     -------
@@ -125,7 +122,7 @@ class _Result:
     """What a run has computed.
 
     ``over_zones``: whether its last steps in contact may pass over zones. ``start``: the surface it has
-    started from, unless it was continued.
+    started from.
     """
 
     columns: dict[str, Array]
@@ -155,7 +152,7 @@ def _run(
             return _Result(_no_rows(), beyond_floating_point(error, 0.0))
         if isinstance(stepper, Outcome):
             return _Result(_no_rows(), stepper)
-        begun = stepper.state.surface if stepper.cursor.at_start else None
+        begun = stepper.state.surface
         outcome = stepper.run()
     interrupted = outcome.kind is OutcomeKind.INTERRUPTED
     with np.errstate(all="ignore"):
@@ -179,12 +176,7 @@ def _stepper(
     monitor: RunMonitor | None,
     start: Surface | None,
 ) -> FrontStepper | Outcome:
-    """A run at its start, or where it was kept; its outcome if there is no state to start from."""
-    kept = kept_state(monitor, NAME)
-    if kept is not None:
-        state = kept.content
-        problem = with_elastic_travel(problem, state.recorded.rows[0][RADIUS_OF_ROW])
-        return FrontStepper(problem, options, row_tolerances, state, kept.cursor, progress, monitor)
+    """A run at its start; its outcome if there is no state to start from."""
     scene = problem.scene
     surface = start or start_surface(scene, problem.body, problem.condition)
     if surface is None:
@@ -199,7 +191,7 @@ def _stepper(
         travel=problem.longest_travel(surface.radius),
         displaced_to=surface.radius,
     )
-    return FrontStepper(problem, options, row_tolerances, state, LoadingCursor(), progress, monitor)
+    return FrontStepper(problem, options, row_tolerances, state, progress=progress, monitor=monitor)
 
 
 def _no_rows() -> dict[str, Array]:

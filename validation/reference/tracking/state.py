@@ -12,7 +12,7 @@ from validation.reference.tracking.surface import Surface
 
 @dataclass
 class FrontState:
-    """Serialisable state of a run; all else follows from scene and options. Only committed steps change it.
+    """State of a run; all else follows from scene and options. Only committed steps change it.
 
     Attributes
     ----------

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from contact_scene import Event, Outcome, OutcomeKind, RunMonitor, Segment, Trigger
 from contact_scene.run_control.early_outcomes import below_zone_outcome, budget_outcome
 from contact_scene.run_control.loading_cursor import LoadingCursor, stops_within
-from contact_scene.run_control.monitor import KeptState, interruption
+from contact_scene.run_control.monitor import interruption
 from contact_scene.trigger import passed
 from validation.reference.tracking.instantaneous import force_without_contact
 from validation.reference.tracking.load_jump import load_jump
@@ -73,7 +73,7 @@ class FrontStepper:
         return self.committer.recorder
 
     def run(self) -> Outcome:
-        """Carry out all load steps, from the present position in the loading."""
+        """Carry out all load steps."""
         try:
             return self._load_steps()
         except ArithmeticError as error:
@@ -81,9 +81,8 @@ class FrontStepper:
 
     def _load_steps(self) -> Outcome:
         state, cursor, loading = self.state, self.cursor, self.problem.scene.loading
-        if cursor.at_start:
-            self.committer.add_row()
-            self.committer.add_profile(0.0)
+        self.committer.add_row()
+        self.committer.add_profile(0.0)
         while not cursor.done(loading):
             self._load_step(cursor.segment(loading, state.time, state.surface.penetration, state.force))
             if self.outcome is not None:
@@ -92,7 +91,7 @@ class FrontStepper:
         return Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", state.time)
 
     def _load_step(self, segment: Segment) -> None:
-        state, cursor = self.state, self.cursor
+        state = self.state
         coarsest = self.problem.fineness.deviation * (segment.end - segment.start)
         if 0.0 < coarsest < math.ulp(segment.end):
             reason = (
@@ -107,13 +106,12 @@ class FrontStepper:
                 self._end(OutcomeKind.DETACHED, "pulled without contact")
                 return
             segment = loaded
-        if not cursor.jump_done:
-            self._triggered(segment)
-            self._begin(segment)
+        self._triggered(segment)
+        self._begin(segment)
         if self.outcome is not None or self._triggered(segment):
             return
         stops = stops_within(segment, {*self.options.stop_times, *self.options.profile_times})
-        for stop in stops[cursor.stops_reached :]:
+        for stop in stops:
             while state.time < stop.time:
                 self._step(segment, stop.time)
                 if self.outcome is not None:
@@ -125,7 +123,6 @@ class FrontStepper:
             if stop.kink:
                 self.committer.add_extremum(segment, 1)
                 self.committer.kink()
-            cursor.stop_reached()
         if segment.trigger is not None:
             self.outcome = segment.trigger.not_reached(state.time)
 
@@ -155,12 +152,11 @@ class FrontStepper:
             self._apply(load_jump(self.problem, state, segment), segment)
         elif segment.rate(segment.start) > 0.0:
             self.committer.touch_of_plane_tip(segment)
-        self.cursor.jump_done = True
 
     def _step(self, segment: Segment, stop: float) -> None:
         """One trial step, applied if it is accepted."""
         state = self.state
-        self.outcome = interruption(self.monitor, self._kept, state.time) or budget_outcome(
+        self.outcome = interruption(self.monitor, state.time) or budget_outcome(
             state.counters, self.options.max_steps, state.time
         )
         if self.outcome is not None:
@@ -189,9 +185,6 @@ class FrontStepper:
         if not outcome.candidates or outcome.candidates[-1].time <= self.state.time:
             return False
         return passed(self.cursor.trigger_side or 0.0, excess_of(trigger, outcome.candidates[-1]))
-
-    def _kept(self) -> KeptState:
-        return KeptState(NAME, self.cursor, self.state.counters, self.state)
 
     def _apply(self, outcome: StepOutcome, segment: Segment) -> None:
         """Commit what a trial step returned."""

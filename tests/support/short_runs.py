@@ -61,3 +61,11 @@ def front(scene: Scene, monitor: RunMonitor | None = None) -> Trace:
 def uninterrupted(solve: Callable[..., Trace]) -> Trace:
     """The whole run of ``RICH`` by ``bem``, ``fem`` or ``front``, computed once in a process."""
     return solve(RICH)
+
+
+def assert_same_columns(found: Trace, wanted: Trace) -> None:
+    """All columns, to the last bit."""
+    columns = wanted.columns()
+    assert list(found.columns()) == list(columns)
+    for name, column in found.columns().items():
+        assert column.tobytes() == columns[name].tobytes(), name
