@@ -81,7 +81,7 @@ class Case:
         usual = table.get("values")
         if usual is not None:
             usual = max(usual, method.quantity_tolerances.get(quantity, 0.0))
-        if quantity == "dissipated_energy":
+        if quantity in ("dissipated_energy", "loss_fall"):
             usual = table.get("loop_energy", usual)
         return table.get(quantity, usual)
 

@@ -44,6 +44,7 @@ SCALARS = {
     "final_time": "",
     "loop_energy": "energy",
     "dissipated_energy": "energy",
+    "loss_fall": "energy",
     "instability_loss": "energy",
     "branch_dissipation": "energy",
     "zone_excess": "energy",

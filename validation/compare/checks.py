@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 
+from contact_scene import Trace
 from validation.cases import Case, Expected
-from validation.execution.runs import Run
+from validation.execution.runs import Run, fall_error
 from validation.measure.check import Check
 from validation.measure.dimensionless import unit_sizes
+from validation.measure.falling_loss import largest_fall
 from validation.measure.row_interpolation import column_curve
+from validation.measure.scaling import scale
 from validation.solvers import REFERENCE
 
 
@@ -17,6 +20,8 @@ def check_run(case: Case, result: Run) -> list[Check]:
     checks = [_ending(case, result)]
     if declined(case, result):
         return checks
+    if result.curves is not None and not case.scene.is_adhesive:
+        checks.append(_lost_for_good(case, result, result.curves))
     for expected in case.expected:
         if expected.value is None or result.solver in expected.tolerance:
             checks.append(_value(case, result, expected))
@@ -42,6 +47,14 @@ def _ending(case: Case, result: Run) -> Check:
         passed = result.finished and (not case.outcome or outcome == case.outcome)
     note = result.ending if result.refused or not passed else ""
     return Check(case.name, result.solver, "outcome", source, expected, outcome, passed, note=note)
+
+
+def _lost_for_good(case: Case, result: Run, trace: Trace) -> Check:
+    """Without adhesion the loss may not fall by more than its error."""
+    fall = largest_fall(trace)[0]
+    most = fall_error(case, result) * scale("loss_fall", fall, trace)
+    source = "a material gives nothing back of what it has lost"
+    return Check(case.name, result.solver, "loss_fall", source, most, fall, fall <= most, relation="<=")
 
 
 def _value(case: Case, result: Run, expected: Expected) -> Check:

@@ -18,6 +18,7 @@ from validation.cases import Case
 from validation.execution.task_execution import one_line
 from validation.measure import error_estimate
 from validation.measure.cycles import cycle_times
+from validation.measure.falling_loss import fall_warnings
 from validation.measure.scalars import measure
 from validation.measure.small_swings import swing_warnings
 
@@ -209,14 +210,17 @@ def run_or_raise(
     measures = measure(trace, case.scene, wall)
     warnings = solvers.trace_warnings(case.scene, trace) or solvers.scene_warnings(case.scene)
     warnings += swing_warnings(trace, case.scene.loading, method.edge_spacing(case.scene, resolution))
-    result = Run(
-        case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures, warnings=warnings
-    )
-    if not estimate or not result.finished:
-        return result
-    spent = time.process_time()
-    errors = _errors(case, result, method, resolution, monitor, estimate_progress)
-    return replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
+    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
+    if estimate and result.finished:
+        spent = time.process_time()
+        errors = _errors(case, result, method, resolution, monitor, estimate_progress)
+        result = replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
+    return replace(result, warnings=warnings + fall_warnings(case.scene, trace, fall_error(case, result)))
+
+
+def fall_error(case: Case, result: Run) -> float:
+    """Relative error of a fall of the loss: as estimated, else the scene's tolerance for the solver."""
+    return result.errors.get("loss_fall", case.tolerance(result.solver, "loss_fall") or 0.0)
 
 
 def _refuse_not_finite(trace: Trace) -> None:

@@ -51,7 +51,7 @@ OF_SQUARE = 2.0
 """Relative error of a square over that of what is squared."""
 AT_LIMIT_POINTS = ("detachment_radius", "detachment_force")
 """Quantities of first order where others are of second: the edge runs away as the root of the load."""
-ENERGIES = ("loop_energy", "dissipated_energy", "peak_cycle_loss", *IN_LAYERS)
+ENERGIES = ("loop_energy", "dissipated_energy", "loss_fall", "peak_cycle_loss", *IN_LAYERS)
 MOVEMENT = "_movement"
 """Ending of the name of an error of a curve relative to its excursion in the worst window."""
 Measures = Mapping[str, float | None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contact_scene import Scene, Trace
 from validation.measure.cycle_losses import cycle_losses
 from validation.measure.cycles import cycle_times
+from validation.measure.falling_loss import largest_fall
 from validation.measure.observables import at_last_contact, observe
 
 
@@ -29,6 +30,7 @@ def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float 
     branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
     values["branch_dissipation"] = branches
     values["zone_excess"] = branches - loss if branches is not None and loss is not None else None
+    values["loss_fall"] = largest_fall(trace)[0] if len(trace) else None
     values["loss_share"] = loss / stored if loss is not None and stored > 0.0 else None
     cycles = cycle_losses(trace, cycle_times(scene.loading))
     peak = max(cycles, key=lambda cycle: cycle.loop, default=None)

@@ -4,8 +4,8 @@ A difference in a quantity is divided by
 
 - a penetration, or a place of the stage: the largest magnitude of that column in the run, since its zero is a
   matter of choice;
-- a loss (dissipated energy, branch dissipation, their difference): its magnitude, but at least the largest
-  term of the energy balance that it is the remainder of (stored energy, external work, surface energy);
+- a loss (dissipated energy, its fall, branch dissipation, their difference): its magnitude, but at least the
+  largest term of the balance that it is the remainder of (stored energy, external work, surface energy);
 - a force, contact radius or time: its magnitude, but at least a twentieth of the largest magnitude of that
   column in the run, so that a value that nearly vanishes is not divided by itself;
 - the work done over the run (loop energy): its magnitude, but at least a twentieth of the largest magnitude
@@ -26,7 +26,7 @@ from contact_scene import Trace
 
 LEAST_SHARE = 0.05
 """Least scale of a force, radius or time, relative to the largest magnitude of its column in the run."""
-LOSSES = ("dissipated_energy", "instability_loss", "branch_dissipation", "zone_excess")
+LOSSES = ("dissipated_energy", "loss_fall", "instability_loss", "branch_dissipation", "zone_excess")
 """Quantities that are what an energy balance leaves."""
 WORKS = {"loop_energy": "external_work", "peak_cycle_loss": "stored_energy"}
 """Work done over a run or a cycle: the column it is a small part of where it nearly vanishes."""

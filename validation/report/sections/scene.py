@@ -10,6 +10,7 @@ from validation.drawing import run_figures
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
 from validation.measure.skipped_work import in_words
 from validation.report.document import (
+    Bullets,
     DataTable,
     Figure,
     Figures,
@@ -40,7 +41,7 @@ def section(scene: SceneComparison) -> Section:
         *((Paragraph(case.statement),) if case.statement else ()),
         Fold("Parameters (scene units)", (parameters(scene),)),
         figures(scene),
-        Section("Runs", (runs(scene), Paragraph(skipped_work(scene)))),
+        Section("Runs", (runs(scene), *_warnings(scene), Paragraph(skipped_work(scene)))),
         Section("Checks", (checks.table(scene.checks),)),
     )
     verdict = passed_or_not(scene.passed)
@@ -82,6 +83,12 @@ def runs(scene: SceneComparison) -> DataTable:
         | {"seconds": number(run.wall_seconds, 3), "processor": number(run.cpu_seconds, 3)}
         for solver, run in scene.runs.items()
     )
+
+
+def _warnings(scene: SceneComparison) -> tuple[Bullets, ...]:
+    """What makes the answers doubtful, by solver."""
+    said = tuple(f"{solver}: {text}" for solver, run in scene.runs.items() for text in run.warnings)
+    return (Bullets(said),) if said else ()
 
 
 def skipped_work(scene: SceneComparison) -> str:
