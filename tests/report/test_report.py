@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 import xml.etree.ElementTree as tree
@@ -22,6 +23,8 @@ from validation.execution.progress import Progress
 from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_all
 from validation.report.build import build
+from validation.report.document import Bullets
+from validation.report.sections import scene as scene_section
 from validation.report.write import write
 
 
@@ -200,6 +203,14 @@ def test_every_scene_says_what_was_left_out_and_where_the_time_went(built):
     spent = text.rpartition("Where the time went")[2].partition("</section>")[0]
     assert spent.count("<tr>") == 1 + len(registry.names()) + 1 + len(report.runs) == 11
     assert "cycle-v0.1 by fem" in spent
+
+
+def test_what_makes_a_run_doubtful_stands_with_its_scene(built):
+    scene = built[0].scenes[0]
+    doubtful = {name: dataclasses.replace(run, warnings=("one", "two")) for name, run in scene.runs.items()}
+    for runs, said in ((scene.runs, []), ({"bem": doubtful["bem"]}, [Bullets(("bem: one", "bem: two"))])):
+        parts = scene_section.section(dataclasses.replace(scene, runs=runs)).parts[-2].parts
+        assert [part for part in parts if isinstance(part, Bullets)] == said
 
 
 def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatch):
