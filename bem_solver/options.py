@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from contact_scene.run_control.options import MAX_STEPS, moments, whole_number
-from contact_scene.value_checks import number, one_of, positive
+from contact_scene.value_checks import SMALLEST, number, one_of, positive
 
 ANNULI = ("graded", "uniform")
 SCHEMES = ("exponential", "backward-euler")
@@ -56,7 +56,7 @@ class Options:
             number(self.resolution, "resolution", "a whole number from 4 to 1000", high=1000)
             object.__setattr__(self, "resolution", whole_number(self.resolution, "resolution", 4))
         if self.tolerance is not None:
-            number(self.tolerance, "tolerance", "0 < tolerance <= 1", low=0.0, high=1.0, open_low=True)
+            number(self.tolerance, "tolerance", "0 < tolerance <= 1", low=SMALLEST, high=1.0)
         if self.step is not None:
             positive(self.step, "step")
         one_of(self.annuli, "annuli", ANNULI)

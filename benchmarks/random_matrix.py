@@ -26,7 +26,7 @@ import numpy as np
 from benchmarks.random_scenes import FAMILIES, RandomScene, random_scene
 from benchmarks.trace_invariants import broken, energy_gained
 from contact_scene import SceneError, Trace
-from contact_scene.scene_writer import write_scene
+from contact_scene.scene import write_scene
 from validation.compare.against_reference import check_case
 from validation.execution.files import output_folder
 from validation.execution.processes import processes

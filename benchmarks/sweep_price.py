@@ -39,7 +39,7 @@ def plan_of(runs: int, folder: Path, depth: float = DEPTH, first: float = 1.0) -
     scene = Scene(Material(1.0, 0.5), Sphere(1.0), loading)
     radii = {"name": "radius", "key": "indenter.radius", "linspace": [first, 2.0 * first, runs]}
     table = {"coordinates": [radii], "resolution": RESOLUTION, "estimate": False, "drawn": []}
-    return plan_from_dict(table, folder, of_scene(scene, folder))
+    return plan_from_dict(table, folder, of_scene(scene))
 
 
 def _solve_all(scenes: Sequence[Scene]) -> None:

@@ -1,11 +1,9 @@
 """Scene, form of results and control of a run, shared by the solvers of crosscontact; no way of solving."""
 
-from contact_scene.adhesion import Adhesion
-from contact_scene.approach import Approach
-from contact_scene.edge_rate import PowerRate, RateTable
+from contact_scene.adhesion import Adhesion, PowerRate, RateTable
 from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
-from contact_scene.load_steps import Force, ForceRamp, Hold, Oscillate, Ramp, Sweep
+from contact_scene.load_steps import Approach, Force, ForceRamp, Hold, Oscillate, Ramp, Sweep, Table
 from contact_scene.loading import Loading
 from contact_scene.machine import Machine
 from contact_scene.material import Branch, BulkRelaxation, Material
@@ -16,11 +14,8 @@ from contact_scene.prony import PronyFit, fit_prony
 from contact_scene.readers import read_measured, read_shift_factors
 from contact_scene.run_control.loading_cursor import LoadingCursor
 from contact_scene.run_control.monitor import RunMonitor
-from contact_scene.scene import Scene
-from contact_scene.scene_writer import write_material, write_scene
-from contact_scene.scenefile import read_scene, scene_from_dict
-from contact_scene.segment import Segment, Step
-from contact_scene.table import Table
+from contact_scene.scene import Scene, read_scene, scene_from_dict, write_material, write_scene
+from contact_scene.segment import Segment, Step, Trigger
 from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature
 from contact_scene.trace import (
     COLUMNS,
@@ -33,7 +28,6 @@ from contact_scene.trace import (
     read_columns,
     write_trace,
 )
-from contact_scene.trigger import Trigger
 
 __all__ = [
     "COLUMNS",

@@ -6,7 +6,8 @@ The closure integral ``I`` of the edge is an energy per area. An edge
 - closes (advances) where ``I`` falls to ``work_closing``;
 - is pinned while ``I`` lies between the two.
 
-The contact a run starts from has been made by closing; a flat face has touched as a whole.
+The contact a run starts from has been made by closing; a flat face has touched as a whole. The speed ``v`` is
+that at which the edge recedes; an edge that closes knows no speed.
 
 The process zone has a fixed length, ``zone``, or a fixed cohesive ``stress`` s, as in a Dugdale interface.
 Its length ``da`` is then the one over which the tension of the sharp edge has the mean ``(4/pi) s``,
@@ -23,15 +24,70 @@ that length sees; at an edge that advances slowly the singularity itself belongs
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from bisect import bisect_right
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Annotated, Any
 
-from contact_scene.edge_rate import PowerRate, RateTable
-from contact_scene.errors import SceneError, shown
-from contact_scene.value_checks import LARGEST, POSITIVE, SMALLEST, not_negative, positive, zero_or_positive
+from contact_scene.checked import Checked, Key, NotNegative, Positive, Tabulated, ZeroOrPositive
+from contact_scene.errors import SceneError
+from contact_scene.value_checks import LARGEST, POSITIVE, SMALLEST, Range, positive
 
 
 @dataclass(frozen=True)
-class Adhesion:
+class PowerRate(Checked):
+    """``w(v) = work (1 + (v/speed)^exponent)``.
+
+    A.N. Gent, J. Schultz, J. Adhesion 3, 281 (1972); D. Maugis, M. Barquins, J. Phys. D 11, 1989 (1978).
+    """
+
+    speed: Annotated[
+        Positive, Key("speed of the edge at which the work is twice that at rest", "length time-1")
+    ]
+    exponent: Annotated[float, Range("0.05 <= exponent <= 5", 0.05, 5.0), Key("exponent of the speed", "1")]
+
+    def work(self, at_rest: float, speed: float) -> float:
+        """Energy per area at which an edge opens at ``speed`` >= 0; infinite at infinite speed."""
+        return at_rest * (1.0 + (speed / self.speed) ** self.exponent)
+
+
+@dataclass(frozen=True)
+class RateTable(Tabulated):
+    """Works measured at speeds: straight from rest to the first row, in log-log between rows, then constant.
+
+    ``speeds`` rise, ``works`` do not fall: an edge that takes less the faster it opens has no steady speed.
+    """
+
+    speeds: Annotated[tuple[Positive, ...], Key("speeds of the edge", "length time-1")]
+    works: Annotated[tuple[Positive, ...], Key("works of adhesion at these speeds", "force length-1")]
+    file: Annotated[str, Key("CSV file of speed, work")] = field(default="", compare=False)
+    columns = ("speed", "work")
+
+    def rules(self) -> None:
+        speeds, works = self.speeds, self.works
+        if not speeds or len(speeds) != len(works):
+            problem = f"{len(works)} values for {len(speeds)} speeds"
+            raise SceneError("work", problem, "as many, at least one row")
+        for name, values, strictly in (("speed", speeds, True), ("work", works, False)):
+            for row, (one, two) in enumerate(pairwise(values), 2):
+                if two < one or (strictly and two == one):
+                    rule = "speeds that rise" if strictly else "works that do not fall as the speed rises"
+                    raise SceneError(name, f"row {row} has {two:g} after {one:g}", rule)
+
+    def work(self, at_rest: float, speed: float) -> float:
+        """Energy per area at which an edge opens at ``speed`` >= 0."""
+        if speed >= self.speeds[-1]:
+            return self.works[-1]
+        if speed <= self.speeds[0]:
+            return at_rest + (self.works[0] - at_rest) * speed / self.speeds[0]
+        row = bisect_right(self.speeds, speed)
+        slow, fast = self.speeds[row - 1], self.speeds[row]
+        share = math.log(speed / slow) / math.log(fast / slow)
+        return self.works[row - 1] * (self.works[row] / self.works[row - 1]) ** share
+
+
+@dataclass(frozen=True)
+class Adhesion(Checked):
     """Adhesion of the interface.
 
     The process zone is part of the model, not a numerical parameter: results converge with mesh and step
@@ -51,33 +107,35 @@ class Adhesion:
         Cohesive stress of a process zone whose length follows from it, instead of ``zone``.
     """
 
-    work: float
-    zone: float = 0.0
-    work_closing: float | None = None
-    rate: PowerRate | RateTable | None = None
-    stress: float | None = None
+    work: Annotated[ZeroOrPositive, Key("work of adhesion", "force length-1")]
+    zone: Annotated[NotNegative, Key("length of the process zone", "length")] = 0.0
+    work_closing: Annotated[Positive | None, Key("work at which an edge closes", "force length-1")] = None
+    rate: Annotated[PowerRate | RateTable | None, Key("work of an opening edge against its speed")] = None
+    stress: Annotated[Positive | None, Key("cohesive stress, instead of zone", "force length-2")] = None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "work", zero_or_positive(self.work, "work"))
+    def rules(self) -> None:
         if self.stress is None:
-            object.__setattr__(self, "zone", positive(self.zone, "zone"))
-        else:
-            object.__setattr__(self, "stress", positive(self.stress, "stress"))
-            object.__setattr__(self, "zone", not_negative(self.zone, "zone"))
-        if self.work_closing is not None:
-            closing = positive(self.work_closing, "work_closing")
-            if closing > self.work:
-                raise SceneError("work_closing", f"got {closing:g}", f"at most work = {self.work:g}")
-            object.__setattr__(self, "work_closing", closing)
-        if self.rate is None:
-            return
-        if not isinstance(self.rate, (PowerRate, RateTable)):
-            raise SceneError("rate", f"got {shown(self.rate)}", "a PowerRate, a RateTable or None")
-        if self.work == 0.0:
+            positive(self.zone, "zone")
+        if self.work_closing is not None and self.work_closing > self.work:
+            raise SceneError("work_closing", f"got {self.work_closing:g}", f"at most work = {self.work:g}")
+        if self.rate is not None and self.work == 0.0:
             raise SceneError("rate", "given without adhesion", "work > 0 beside it")
         if isinstance(self.rate, RateTable) and self.rate.works[0] < self.work:
             problem = f"the slowest row has the work {self.rate.works[0]:g}, less than at rest"
             raise SceneError("rate", problem, f"works of at least work = {self.work:g}")
+
+    @classmethod
+    def table_rules(cls, table: dict[str, Any]) -> None:
+        if "stress" in table and "zone" in table:
+            raise SceneError("stress", "given beside zone", "either zone or stress")
+        if "stress" not in table and "zone" not in table and "work" in table:
+            raise SceneError("zone", "is missing", "a zone > 0, or a stress > 0 instead")
+
+    def stated(self) -> dict[str, Any]:
+        stated = super().stated()
+        if self.stress is not None:
+            del stated["zone"]
+        return stated
 
     @property
     def closing(self) -> float:

@@ -35,13 +35,12 @@ import math
 from dataclasses import replace
 
 from contact_scene.adhesion import Adhesion
-from contact_scene.approach import Approach
 from contact_scene.errors import SceneError
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere
+from contact_scene.load_steps import Approach, Table
 from contact_scene.loading import Loading
 from contact_scene.material import Material
 from contact_scene.segment import Step
-from contact_scene.table import Table
 from contact_scene.value_checks import LARGEST, SMALLEST
 
 A_BOUND = "a bound `to`: the greatest penetration, or position of the stage, of the approach"

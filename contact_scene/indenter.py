@@ -8,28 +8,16 @@ is measured from the continued profile. Lengths in the scene's unit.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from contact_scene.checked import Checked, Finite, Key, Kinds, NotNegative, Positive, Tabulated
 from contact_scene.errors import SceneError
-from contact_scene.value_checks import (
-    A_COLUMN,
-    NOT_NEGATIVE,
-    SMALLEST,
-    a_string,
-    as_tuple,
-    finite,
-    number,
-    positive,
-)
-
-PROFILE_COLUMNS = ("radius", "height")
-"""Columns of a file of a tabulated profile."""
+from contact_scene.value_checks import SMALLEST, Range
 
 Array = NDArray[np.float64]
 
@@ -38,6 +26,7 @@ class Indenter:
     """A shape; each defines ``height`` and ``slope``, ``edge`` where it ends, ``plane_tip`` if it has one."""
 
     shape: ClassVar[str]
+    tag = "shape"
 
     @property
     def edge(self) -> float:
@@ -59,14 +48,11 @@ class Indenter:
 
 
 @dataclass(frozen=True)
-class Sphere(Indenter):
+class Sphere(Indenter, Checked):
     """Paraboloid ``f = r^2/(2 R)``, the paper's sphere."""
 
-    radius: float
+    radius: Annotated[Positive, Key("radius R of the sphere", "length")]
     shape: ClassVar[str] = "sphere"
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive(self.radius, "radius"))
 
     def height(self, radius: ArrayLike) -> Array:
         return np.asarray(radius, float) ** 2 / (2.0 * self.radius)
@@ -76,22 +62,15 @@ class Sphere(Indenter):
 
 
 @dataclass(frozen=True)
-class Cone(Indenter):
+class Cone(Indenter, Checked):
     """Cone ``f = r cot(alpha)`` with semi-apical angle ``alpha`` (``half_angle``, degrees)."""
 
-    half_angle: float
+    half_angle: Annotated[
+        float,
+        Range("degrees, 1e-6 <= half_angle < 90", 1e-6, math.nextafter(90.0, 0.0)),
+        Key("angle between axis and flank", "degree"),
+    ]
     shape: ClassVar[str] = "cone"
-
-    def __post_init__(self) -> None:
-        angle = number(
-            self.half_angle,
-            "half_angle",
-            "degrees, 1e-6 <= half_angle < 90",
-            low=1e-6,
-            high=90.0,
-            open_high=True,
-        )
-        object.__setattr__(self, "half_angle", angle)
 
     @property
     def cotangent(self) -> float:
@@ -108,14 +87,11 @@ class Cone(Indenter):
 
 
 @dataclass(frozen=True)
-class FlatPunch(Indenter):
+class FlatPunch(Indenter, Checked):
     """Flat-ended cylinder of the given radius: ``f = 0``, contact never beyond ``radius``."""
 
-    radius: float
+    radius: Annotated[Positive, Key("radius of the flat end", "length")]
     shape: ClassVar[str] = "flat-punch"
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive(self.radius, "radius"))
 
     @property
     def edge(self) -> float:
@@ -133,25 +109,17 @@ class FlatPunch(Indenter):
 
 
 @dataclass(frozen=True)
-class PowerLaw(Indenter):
+class PowerLaw(Indenter, Checked):
     """``f = coefficient * r^exponent``, exponent >= 1 (infinite where the power overflows)."""
 
-    exponent: float
-    coefficient: float
+    exponent: Annotated[float, Range("1 <= exponent <= 100", 1.0, 100.0), Key("exponent of the radius", "1")]
+    # The unit of the coefficient is length^(1 - exponent), so its range is wider than that of a length.
+    coefficient: Annotated[
+        float,
+        Range("a finite number > 0, from 1e-300 to 1e300", 1e-300, 1e300),
+        Key("height at unit radius", "length^(1 - exponent)"),
+    ]
     shape: ClassVar[str] = "power-law"
-
-    def __post_init__(self) -> None:
-        exponent = number(self.exponent, "exponent", "1 <= exponent <= 100", low=1.0, high=100.0)
-        object.__setattr__(self, "exponent", exponent)
-        # The unit of the coefficient is length^(1 - exponent), so its range is wider than that of a length.
-        coefficient = number(
-            self.coefficient,
-            "coefficient",
-            "a finite number > 0, from 1e-300 to 1e300",
-            low=1e-300,
-            high=1e300,
-        )
-        object.__setattr__(self, "coefficient", coefficient)
 
     def height(self, radius: ArrayLike) -> Array:
         with np.errstate(over="ignore"):
@@ -163,7 +131,7 @@ class PowerLaw(Indenter):
 
 
 @dataclass(frozen=True)
-class TabulatedProfile(Indenter):
+class TabulatedProfile(Indenter, Tabulated):
     """Tabulated profile: monotone cubic through the points, straight beyond the last.
 
     Parameters
@@ -181,18 +149,18 @@ class TabulatedProfile(Indenter):
     area that is a full disc cannot represent, and smoothing would change the shape.
     """
 
-    radii: tuple[float, ...]
-    heights: tuple[float, ...]
-    file: str = field(default="", compare=False)
+    radii: Annotated[tuple[NotNegative, ...], Key("radii, rising from 0", "length")]
+    heights: Annotated[tuple[Finite, ...], Key("heights at these radii, never falling", "length")]
+    file: Annotated[str, Key("CSV file of radius, height")] = field(default="", compare=False)
     shape: ClassVar[str] = "profile"
+    columns = ("radius", "height")
     _curve: Any = field(init=False, repr=False, compare=False)
 
-    def __post_init__(self) -> None:
-        a_string(self.file, "file")
-        radii, heights = _checked_profile(self.radii, self.heights)
-        object.__setattr__(self, "radii", radii)
+    def rules(self) -> None:
+        _check_profile(self.radii, self.heights)
+        heights = tuple(x - self.heights[0] for x in self.heights)
         object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "_curve", _monotone_curve(radii, heights))
+        object.__setattr__(self, "_curve", _monotone_curve(self.radii, heights))
 
     @property
     def plane_tip(self) -> float:
@@ -207,13 +175,12 @@ class TabulatedProfile(Indenter):
         return np.asarray(self._curve(np.minimum(np.asarray(radius, float), self.radii[-1]), 1))
 
 
-def _checked_profile(
-    radii: Sequence[float], heights: Sequence[float]
-) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The table as floats, its first height subtracted, or the first thing that is wrong with it."""
-    given = as_tuple(radii, "radius", A_COLUMN), as_tuple(heights, "height", A_COLUMN)
-    r = tuple(number(x, f"radius, row {row}", NOT_NEGATIVE, low=0.0) for row, x in enumerate(given[0], 1))
-    h = tuple(finite(x, f"height, row {row}") for row, x in enumerate(given[1], 1))
+SHAPES = Kinds((Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile))
+"""What a file may state as ``[indenter]``."""
+
+
+def _check_profile(r: tuple[float, ...], h: tuple[float, ...]) -> None:
+    """Refuse a table that is no profile, by the first thing that is wrong with it."""
     if len(r) != len(h):
         raise SceneError("height", f"{len(r)} radii but {len(h)} heights", "one height for each radius")
     if len(r) < 3:
@@ -234,7 +201,6 @@ def _checked_profile(
             )
     if h[-1] <= h[0]:
         raise SceneError("height", "the profile is flat", 'shape = "flat-punch" for a flat profile')
-    return r, tuple(x - h[0] for x in h)
 
 
 def _monotone_curve(radii: tuple[float, ...], heights: tuple[float, ...]) -> Any:

@@ -9,19 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Annotated
 
-from contact_scene.approach import Approach
-from contact_scene.errors import SceneError, shown
-from contact_scene.load_steps import Hold, Ramp
+from contact_scene.checked import Checked, Finite, Key, Words
+from contact_scene.load_steps import STEPS, Approach, Hold, Ramp
 from contact_scene.machine import Machine
 from contact_scene.segment import Control, Segment, Step
-from contact_scene.value_checks import as_tuple, finite, one_of
-
-STARTS = ("jump-in", "relaxed", "snap-in")
 
 
 @dataclass(frozen=True)
-class Loading:
+class Loading(Checked):
     """Start state, steps, and the machine they drive.
 
     Parameters
@@ -40,23 +37,15 @@ class Loading:
         prescribe the position of the stage, which is that of the start state at first.
     """
 
-    start: str
-    penetration: float
-    steps: tuple[Step, ...] = ()
-    machine: Machine | None = None
+    start: Annotated[str, Words(("jump-in", "relaxed", "snap-in")), Key("state a run starts from")]
+    penetration: Annotated[Finite, Key("penetration of that state", "length")]
+    steps: Annotated[tuple[Annotated[Step, STEPS], ...], Key("load steps, in order")] = ()
+    machine: Annotated[Machine | None, Key("spring that holds the indenter")] = None
 
-    def __post_init__(self) -> None:
-        one_of(self.start, "start", STARTS)
-        object.__setattr__(self, "penetration", finite(self.penetration, "penetration"))
-        steps = as_tuple(self.steps, "steps", "a tuple of loading steps")
-        for index, step in enumerate(steps):
-            if not isinstance(step, Step):
-                raise SceneError(f"steps[{index}]", f"got {shown(step)}", "a loading step")
-        if not any(isinstance(step, Approach) and not step.is_bounded for step in steps):
-            steps = tuple(part for step in steps for part in expanded(step))
-        object.__setattr__(self, "steps", steps)
-        if self.machine is not None and not isinstance(self.machine, Machine):
-            raise SceneError("machine", f"got {shown(self.machine)}", "a Machine or None")
+    def rules(self) -> None:
+        if not any(isinstance(step, Approach) and not step.is_bounded for step in self.steps):
+            steps = tuple(part for step in self.steps for part in expanded(step))
+            object.__setattr__(self, "steps", steps)
 
     @property
     def compliance(self) -> float:
@@ -81,18 +70,7 @@ class Loading:
         return any(step.trigger is not None for step in self.steps)
 
     def segment(self, step: Step, time: float, penetration: float, force: float) -> Segment:
-        """The control law of a step that starts from a state, on this machine.
-
-        Parameters
-        ----------
-        step : Step
-        time, penetration, force : float
-            State it starts from.
-
-        Returns
-        -------
-        Segment
-        """
+        """The control law of a step that starts from a state, on this machine."""
         if self.compliance == 0.0:
             return step.segment(time, penetration, force)
         return self._of_stage(step.segment(time, penetration + self.compliance * force, force))

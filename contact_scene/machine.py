@@ -14,13 +14,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene.checked import Checked, Key
 from contact_scene.trace import Event, Trace
-from contact_scene.value_checks import LARGEST, SMALLEST, number
+from contact_scene.value_checks import LARGEST, SMALLEST, Range
 
 Array = NDArray[np.float64]
 
@@ -29,16 +30,18 @@ COLUMNS_OF_MACHINE = ("stage", "machine_energy", "instability_loss")
 
 
 @dataclass(frozen=True)
-class Machine:
+class Machine(Checked):
     """A spring of ``stiffness`` > 0 (force per length) in series with the contact; ``inf`` is rigid."""
 
-    stiffness: float
-
-    def __post_init__(self) -> None:
-        if isinstance(self.stiffness, float) and self.stiffness == math.inf:
-            return
-        allowed = f"a number > 0, from {SMALLEST:g} to {LARGEST:g} (force per length), or inf: rigid"
-        object.__setattr__(self, "stiffness", number(self.stiffness, "stiffness", allowed, low=SMALLEST))
+    stiffness: Annotated[
+        float,
+        Range(
+            f"a number > 0, from {SMALLEST:g} to {LARGEST:g} (force per length), or inf: rigid",
+            SMALLEST,
+            also=(math.inf,),
+        ),
+        Key("stiffness of the spring that holds the indenter", "force length-1"),
+    ]
 
     @property
     def compliance(self) -> float:

@@ -8,51 +8,43 @@ With constant Poisson's ratio the half-space sees ``E* = E/(1 - nu^2)``. Units a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.errors import SceneError, shown
-from contact_scene.value_checks import LARGEST, as_tuple, not_negative, number, positive
+from contact_scene.checked import Checked, Key, NotNegative, Positive
+from contact_scene.errors import SceneError
+from contact_scene.value_checks import LARGEST, Range
 
 NEGLIGIBLE = 1e-31
 """Branches below this fraction of the relaxed modulus are left out of the spectrum: eps^2, never visible."""
 
 
 @dataclass(frozen=True)
-class Branch:
+class Branch(Checked):
     """One Maxwell branch, ``modulus * exp(-t/time)``; modulus >= 0, time > 0."""
 
-    modulus: float
-    time: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "modulus", not_negative(self.modulus, "modulus"))
-        object.__setattr__(self, "time", positive(self.time, "time"))
+    modulus: Annotated[NotNegative, Key("modulus of the branch", "force length-2")]
+    time: Annotated[Positive, Key("relaxation time", "time")]
 
 
 @dataclass(frozen=True)
-class BulkRelaxation:
+class BulkRelaxation(Checked):
     """Bulk relaxation modulus ``K(t) = modulus + sum_k branches[k]``, separate from shear.
 
     ``modulus`` may be left out (``None``) to keep the relaxed bulk modulus that Young's modulus and
     Poisson's ratio imply, ``E0 / (3 (1 - 2 nu))``.
     """
 
-    modulus: float | None = None
-    branches: tuple[Branch, ...] = ()
-
-    def __post_init__(self) -> None:
-        if self.modulus is not None:
-            object.__setattr__(self, "modulus", positive(self.modulus, "modulus"))
-        object.__setattr__(self, "branches", _branches(self.branches))
+    modulus: Annotated[Positive | None, Key("relaxed bulk modulus", "force length-2")] = None
+    branches: Annotated[tuple[Branch, ...], Key("Maxwell branches of the bulk modulus")] = ()
 
 
 @dataclass(frozen=True)
-class Material:
+class Material(Checked):
     """Prony material with a constant Poisson's ratio (or, with ``bulk``, separate bulk relaxation).
 
     Parameters
@@ -69,35 +61,21 @@ class Material:
         at ``E0/(3 (1 - 2 nu))`` (``"elastic"``) or as given.
     """
 
-    modulus: float
-    poisson: float
-    branches: tuple[Branch, ...] = ()
-    bulk: str | BulkRelaxation | None = None
+    modulus: Annotated[Positive, Key("relaxed Young's modulus", "force length-2")]
+    poisson: Annotated[float, Range("0 <= nu <= 0.5", 0.0, 0.5), Key("Poisson's ratio", "1")]
+    branches: Annotated[tuple[Branch, ...], Key("Maxwell branches of Young's modulus")] = ()
+    bulk: Annotated[
+        Literal["elastic"] | BulkRelaxation | None, Key("bulk modulus that relaxes by itself, or not at all")
+    ] = None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "modulus", positive(self.modulus, "modulus"))
-        object.__setattr__(
-            self, "poisson", number(self.poisson, "poisson", "0 <= nu <= 0.5", low=0.0, high=0.5)
-        )
-        object.__setattr__(self, "branches", _branches(self.branches))
-        if self.bulk is not None:
-            named = isinstance(self.bulk, str) and self.bulk == "elastic"
-            if not named and not isinstance(self.bulk, BulkRelaxation):
-                raise SceneError(
-                    "bulk", f"got {shown(self.bulk)}", '"elastic" or a table of modulus and branches'
-                )
-            if self.poisson == 0.5 and not (
-                isinstance(self.bulk, BulkRelaxation) and self.bulk.modulus is not None
-            ):
-                raise SceneError(
-                    "bulk",
-                    "poisson = 0.5 leaves the bulk modulus infinite",
-                    "poisson < 0.5, or a bulk modulus of its own",
-                )
+    def rules(self) -> None:
+        own_bulk = isinstance(self.bulk, BulkRelaxation) and self.bulk.modulus is not None
+        if self.bulk is not None and self.poisson == 0.5 and not own_bulk:
+            problem = "poisson = 0.5 leaves the bulk modulus infinite"
+            raise SceneError("bulk", problem, "poisson < 0.5, or a bulk modulus of its own")
         if self.glassy_modulus > LARGEST:
-            raise SceneError(
-                "branches", f"the glassy modulus is {self.glassy_modulus:g}", f"a sum of at most {LARGEST:g}"
-            )
+            problem = f"the glassy modulus is {self.glassy_modulus:g}"
+            raise SceneError("branches", problem, f"a sum of at most {LARGEST:g}")
 
     @property
     def glassy_modulus(self) -> float:
@@ -156,11 +134,3 @@ class Material:
     def loss_modulus(self, angular_frequency: ArrayLike) -> NDArray[np.float64]:
         """Imaginary part of :meth:`complex_modulus`."""
         return self.complex_modulus(angular_frequency).imag
-
-
-def _branches(given: Sequence[Branch]) -> tuple[Branch, ...]:
-    branches = as_tuple(given, "branches", "a tuple of branches")
-    for index, branch in enumerate(branches):
-        if not isinstance(branch, Branch):
-            raise SceneError(f"branches[{index}]", f"got {shown(branch)}", "a table with modulus and time")
-    return branches

@@ -22,15 +22,15 @@ it at most, ``tau`` the fastest time kept, and the relaxed ones ``(w tau)^-(1+n)
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from contact_scene.errors import SceneError, shown
+from contact_scene.checked import Checked, Key, Kinds, NotNegative, Positive
+from contact_scene.errors import SceneError
 from contact_scene.material import Branch, Material
-from contact_scene.value_checks import LARGEST, SMALLEST, not_negative, number, positive
+from contact_scene.value_checks import LARGEST, SMALLEST, Range
 
 WIDEST_SPACING = math.log(10.0)
 """In log time: at least one branch a decade. Wider spacings may still keep ``E(t)`` to the stated error, but
@@ -38,25 +38,16 @@ the loss modulus would show a peak for each branch (a Debye peak is 1.14 decades
 
 
 @dataclass(frozen=True)
-class StandardLinearSolid:
-    """``E(t) = relaxed + (glassy - relaxed) exp(-t/time)``.
+class StandardLinearSolid(Checked):
+    """``E(t) = relaxed + (glassy - relaxed) exp(-t/time)``."""
 
-    Parameters
-    ----------
-    relaxed, glassy : float
-        Young's modulus at rest, > 0, and at once, > ``relaxed``.
-    time : float
-        *Relaxation* time, > 0.
-    """
-
+    tag = "model"
     model: ClassVar[str] = "standard-linear"
-    relaxed: float
-    glassy: float
-    time: float
+    relaxed: Annotated[Positive, Key("Young's modulus at rest", "force length-2")]
+    glassy: Annotated[Positive, Key("Young's modulus at once, above relaxed", "force length-2")]
+    time: Annotated[Positive, Key("relaxation time", "time")]
 
-    def __post_init__(self) -> None:
-        for name in ("relaxed", "glassy", "time"):
-            object.__setattr__(self, name, positive(getattr(self, name), name))
+    def rules(self) -> None:
         if self.glassy <= self.relaxed:
             raise SceneError("glassy", f"got {self.glassy!r}", f"a modulus above relaxed, {self.relaxed!r}")
 
@@ -71,44 +62,23 @@ class StandardLinearSolid:
 
 
 @dataclass(frozen=True)
-class PowerLawRelaxation:
-    """``E(t) = relaxed + modulus (t/time)^-exponent`` for ``t`` in ``range``, to ``error``.
+class PowerLawRelaxation(Checked):
+    """``E(t) = relaxed + modulus (t/time)^-exponent`` for ``t`` in ``range``, to ``error``."""
 
-    Parameters
-    ----------
-    exponent : float
-        0 < n < 1.
-    modulus : float
-        Young's modulus that the power law has at ``time``, > 0.
-    time : float
-        > 0.
-    range : pair of float
-        Times between which the law holds, 0 < first < last.
-    error : float
-        Largest relative error of the power law within ``range``, from 1e-12 to 0.1.
-    relaxed : float
-        Young's modulus added to the power law, >= 0.
-    """
-
+    tag = "model"
     model: ClassVar[str] = "power-law"
-    exponent: float
-    modulus: float
-    time: float
-    range: tuple[float, float]
-    error: float = 1e-4
-    relaxed: float = 0.0
+    exponent: Annotated[float, Range("0 < exponent < 1", 0.0, 1.0, open=True), Key("exponent", "1")]
+    modulus: Annotated[Positive, Key("Young's modulus of the power law at time", "force length-2")]
+    time: Annotated[Positive, Key("time at which the modulus is stated", "time")]
+    range: Annotated[tuple[Positive, ...], Key("first and last time at which the law holds", "time")]
+    error: Annotated[
+        float, Range("1e-12 <= error <= 0.1", 1e-12, 0.1), Key("largest relative error within range", "1")
+    ] = 1e-4
+    relaxed: Annotated[NotNegative, Key("Young's modulus added to the power law", "force length-2")] = 0.0
 
-    def __post_init__(self) -> None:
-        exponent = number(
-            self.exponent, "exponent", "0 < exponent < 1", low=0.0, high=1.0, open_low=True, open_high=True
-        )
-        error = number(self.error, "error", "1e-12 <= error <= 0.1", low=1e-12, high=0.1)
-        object.__setattr__(self, "exponent", exponent)
-        object.__setattr__(self, "error", error)
-        object.__setattr__(self, "modulus", positive(self.modulus, "modulus"))
-        object.__setattr__(self, "time", positive(self.time, "time"))
-        object.__setattr__(self, "relaxed", not_negative(self.relaxed, "relaxed"))
-        object.__setattr__(self, "range", _range(self.range))
+    def rules(self) -> None:
+        if len(self.range) != 2 or self.range[0] >= self.range[1]:
+            raise SceneError("range", f"got {list(self.range)}", "two times, first < last")
 
     def series(self) -> tuple[float, tuple[Branch, ...]]:
         """Relaxed modulus and branches, ascending in time.
@@ -154,9 +124,8 @@ class PowerLawRelaxation:
         return Material(modulus, poisson, branches)
 
 
-MODELS: dict[str, type[StandardLinearSolid] | type[PowerLawRelaxation]] = {
-    kind.model: kind for kind in (PowerLawRelaxation, StandardLinearSolid)
-}
+MODELS = Kinds((PowerLawRelaxation, StandardLinearSolid))
+"""What a file may state under ``material.model``, beside a Prony series."""
 
 
 def spacing_error(exponent: float, spacing: float) -> float:
@@ -190,15 +159,6 @@ def _log_slowest_rate(n: float, spacing: float, error: float) -> float:
     """Log of the largest ``t_max/tau``, at most 1, below which all branches may be taken as relaxed."""
     log_sum = math.log(error) + math.lgamma(n) + math.log(math.expm1((n + 1.0) * spacing) / spacing)
     return min(log_sum / (n + 1.0), 0.0)
-
-
-def _range(value: Any) -> tuple[float, float]:
-    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
-        raise SceneError("range", f"got {shown(value)}", "two times, first < last")
-    first, last = (positive(value[index], f"range[{index}]") for index in (0, 1))
-    if first >= last:
-        raise SceneError("range", f"got {shown([first, last])}", "two times, first < last")
-    return first, last
 
 
 def _power(log: float) -> str:

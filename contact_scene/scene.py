@@ -1,21 +1,35 @@
-"""Scene: the problem put to a solver, checked on construction."""
+"""Scene: the problem put to a solver, checked on construction, read from and written to TOML files.
+
+Tables named in a scene file (profiles, loading tables, material data) are looked up beside it, and written
+beside it as CSV.
+"""
 
 from __future__ import annotations
 
+import os
+import tomllib
 from dataclasses import dataclass
+from typing import Annotated, Any
+
+import tomli_w
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach_bound import bounded_approaches
+from contact_scene.checked import Checked, Key, Tabulated, check_keys, from_table, to_table, under
 from contact_scene.errors import SceneError, shown
-from contact_scene.indenter import Indenter
+from contact_scene.files import as_path, as_target, read_text, write_pairs, write_whole
+from contact_scene.indenter import SHAPES, Indenter
 from contact_scene.loading import Loading
 from contact_scene.machine import Machine
 from contact_scene.material import Material
-from contact_scene.value_checks import a_string
+from contact_scene.material_table import material_of
+from contact_scene.value_checks import a_string, of_class
+
+_A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(Checked):
     """A rigid indenter on a viscoelastic half-space.
 
     Parameters
@@ -26,24 +40,18 @@ class Scene:
     title : str
     """
 
-    material: Material
-    indenter: Indenter
-    loading: Loading
-    adhesion: Adhesion | None = None
-    title: str = ""
+    material: Annotated[Material, Key("half-space")]
+    indenter: Annotated[Indenter, SHAPES, Key("rigid indenter")]
+    loading: Annotated[Loading, Key("what is done with it")]
+    adhesion: Annotated[Adhesion | None, Key("adhesion between them")] = None
+    title: Annotated[str, Key("name of the scene in figures and reports")] = ""
 
-    def __post_init__(self) -> None:
-        for name, kind in (("material", Material), ("indenter", Indenter), ("loading", Loading)):
-            if not isinstance(getattr(self, name), kind):
-                raise SceneError(name, f"got {shown(getattr(self, name))}", f"a {kind.__name__}")
-        if self.adhesion is not None and not isinstance(self.adhesion, Adhesion):
-            raise SceneError("adhesion", f"got {shown(self.adhesion)}", "an Adhesion or None")
-        if self.adhesion is not None and self.adhesion.stress is not None:
+    def rules(self) -> None:
+        if self.adhesion is not None:
             at_rest = self.adhesion.at_rest_on(self.material.relaxed_plane_modulus)
             object.__setattr__(self, "adhesion", at_rest)
         loading = bounded_approaches(self.loading, self.material, self.indenter, self.adhesion)
         object.__setattr__(self, "loading", loading)
-        a_string(self.title, "title")
         if self.is_adhesive and self.adhesion is not None and self.adhesion.zone >= self.indenter.edge:
             raise zone_too_long(self.adhesion.zone, self.indenter.edge)
 
@@ -75,3 +83,90 @@ def zone_too_long(zone: float, contact_radius: float) -> SceneError:
         f"the process zone {zone:.4g} is longer than the contact radius {contact_radius:.4g}",
         "a zone shorter than the contact radius (about a tenth of it or less is usual)",
     )
+
+
+def read_scene(path: str | os.PathLike[str]) -> Scene:
+    """Read a scene from a TOML file.
+
+    Raises
+    ------
+    SceneError
+        One line: file, key, what is wrong, what is allowed.
+    """
+    file = as_path(path, "", "the name of a scene file")
+    text = read_text(file)
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # ValueError also for integers of thousands of digits
+        raise SceneError("", f"not a TOML file: {error}", _A_SCENE, str(path)) from None
+    if not data:
+        raise SceneError("", "the file is empty", _A_SCENE, str(path))
+    try:
+        return scene_from_dict(data, file.parent)
+    except SceneError as error:
+        raise error.in_file(str(path)) from None
+
+
+def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") -> Scene:
+    """Build a scene from the parsed contents of a scene file; tables are looked up in ``folder``."""
+    where = as_path(folder, "folder", "the path of a folder")
+    if not isinstance(data, dict):
+        raise SceneError("", f"got {shown(data)}", _A_SCENE)
+    check_keys(data, ("title", "material", "indenter", "adhesion", "machine", "loading"))
+    for key in ("material", "indenter", "adhesion", "machine", "loading"):
+        if key in data and not isinstance(data[key], dict):
+            raise SceneError(key, f"got {shown(data[key])}", f"a table [{key}]")
+        if key not in data and key not in ("adhesion", "machine"):
+            raise SceneError(key, "is missing", f"a table [{key}]")
+    parts = {key: value for key, value in data.items() if key != "machine"}
+    parts["material"] = under("material", lambda: material_of(data["material"], where))
+    under("loading", lambda: check_keys(data["loading"], ("start", "penetration", "steps")))
+    if "machine" in data:  # a table of its own in a file, part of the loading in a scene
+        machine = under("machine", lambda: from_table([Machine], data["machine"], where))
+        parts["loading"] = data["loading"] | {"machine": machine}
+    scene: Scene = from_table([Scene], parts, where)
+    return scene
+
+
+def scene_table(scene: Scene, file: Any = None) -> dict[str, Any]:
+    """The contents of a scene file; ``file`` as of :func:`contact_scene.checked.to_table`."""
+    table = to_table(scene, file)
+    machine = table["loading"].pop("machine", None)
+    return table if machine is None else table | {"machine": machine}
+
+
+def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
+    """Write a scene as TOML (tables of profiles, rates and loading go into CSV files beside it).
+
+    Raises
+    ------
+    SceneError
+        One line, if the path is none of a file that can be written.
+    """
+    of_class(scene, "scene", Scene, "a Scene")
+    target = as_target(path)
+
+    def beside(place: tuple[str, ...], part: Tabulated) -> str:
+        name = f"{target.stem}-{'-'.join(place)}.csv"
+        first, second, *_ = part.stated().values()
+        write_pairs(target.with_name(name), part.column_names(vars(part)), first, second)
+        return name
+
+    write_whole(target, tomli_w.dumps(scene_table(scene, beside)))
+
+
+def write_material(material: Material, path: str | os.PathLike[str], remark: str = "") -> None:
+    """Write the table ``[material]`` of a scene file as TOML, below the lines of ``remark`` as comments.
+
+    Raises
+    ------
+    SceneError
+        One line, if the path is none of a file that can be written.
+    """
+    of_class(material, "material", Material, "a Material")
+    comments = "".join(f"# {line}\n" for line in a_string(remark, "remark").splitlines())
+    write_whole(as_target(path), comments + tomli_w.dumps({"material": to_table(material, _no_file)}))
+
+
+def _no_file(place: tuple[str, ...], part: Tabulated) -> str:
+    raise AssertionError("a material has no tabulated part")

@@ -1,14 +1,49 @@
-"""A load step on the time axis: which quantity is prescribed, and how it goes."""
+"""A load step on the time axis: which quantity is prescribed, how it goes, and the level that may end it.
+
+A test approaches until a force is reached, not to a depth. Where the level of a trigger is reached, a solver
+finds in its own way; here is which quantity it is, and from which side it is approached.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from contact_scene.trigger import Trigger
+from contact_scene.trace import Outcome, OutcomeKind
 
 Control = Literal["penetration", "force", "stage"]
+Quantity = Literal["force", "radius", "penetration"]
+
+AT_LEVEL = 1e-9
+"""Distance from a level, relative to it, below which a state is there: rounding of a step before."""
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """A load step ends where ``quantity`` reaches ``level``, from whichever side it begins."""
+
+    quantity: Quantity
+    level: float
+
+    def excess(self, penetration: float, force: float, radius: float) -> float:
+        """Distance of a state beyond the level."""
+        return {"force": force, "radius": radius, "penetration": penetration}[self.quantity] - self.level
+
+    def side(self, excess: float) -> float:
+        """Side of the level on which a state is, 1 or -1; 0 if it is there but for rounding."""
+        return 0.0 if abs(excess) <= AT_LEVEL * abs(self.level) else math.copysign(1.0, excess)
+
+    def not_reached(self, time: float) -> Outcome:
+        """The outcome of a run whose load step has ended without it."""
+        reason = f"the load step ended before the {self.quantity} was {self.level:.6g}"
+        return Outcome(OutcomeKind.TRIGGER_NOT_REACHED, reason, time)
+
+
+def passed(side: float, excess: float) -> bool:
+    """Whether a level approached from ``side`` (0: it is there) is reached."""
+    return side * excess <= 0.0
 
 
 @dataclass(frozen=True)
@@ -54,20 +89,7 @@ class Segment:
 
 
 def straight(control: Control, start: float, end: float, first: float, last: float) -> Segment:
-    """A control law that is linear in time.
-
-    Parameters
-    ----------
-    control : "penetration", "force" or "stage"
-    start, end : float
-        Times.
-    first, last : float
-        Values there.
-
-    Returns
-    -------
-    Segment
-    """
+    """A control law that is linear in time, from ``first`` at ``start`` to ``last`` at ``end``."""
     rate = (last - first) / (end - start) if end > start else 0.0
 
     def value(time: float) -> float:
@@ -82,6 +104,7 @@ class Step:
     """A load step; each kind defines :meth:`segment`."""
 
     kind: ClassVar[str]
+    tag = "kind"
 
     @property
     def trigger(self) -> Trigger | None:
@@ -89,17 +112,5 @@ class Step:
         return None
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        """The control law of this step.
-
-        Parameters
-        ----------
-        time : float
-            At which it starts.
-        penetration, force : float
-            From which it starts.
-
-        Returns
-        -------
-        Segment
-        """
+        """The control law of this step, which starts at ``time`` from a penetration and a force."""
         raise AssertionError("defined by every kind of step")

@@ -9,22 +9,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
+from contact_scene.checked import Checked, Finite, Key, Kinds, Positive
 from contact_scene.errors import SceneError
 from contact_scene.material import Branch, BulkRelaxation, Material
-from contact_scene.value_checks import (
-    A_COLUMN,
-    LARGEST,
-    SMALLEST,
-    as_tuple,
-    finite,
-    number,
-    of_class,
-    positive,
-)
+from contact_scene.value_checks import LARGEST, SMALLEST, Range, finite, of_class
 
 GAS_CONSTANT = 8.31446261815324
 """J/(mol K), exact in the SI of 2019."""
@@ -34,32 +26,21 @@ number is a temperature in Celsius."""
 MOST_DECADES = 30.0
 """Of a shift: master curves span 20, from the glass to the melt."""
 
+kelvins = Range(f"kelvin, at least {LOWEST_KELVIN:g}", LOWEST_KELVIN)
+
 
 @dataclass(frozen=True)
-class WLF:
+class WLF(Checked):
     """Williams, Landel and Ferry: ``log10 a_T = -c1 (T - T_ref)/(c2 + T - T_ref)``, for ``T > T_ref - c2``.
 
-    Parameters
-    ----------
-    c1 : float
-        > 0.
-    c2 : float
-        Degrees, > 0.
-    reference_temperature : float
-        Degrees, on the scale of the scene's ``temperature`` (Celsius or kelvin: only differences enter).
+    Temperatures in degrees, Celsius or kelvin: only differences enter.
     """
 
+    tag = "model"
     model: ClassVar[str] = "WLF"
-    c1: float
-    c2: float
-    reference_temperature: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "c1", positive(self.c1, "c1"))
-        object.__setattr__(self, "c2", positive(self.c2, "c2"))
-        object.__setattr__(
-            self, "reference_temperature", finite(self.reference_temperature, "reference_temperature")
-        )
+    c1: Annotated[Positive, Key("first constant", "1")]
+    c2: Annotated[Positive, Key("second constant", "degree")]
+    reference_temperature: Annotated[Finite, Key("temperature of the stated times", "degree")]
 
     def log_factor(self, temperature: float) -> float:
         """``ln a_T``."""
@@ -73,65 +54,41 @@ class WLF:
 
 
 @dataclass(frozen=True)
-class Arrhenius:
-    """``ln a_T = activation_energy/R (1/T - 1/T_ref)``.
+class Arrhenius(Checked):
+    """``ln a_T = activation_energy/R (1/T - 1/T_ref)``; the scene's ``temperature`` is in kelvin too."""
 
-    Parameters
-    ----------
-    activation_energy : float
-        J/mol, > 0.
-    reference_temperature : float
-        Kelvin, at least ``LOWEST_KELVIN``; the scene's ``temperature`` is in kelvin too.
-    """
-
+    tag = "model"
     model: ClassVar[str] = "Arrhenius"
-    activation_energy: float
-    reference_temperature: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "activation_energy", positive(self.activation_energy, "activation_energy"))
-        kelvins = _kelvins(self.reference_temperature, "reference_temperature")
-        object.__setattr__(self, "reference_temperature", kelvins)
+    activation_energy: Annotated[Positive, Key("activation energy", "J/mol")]
+    reference_temperature: Annotated[float, kelvins, Key("temperature of the stated times", "kelvin")]
 
     def log_factor(self, temperature: float) -> float:
         """``ln a_T``."""
-        inverse = 1.0 / _kelvins(temperature, "temperature") - 1.0 / self.reference_temperature
+        inverse = 1.0 / kelvins(temperature, "temperature") - 1.0 / self.reference_temperature
         return self.activation_energy / GAS_CONSTANT * inverse
 
 
-def _kelvins(temperature: float, key: str) -> float:
-    """A temperature in kelvin, which one in Celsius is told from."""
-    return number(temperature, key, f"kelvin, at least {LOWEST_KELVIN:g}", low=LOWEST_KELVIN)
-
-
 @dataclass(frozen=True)
-class ShiftTable:
+class ShiftTable(Checked):
     """Measured shift factors; ``log10 a_T`` is linear in temperature between them.
 
-    Parameters
-    ----------
-    temperatures : tuple of float
-        Distinct, in any order; on the scale of the scene's ``temperature``. At least two.
-    log10_factors : tuple of float
-        ``log10 a_T``, as many; 0 at the reference temperature.
+    Temperatures are distinct, at least two, in any order, on the scale of the scene's ``temperature``; the
+    factor's logarithm is 0 at the reference temperature.
     """
 
+    tag = "model"
     model: ClassVar[str] = "file"
-    temperatures: tuple[float, ...]
-    log10_factors: tuple[float, ...]
+    temperatures: Annotated[tuple[Finite, ...], Key("temperatures", "degree")]
+    log10_factors: Annotated[tuple[Finite, ...], Key("log10 of the shift factors at these", "1")]
 
-    def __post_init__(self) -> None:
-        temperatures = as_tuple(self.temperatures, "temperatures", A_COLUMN)
-        factors = as_tuple(self.log10_factors, "log10_factors", A_COLUMN)
+    def rules(self) -> None:
+        temperatures, factors = self.temperatures, self.log10_factors
         if len(temperatures) != len(factors):
             problem = f"{len(temperatures)} temperatures but {len(factors)} shift factors"
             raise SceneError("log10_factors", problem, "one for each")
         if len(temperatures) < 2:
             raise SceneError("temperatures", f"{len(temperatures)} rows", "two rows or more")
-        rows = sorted(
-            (finite(t, f"temperature, row {row}"), finite(a, f"shift factor, row {row}"))
-            for row, (t, a) in enumerate(zip(temperatures, factors, strict=True), 1)
-        )
+        rows = sorted(zip(temperatures, factors, strict=True))
         for (one, _), (other, _) in pairwise(rows):
             if one == other:
                 raise SceneError("temperature", f"{one:g} comes twice", "distinct temperatures")
@@ -151,7 +108,8 @@ class ShiftTable:
 
 
 Shift = WLF | Arrhenius | ShiftTable
-SHIFTS: dict[str, type[WLF] | type[Arrhenius]] = {kind.model: kind for kind in (WLF, Arrhenius)}
+SHIFTS = Kinds((WLF, Arrhenius))
+"""What a file may state under ``shift.model``, beside a table of factors."""
 
 
 def at_temperature(material: Material, shift: Shift, temperature: float) -> Material:

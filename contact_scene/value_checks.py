@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,86 +15,61 @@ from contact_scene.errors import SceneError, shown
 SMALLEST, LARGEST = 1e-60, 1e60
 """Bounds of every quantity with a dimension: products of five still fit into a float."""
 
-FINITE = f"a finite number, at most {LARGEST:g} in magnitude"
-POSITIVE = f"a finite number > 0, from {SMALLEST:g} to {LARGEST:g}"
-NOT_NEGATIVE = f"a finite number >= 0, at most {LARGEST:g}"
-ZERO_OR_POSITIVE = f"a finite number >= 0: 0, or from {SMALLEST:g} to {LARGEST:g}"
-
 A_COLUMN = "finite numbers, one a row"
 
 
+@dataclass(frozen=True)
+class Range:
+    """Real numbers from ``low`` to ``high``, the ends included unless ``open``, and those in ``also``."""
+
+    words: str
+    low: float = -LARGEST
+    high: float = LARGEST
+    open: bool = False
+    also: tuple[float, ...] = ()
+
+    def __call__(self, value: Any, key: str) -> float:
+        """The number as a float; ``key`` names it in the error."""
+        a_number(value, key, self.words)
+        try:
+            result = float(value)
+        except OverflowError:
+            raise SceneError(
+                key, "must be finite, got an integer too large for a float", self.words
+            ) from None
+        if result in self.also:
+            return result
+        if not math.isfinite(result):
+            raise SceneError(key, f"must be finite, got {result}", self.words)
+        inside = self.low < result < self.high if self.open else self.low <= result <= self.high
+        if not inside:
+            raise SceneError(key, f"got {result!r}", self.words)
+        return result
+
+
+FINITE = f"a finite number, at most {LARGEST:g} in magnitude"
+POSITIVE = f"a finite number > 0, from {SMALLEST:g} to {LARGEST:g}"
+NOT_NEGATIVE = f"a finite number >= 0, at most {LARGEST:g}"
+
+finite = Range(FINITE)
+positive = Range(POSITIVE, SMALLEST)
+not_negative = Range(NOT_NEGATIVE, 0.0)
+zero_or_positive = Range(
+    f"a finite number >= 0: 0, or from {SMALLEST:g} to {LARGEST:g}", SMALLEST, also=(0.0,)
+)
+
+
 def number(
-    value: Any,
-    key: str,
-    allowed: str,
-    *,
-    low: float = -LARGEST,
-    high: float = LARGEST,
-    open_low: bool = False,
-    open_high: bool = False,
+    value: Any, key: str, allowed: str, *, low: float = -LARGEST, high: float = LARGEST, open: bool = False
 ) -> float:
-    """Check one finite real number against an interval and return it as a float.
-
-    Parameters
-    ----------
-    value : object
-    key : str
-        Dotted path of the key, for the error.
-    allowed : str
-        The interval in words, for the error.
-    low, high : float
-        Its ends.
-    open_low, open_high : bool
-        Whether the ends are excluded.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    SceneError
-        If ``value`` is not a real number, not finite, or outside the interval.
-    """
-    a_number(value, key, allowed)
-    try:
-        result = float(value)
-    except OverflowError:
-        raise SceneError(key, "must be finite, got an integer too large for a float", allowed) from None
-    if not math.isfinite(result):
-        raise SceneError(key, f"must be finite, got {result}", allowed)
-    too_low = result <= low if open_low else result < low
-    too_high = result >= high if open_high else result > high
-    if too_low or too_high:
-        raise SceneError(key, f"got {result!r}", allowed)
-    return result
+    """A finite real number of an interval as a float; ``allowed``: the interval in words, for the error."""
+    return Range(allowed, low, high, open)(value, key)
 
 
 def a_number(value: Any, key: str, allowed: str = "a number") -> None:
     """Check that a value is one real number, whichever; a truth value is none."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
         raise SceneError(key, f"must be a number, got {shown(value)}", allowed)
-
-
-def positive(value: Any, key: str) -> float:
-    """A finite number > 0 (``SMALLEST`` to ``LARGEST``)."""
-    return number(value, key, POSITIVE, low=SMALLEST)
-
-
-def not_negative(value: Any, key: str) -> float:
-    """A finite number >= 0 (up to ``LARGEST``)."""
-    return number(value, key, NOT_NEGATIVE, low=0.0)
-
-
-def zero_or_positive(value: Any, key: str) -> float:
-    """0, or a finite number > 0 that is divided by (``SMALLEST`` to ``LARGEST``)."""
-    result = number(value, key, ZERO_OR_POSITIVE, low=0.0)
-    return number(result, key, ZERO_OR_POSITIVE, low=SMALLEST) if result else result
-
-
-def finite(value: Any, key: str) -> float:
-    """A finite number (up to ``LARGEST`` in magnitude)."""
-    return number(value, key, FINITE)
 
 
 def as_tuple(value: Any, key: str, allowed: str) -> tuple[Any, ...]:
@@ -112,25 +88,7 @@ def several(value: Any, key: str, allowed: str) -> tuple[Any, ...]:
 
 
 def column(values: Any, key: str, allowed: str = A_COLUMN) -> NDArray[np.float64]:
-    """Numbers in a row as an array of its own, shape (n,); not yet checked to be finite.
-
-    Parameters
-    ----------
-    values : array_like, shape (n,)
-    key : str
-        Name of the column, for the error.
-    allowed : str
-        What it may hold, in words.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-
-    Raises
-    ------
-    SceneError
-        If they are no real numbers, or not in one row.
-    """
+    """Real numbers in a row as an array of its own, shape (n,); not yet checked to be finite."""
     try:
         array = np.array(values)
         if array.dtype.kind not in "iufO":  # no truth values, texts, dates or complex numbers
@@ -141,6 +99,18 @@ def column(values: Any, key: str, allowed: str = A_COLUMN) -> NDArray[np.float64
     if array.ndim != 1:
         raise SceneError(key, f"has shape {array.shape}", f"{allowed}: one dimension")
     return array
+
+
+def finite_column(values: Any, key: str, check: Range = finite) -> tuple[float, ...]:
+    """Numbers of a range, one a row; long columns of plain floats at once."""
+    entries = values.tolist() if isinstance(values, np.ndarray) else as_tuple(values, key, A_COLUMN)
+    if not isinstance(entries, (list, tuple)):  # an array without a dimension
+        raise SceneError(key, f"got {shown(values)}", A_COLUMN)
+    if all(type(entry) is float for entry in entries):
+        numbers = np.array(entries)
+        if ((numbers >= check.low) & (numbers <= check.high)).all():  # not a number compares as false
+            return tuple(entries)
+    return tuple(check(entry, f"{key}, row {row}") for row, entry in enumerate(entries, 1))
 
 
 def a_string(value: Any, key: str) -> str:
@@ -169,22 +139,6 @@ def one_of(value: Any, key: str, choices: Sequence[str]) -> str:
 
 
 def of_class(value: Any, key: str, classes: Any, allowed: str) -> None:
-    """Check the class of what a function is given.
-
-    Parameters
-    ----------
-    value : Any
-    key : str
-        Name of the argument.
-    classes : type or tuple of type
-        As of ``isinstance``.
-    allowed : str
-        The same in words.
-
-    Raises
-    ------
-    SceneError
-        If it is of none of them.
-    """
+    """Check the class of what a function is given, as ``isinstance`` does; ``allowed``: in words."""
     if not isinstance(value, classes):
         raise SceneError(key, f"got {shown(value)}", allowed)

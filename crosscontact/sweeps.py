@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
@@ -129,7 +128,7 @@ def sweep(
     if points is not None:
         asked["points"] = points
     with ExitStack() as opened:
-        plan = _checked_plan(asked, _base(scene, opened), target is not None)
+        plan = _checked_plan(asked, _base(scene), target is not None)
         engine = _engine(opened, executor, jobs, batch_seconds)
         return _carried_out(plan, engine, target, progress)
 
@@ -161,10 +160,10 @@ def _carried_out(
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
 
 
-def _base(scene: Scene | str | os.PathLike[str], opened: ExitStack) -> SceneTable:
-    """The scene that is varied; its file, if it has none, is there until ``opened`` is closed."""
+def _base(scene: Scene | str | os.PathLike[str]) -> SceneTable:
+    """The scene that is varied."""
     if isinstance(scene, Scene):
-        return of_scene(scene, Path(opened.enter_context(tempfile.TemporaryDirectory())))
+        return of_scene(scene)
     if isinstance(scene, (str, os.PathLike)):
         return builtin_or_file(os.fspath(scene), Path())
     raise SceneError("scene", f"got {shown(scene)}", A_SCENE)

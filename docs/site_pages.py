@@ -12,8 +12,7 @@ import re
 import shutil
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
-from dataclasses import MISSING, fields
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -26,9 +25,12 @@ from latex2mathml.converter import convert  # noqa: E402
 
 import crosscontact as cc  # noqa: E402
 from benchmarks import saved_report  # noqa: E402
-from contact_scene import Indenter  # noqa: E402
+from contact_scene.adhesion import PowerRate, RateTable  # noqa: E402
+from contact_scene.checked import Checked, Tabulated, fields_of, optional_keys  # noqa: E402
+from contact_scene.indenter import SHAPES  # noqa: E402
 from contact_scene.load_steps import STEPS  # noqa: E402
 from contact_scene.material_models import MODELS  # noqa: E402
+from contact_scene.temperature_shift import SHIFTS  # noqa: E402
 from crosscontact.arguments import parser  # noqa: E402
 from validation.cases import Case, load  # noqa: E402
 from validation.claims.claim import Finding  # noqa: E402
@@ -105,36 +107,51 @@ def command_line() -> str:
     return "\n".join(lines) + "\n"
 
 
+SCENE_KEYS: dict[str, Iterable[type[Checked]]] = {
+    "`[material]`": (cc.Material,),
+    "`material.model`": MODELS,
+    "`material.bulk`": (cc.BulkRelaxation,),
+    "`material.shift.model`": SHIFTS,
+    "`indenter.shape`": SHAPES,
+    "`[adhesion]`": (cc.Adhesion,),
+    "`adhesion.rate`": (PowerRate, RateTable),
+    "`[machine]`": (cc.Machine,),
+    "`[loading]`": (cc.Loading,),
+    "`kind` of a load step": STEPS,
+}
+
+
 def scene_keys() -> str:
-    """Tables of the shapes, load steps and material laws with their keys, from the classes of a scene."""
-    tables: dict[str, dict[str, type]] = {
-        "`indenter.shape`": {kind.shape: kind for kind in _subclasses(Indenter) if hasattr(kind, "shape")},
-        "`kind` of a load step": {**STEPS, cc.Approach.kind: cc.Approach},
-        "`material.model`": dict(MODELS),
-        "`[adhesion]`": {"": cc.Adhesion},
-    }
-    lines = ["# Keys by kind", "", "Written from the classes that a scene is made of.", ""]
-    for title, kinds in tables.items():
-        lines += [f"## {title}", "", "| name | keys | |", "|---|---|---|"]
-        for name, kind in kinds.items():
-            about = " ".join((inspect.getdoc(kind) or "").split("\n\n")[0].replace("``", "`").split())
-            about = about.replace("|", "\\|")
-            lines += [f"| {name and f'`{name}`'} | {_keys(name, kind)} | {about} |"]
-        lines += [""]
-    return "\n".join(lines)
+    """Tables of all keys of a scene file: what each is, its unit, what is allowed, and its default."""
+    lines = ["# Keys by kind", "", "Written from the declarations of the classes that a scene is made of."]
+    for title, kinds in SCENE_KEYS.items():
+        lines += ["", f"## {title}"]
+        for kind in kinds:
+            about = (inspect.getdoc(kind) or "").split("\n\n")[0].replace("``", "`")
+            name = ["", f"### `{getattr(kind, kind.tag)}`"] if kind.tag else []
+            lines += [
+                *name,
+                "",
+                _cell(about),
+                "",
+                "| key | | unit | allowed | default |",
+                "|---|---|---|---|---|",
+            ]
+            lines += _keys(kind)
+    return "\n".join(lines) + "\n"
 
 
-def _subclasses(base: type) -> Iterator[Any]:
-    for kind in base.__subclasses__():
-        yield kind
-        yield from _subclasses(kind)
+def _keys(kind: type[Checked]) -> Iterator[str]:
+    defaults, columns = optional_keys(kind), 2 if issubclass(kind, Tabulated) else 0
+    for index, (name, field) in enumerate(fields_of(kind).items()):
+        allowed = field.allowed(name) if index >= columns else "a list, in place of the file"
+        default = "" if defaults.get(name) in (None, "", ()) else f"`{defaults[name]!r}`"
+        unit = f"`{field.key.unit}`" if field.key.unit else ""
+        yield f"| `{name}` | {_cell(field.key.text)} | {unit} | {_cell(allowed)} | {_cell(default)} |"
 
 
-def _keys(name: str, kind: type) -> str:
-    of_a_file = {"profile": "`file`: CSV of radius, height", "table": "`file`: CSV of time, penetration"}
-    found = (one for one in fields(kind) if one.init)  # type: ignore[arg-type]
-    keys = (f"`{one.name}`" + ("" if one.default is MISSING else f" = {one.default!r}") for one in found)
-    return of_a_file.get(name) or ", ".join(keys) or "none"
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
 
 
 def accuracy(report: Report) -> str:

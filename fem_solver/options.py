@@ -75,7 +75,7 @@ class Options:
             checked["resolution"] = whole_number(self.resolution, "resolution", 1)
         if self.tolerance is not None:
             allowed = "a number between 0 and 1"
-            number(self.tolerance, "tolerance", allowed, low=0.0, high=1.0, open_low=True, open_high=True)
+            number(self.tolerance, "tolerance", allowed, low=0.0, high=1.0, open=True)
         one_of(self.form, "form", ("mixed", "displacement"))
         one_of(self.path, "path", ("auto", "condensed", "quadrature"))
         for name, value in checked.items():

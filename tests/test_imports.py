@@ -60,8 +60,9 @@ LOADED_AT_FIRST_USE |= {
                     "study", "sweep")
 }  # fmt: skip
 # Single imports of that kind, each about as long as the rest of contact_scene: only scenes with a tabulated
-# indenter, a power-law material or measured moduli need them.
+# indenter, a smooth loading table, a power-law material or measured moduli need them.
 DEFERRED = {
+    ("contact_scene.load_steps", "scipy.interpolate"),
     ("contact_scene.indenter", "scipy.interpolate"),
     ("contact_scene.material_models", "scipy.special"),
     ("contact_scene.series_design", "scipy.optimize"),

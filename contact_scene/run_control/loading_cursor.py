@@ -6,8 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from contact_scene.loading import Loading
-from contact_scene.segment import Segment
-from contact_scene.trigger import passed
+from contact_scene.segment import Segment, passed
 
 
 @dataclass(frozen=True)

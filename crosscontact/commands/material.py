@@ -12,7 +12,7 @@ from contact_scene.material_file import LARGEST_MISFIT, no_series_meets, read_ma
 from contact_scene.measured_moduli import RelaxationData
 from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
 from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
-from contact_scene.scene_writer import write_material
+from contact_scene.scene import write_material
 from contact_scene.value_checks import one_of, positive
 from crosscontact.commands.forecast import warn
 from crosscontact.tables import aligned

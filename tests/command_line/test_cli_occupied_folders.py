@@ -11,7 +11,7 @@ from support.report_commands import WORK
 from support.spring_solver import SCENE, FunctionSolver, named, small_scene, spring, stoppable
 
 import crosscontact as cc
-from contact_scene.scenefile import scene_from_dict
+from contact_scene.scene import scene_from_dict
 from crosscontact.cli import main
 from validation import cases, solvers
 from validation.compare.premises import of_case

@@ -13,6 +13,7 @@ import pytest
 
 import crosscontact as cc
 from contact_scene import COLUMNS
+from contact_scene.checked import fields_of
 from contact_scene.load_steps import STEPS
 from crosscontact.commands import __path__ as command_files
 from fem_solver.recorder import EXTRA
@@ -46,11 +47,12 @@ def test_every_command_and_option_is_in_the_reference():
     assert "--quantity Q [Q ...]" in page
 
 
-def test_every_kind_of_step_is_in_the_reference():
+def test_every_key_is_in_the_reference():
     page = site_pages.scene_keys()
-    assert [kind for kind in STEPS if f"| `{kind}` |" not in page] == []
-    assert "| `oscillate` | `amplitude`, `angular_frequency`, `duration`, `drift` = 0.0 |" in page
-    assert "| `sphere` | `radius` |" in page
+    kinds = [kind for part in site_pages.SCENE_KEYS.values() for kind in part]
+    assert [step for step in STEPS if f"### `{step.kind}`" not in page] == []
+    assert [name for kind in kinds for name in fields_of(kind) if f"| `{name}` |" not in page] == []
+    assert "| `drift` | speed of retraction beside it | `length time-1` |" in page
 
 
 def test_columns_of_traces_are_in_the_reference():

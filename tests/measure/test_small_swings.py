@@ -10,7 +10,7 @@ import pytest
 from support.synthetic_traces import trace
 
 from contact_scene import Branch, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere
-from contact_scene.scene_writer import write_scene
+from contact_scene.scene import write_scene
 from crosscontact.cli import main
 from validation.cases import Case
 from validation.execution.runs import run

@@ -17,7 +17,7 @@ _OF_ADHESION = {"work", "zone"}
 POSSIBLE = {
     *("adhesive", "adhesionless", "elastic", "viscoelastic", "spectrum", "separate-bulk", "relaxed-start"),
     *("spring", "trigger"),
-    *(OF_STEP.get(kind, kind) for kind in STEPS),
+    *(OF_STEP.get(step.kind, step.kind) for step in STEPS),
     *(OF_SHAPE.get(kind.shape, kind.shape) for kind in (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)),
 }
 """Tags a scene can have, those for further parts of a scene aside."""

@@ -14,9 +14,11 @@ from functools import reduce
 from pathlib import Path
 from typing import Any
 
-from contact_scene import Scene, read_scene, write_scene
-from contact_scene.errors import SceneError, shown
-from contact_scene.scenefile import scene_from_dict
+from contact_scene import Machine, Scene, SceneError, read_scene, scene_from_dict
+from contact_scene.checked import Field, field_at
+from contact_scene.errors import shown
+from contact_scene.material_models import MODELS
+from contact_scene.scene import scene_table
 from validation import scenes
 
 _INDEX = re.compile(r"\[(\d+)\]")
@@ -50,17 +52,15 @@ class SceneTable:
         data = reduce(lambda table, item: put(table, *item), settings.items(), self.data)
         return replace(scene_from_dict(data, self.folder), title="")
 
-    def kind_of(self, path: str) -> str:
-        """The ``kind`` of the load step that a path leads into; empty elsewhere."""
-        here: Any = self.data
-        kind = ""
-        for part in parts(path)[:-1]:
-            try:
-                here = here[int(part)] if isinstance(here, list) else here[part]
-            except (KeyError, IndexError, TypeError, ValueError):
-                return ""
-            kind = str(here.get("kind", kind)) if isinstance(here, dict) else kind
-        return kind
+    def field(self, path: str) -> Field | None:
+        """What the scene declares at a path; ``None`` where it declares nothing."""
+        place = parts(path)
+        if place[0] == "machine":  # a table of its own in a file
+            return field_at([Machine], {}, place[1:])
+        found = field_at([Scene], self.data, place)
+        if found is None and place[0] == "material":
+            return field_at(MODELS, self.data.get("material"), place[1:])
+        return found
 
 
 def parts(path: str) -> tuple[str, ...]:
@@ -121,8 +121,6 @@ def builtin_or_file(name: str, folder: Path) -> SceneTable:
     return SceneTable(name if known else file.stem, tomllib.loads(file.read_text("utf-8")), file.parent)
 
 
-def of_scene(scene: Scene, folder: Path) -> SceneTable:
-    """The table of a scene built in Python; its tables of numbers are written into ``folder``."""
-    file = folder / "scene.toml"
-    write_scene(scene, file)
-    return SceneTable(scene.title or "scene", tomllib.loads(file.read_text("utf-8")), folder)
+def of_scene(scene: Scene) -> SceneTable:
+    """The table of a scene built in Python, its tables of numbers in it."""
+    return SceneTable(scene.title or "scene", scene_table(scene), Path())

@@ -8,30 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from validation.sweeps.coordinates import Coordinate
-from validation.sweeps.scene_table import SceneTable, parts
+from validation.sweeps.scene_table import SceneTable
 
 NONE = "1"
 """Unit of a number without dimension."""
-_OF_KEYS = {
-    "modulus": "force length-2",
-    "poisson": NONE,
-    "exponent": NONE,
-    "time": "time",
-    "duration": "time",
-    "radius": "length",
-    "zone": "length",
-    "penetration": "length",
-    "amplitude": "length",
-    "work": "force length-1",
-    "stiffness": "force length-1",
-    "half_angle": "degree",
-    "angular_frequency": "time-1",
-    "chirp": "time-2",
-    "drift": "length time-1",
-    "to": "length",
-    "rate": "length time-1",
-}
-_OF_FORCE_STEPS = {"to": "force", "value": "force", "rate": "force time-1"}
 _OF_MEASURES = {
     "force": "force",
     "radius": "length",
@@ -49,16 +29,12 @@ _OF_MEASURES = {
 
 
 def of_coordinate(coordinate: Coordinate, base: SceneTable, names: Mapping[str, str]) -> str:
-    """Unit of a coordinate; empty where the key does not tell."""
+    """Unit of a coordinate, as the scene declares it; empty where the key does not tell."""
     if coordinate.unit:
         return coordinate.unit
     path = coordinate.keys[0]
-    key = parts(path)[-1]
-    force_step = base.kind_of(path).startswith("force")
-    return _named(
-        _OF_FORCE_STEPS.get(key, "") if force_step and key in _OF_FORCE_STEPS else _OF_KEYS.get(key, ""),
-        names,
-    )
+    field = base.field(path)
+    return "" if field is None else _named(field.key.unit, names)
 
 
 def of_measure(measure: str, names: Mapping[str, str]) -> str:

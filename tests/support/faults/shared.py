@@ -78,12 +78,12 @@ def _(true):
     return lambda self, *given: true(replace(self, angular_frequency=1.005 * self.angular_frequency), *given)
 
 
-@scene_fault("exponent of the rate 1 % too large", "edge_rate:PowerRate.work", RATED)
+@scene_fault("exponent of the rate 1 % too large", "adhesion:PowerRate.work", RATED)
 def _(true):
     return lambda self, *given: true(replace(self, exponent=1.01 * self.exponent), *given)
 
 
-@scene_fault("speed of the rate 3 % too large", "edge_rate:PowerRate.work", RATED)
+@scene_fault("speed of the rate 3 % too large", "adhesion:PowerRate.work", RATED)
 def _(true):
     return lambda self, *given: true(replace(self, speed=1.03 * self.speed), *given)
 

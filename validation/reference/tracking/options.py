@@ -54,7 +54,7 @@ class Options:
         if self.resolution is not None:
             object.__setattr__(self, "resolution", whole_number(self.resolution, "resolution", 4))
         if self.tolerance is not None:
-            number(self.tolerance, "tolerance", "0 < tolerance < 1", low=0.0, high=1.0, open_low=True)
+            number(self.tolerance, "tolerance", "0 < tolerance < 1", low=0.0, high=1.0, open=True)
         object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
         object.__setattr__(self, "stop_times", moments(self.stop_times, "stop_times"))
         object.__setattr__(self, "profile_times", moments(self.profile_times, "profile_times"))

@@ -10,7 +10,7 @@ from contact_scene import Event, Outcome, OutcomeKind, RunMonitor, Segment, Trig
 from contact_scene.run_control.early_outcomes import below_zone_outcome, budget_outcome
 from contact_scene.run_control.loading_cursor import LoadingCursor, stops_within
 from contact_scene.run_control.monitor import interruption
-from contact_scene.trigger import passed
+from contact_scene.segment import passed
 from validation.reference.tracking.instantaneous import force_without_contact
 from validation.reference.tracking.load_jump import load_jump
 from validation.reference.tracking.options import Options

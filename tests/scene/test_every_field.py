@@ -1,0 +1,133 @@
+"""Every declared field, given what it cannot be, in Python and in a table: one line with its key."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import MISSING, fields
+from pathlib import Path
+
+import pytest
+from support.wrong_values import WRONG, refused
+
+import contact_scene
+from contact_scene import SceneError
+from contact_scene.checked import Checked, Field, Tabulated, all_kinds, fields_of, from_table, to_table
+
+KINDS = [
+    kind
+    for kind in (getattr(contact_scene, name) for name in contact_scene.__all__)
+    if inspect.isclass(kind) and issubclass(kind, Checked)
+]
+SPECIAL = {
+    "Adhesion": {"work": 1.0, "zone": 0.01},
+    "StandardLinearSolid": {"relaxed": 1.0, "glassy": 2.0, "time": 1.0},
+    "PowerLawRelaxation": {"exponent": 0.5, "modulus": 1.0, "time": 1.0, "range": (0.1, 1.0)},
+    "Arrhenius": {"activation_energy": 1.0, "reference_temperature": 300.0},
+    "Machine": {"stiffness": 1.0},
+    "RateTable": {"speeds": (1.0, 2.0), "works": (1.0, 2.0)},
+}
+"""Values of classes whose fields are bound to each other."""
+
+
+def good(field: Field):
+    """A value that a field takes."""
+    if field.range is not None:
+        return min(max(2.0, field.range.low), field.range.high)
+    if field.words:
+        return field.words[0]
+    if field.entries is not None:
+        return () if field.entries.kinds else (0.0, 1.0, 2.0)
+    return made(field.kinds[0]) if field.kinds else "x"
+
+
+def values(kind):
+    """Values of the fields that a class must have."""
+    optional = {one.name for one in fields(kind) if one.default is not MISSING}
+    return SPECIAL.get(kind.__name__) or {
+        name: good(field) for name, field in fields_of(kind).items() if name not in optional
+    }
+
+
+def made(kind):
+    """An object of a class."""
+    return kind(**values(kind))
+
+
+def takes(kind, name: str, value) -> bool:
+    """Whether a field may be this after all: nothing, a text, a list without entries, or one of numbers."""
+    field = fields_of(kind)[name]
+    if value is None:
+        return field.optional
+    if isinstance(value, str):
+        return field.plain is str
+    if field.entries is not None and not isinstance(value, (float, bool, int, dict)):
+        try:
+            entries = list(value)
+        except TypeError:
+            return False
+        return not entries or (field.entries.range is not None and isinstance(entries[0], float))
+    return False
+
+
+CASES = [(kind, name) for kind in KINDS for name in fields_of(kind)]
+ids = [f"{kind.__name__}-{name}" for kind, name in CASES]
+
+
+def test_all_classes_of_a_scene_are_tried():
+    reached = {contact_scene.Scene}
+    for kind in list(reached):
+        stack = [kind]
+        while stack:
+            for field in fields_of(stack.pop()).values():
+                new = set(all_kinds(field)) - reached
+                reached |= new
+                stack += new
+    assert reached <= set(KINDS)
+    assert len(CASES) > 60
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES, ids=ids)
+def test_what_a_field_cannot_be_is_one_line(kind, name):
+    for wrong in WRONG.values():
+        if not takes(kind, name, wrong):
+            with pytest.raises(SceneError) as caught:
+                kind(**values(kind) | {name: wrong})
+            refused(caught.value)
+            column = dict(zip(list(fields_of(kind)), getattr(kind, "columns", ()), strict=False)).get(name)
+            assert caught.value.key.startswith((name, column or name))
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES, ids=ids)
+def test_the_same_in_a_table_of_a_file(kind, name):
+    table = to_table(made(kind))
+    for wrong in WRONG.values():
+        if not takes(kind, name, wrong):
+            with pytest.raises(SceneError) as caught:
+                from_table([kind], table | {name: wrong}, Path())
+            refused(caught.value)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def test_a_table_gives_its_object_back_and_takes_no_other_key(kind):
+    table = to_table(made(kind))
+    if kind is contact_scene.Scene:
+        table["indenter"] = made(contact_scene.Sphere)
+    assert from_table([kind], table, Path()) == made(kind)
+    with pytest.raises(SceneError, match="unknown key"):
+        from_table([kind], table | {"modulos": 1.0}, Path())
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [(kind, name) for kind, name in CASES if name in values(kind) and not issubclass(kind, Tabulated)],
+)
+def test_a_missing_key_is_named_with_what_is_allowed(kind, name):
+    table = {key: value for key, value in to_table(made(kind)).items() if key != name}
+    with pytest.raises(SceneError) as caught:
+        from_table([kind], table, Path())
+    assert caught.value.key == name
+    refused(caught.value)
+
+
+def test_every_field_says_what_it_is():
+    assert [(kind, name) for kind, name in CASES if not fields_of(kind)[name].key.text] == []
