@@ -11,6 +11,8 @@ from validation.measure.dimensionless import SYMBOLS, unit_sizes
 KEY_MEASURES = {
     "approach_force": "force",
     "approach_radius": "length",
+    "peak_force": "force",
+    "peak_time": "time",
     "pull_off_force": "force",
     "pull_off_penetration": "length",
     "pull_off_radius": "length",

@@ -360,7 +360,7 @@ def test_solve_takes_the_reference_unless_told(capsys, tmp_path, scene_file, fak
 def test_solve_prints_what_numbers_are_relative_to(capsys, scene_file, fakes):
     assert code_of("solve", scene_file) == 0
     out = capsys.readouterr().out.splitlines()
-    head, line = out[1], out[4]
+    head, line = out[1], next(line for line in out if "pull_off_force" in line)
     assert re.split(r" {2,}", head.strip()) == ["in scene units", "dimensionless", "F/F_JKR"]
     scene = read_scene(scene_file)
     shown = re.split(r" {2,}", line.strip())

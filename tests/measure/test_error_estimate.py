@@ -207,6 +207,22 @@ def test_a_corner_at_the_end_of_a_load_step_is_located():
     assert known["approach_time"] == 0.0
 
 
+@pytest.mark.parametrize("shift", [0.0, 0.3, 0.5])
+def test_a_smooth_crest_of_the_force_is_as_uncertain_as_rows_leave_it(shift):
+    """``1 - (t - 5)^2/25`` in rows a unit apart; a corner in a row is known."""
+    t = np.arange(11.0) + shift
+    force = 1.0 - ((t - 5.0) / 5.0) ** 2
+    run = dataclasses.replace(pulled(t, -force), errors={"peak_force": 0.0, "force": 0.0})
+    row = int(np.argmax(force))
+    found = from_own(run, {"peak_force": float(force[row]), "peak_time": float(t[row])})
+    assert found["peak_force"] >= 1.0 / force[row] - 1.0
+    assert found["peak_time"] >= abs(t[row] / 5.0 - 1.0)
+    assert found["peak_force"] < 0.15
+    corner = dataclasses.replace(run, force=1.0 - np.abs(t - t[row]) / 5.0)
+    known = from_own(corner, {"peak_force": 1.0, "peak_time": float(t[row])})
+    assert known["peak_force"] == pytest.approx(0.0, abs=1e-9)
+
+
 def test_the_end_of_a_plateau_of_the_force_is_an_event():
     t = np.arange(6.0)
     run = dataclasses.replace(pulled(t, [-1.0, 2.0, 2.0, 2.0, 2.0, 2.0]), errors={"pull_off_force": 1e-3})

@@ -48,6 +48,30 @@ def trace(time, penetration, force, radius=None, loss=None, kind=OutcomeKind.COM
     )
 
 
+def test_the_largest_force_may_come_before_the_largest_penetration():
+    """A contact that creeps on after its force has fallen, and one that never presses."""
+    creeping = ([0, 1, 1.5, 2, 3], [0, 1, 1.1, 1.2, 0], [0, 5, 5, 3, -1])
+    seen = observe(trace(*creeping))
+    assert (seen.peak_force, seen.peak_time, seen.approach_force) == (5, 1, 3)
+    stopped = observe(trace(*(column[:3] for column in creeping), kind=OutcomeKind.STEP_BUDGET))
+    assert stopped.peak_force is stopped.peak_time is None
+    assert observe(trace([0, 1], [0, -1], [-1, -2])).peak_force is None
+
+
+def test_the_time_of_the_largest_force_is_compared_where_it_is_one():
+    pressed = Loading("relaxed", 0.0, (Ramp(1.0, 1.0), Ramp(-1.0, 1.0)))
+    time, depth = np.arange(5.0), [0, 1, 0, 1, 0]
+    for force, located in (
+        ([0, 5, 1, 3, 0], True),
+        ([0, 5, 1, 4.95, 0], False),  # which of two is larger, is a matter of the error
+        ([0, 5, 5, 3, 0], False),  # held: where it is largest by round-off
+    ):
+        assert is_located("peak_time", trace(time, depth, force), pressed) is located
+        assert is_located("peak_force", trace(time, depth, force), pressed)
+    cycles = Loading("relaxed", 0.0, (Oscillate(0.1, 1.0, 2.0),))
+    assert not is_located("peak_time", trace(time, depth, [0, 5, 1, 3, 0]), cycles)
+
+
 def test_cycle():
     run = trace(
         [0, 1, 2, 3, 4, 4],

@@ -29,6 +29,8 @@ SCALARS = {
     "approach_penetration": "length",
     "approach_force": "force",
     "approach_radius": "length",
+    "peak_force": "force",
+    "peak_time": "",
     "pull_off_force": "jkr-force",
     "pull_off_penetration": "length",
     "pull_off_radius": "length",

@@ -29,6 +29,7 @@ FINEST = 6
 COARSEST = 2
 """Coarsest decade that passes: beyond one percent an answer is wrong."""
 PLACES = (
+    "peak_time",
     "pull_off_time",
     "pull_off_penetration",
     "pull_off_radius",
@@ -39,7 +40,7 @@ PLACES = (
 VANISHING = ("detachment_radius", "detachment_force")
 """States at the loss of contact that are zero without adhesion: the last row before is as good as another."""
 OF_ENERGY = {"loop_energy": "external_work", "dissipated_energy": "dissipated_energy"}
-_PARTS = ("start", "approach", "pull_off", "detachment", "final")
+_PARTS = ("start", "approach", "peak_force", "peak_time", "pull_off", "detachment", "final")
 BALANCE = "energy balance"
 OUTCOME = "outcome"
 COVERED = "time covered"
@@ -191,7 +192,7 @@ def _needed(name: str) -> set[str]:
     part = next((part for part in _PARTS if name.startswith(part)), None)
     if part is None:
         return set()
-    more = {"approach": {"penetration"}, "pull_off": {"force", "penetration"}}
+    more = {"approach": {"penetration"}, "peak_time": {"force"}, "pull_off": {"force", "penetration"}}
     return {column_of(name)} | more.get(part, {"contact_radius"} if part == "detachment" else set())
 
 

@@ -80,7 +80,8 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     Parameters
     ----------
     name : str
-        Name of the observable; any other than at the end of the approach is located.
+        Name of the observable; any other than at the end of the approach, and but for the time of the largest
+        force, is located.
     trace : Trace
     loading : Loading
 
@@ -88,6 +89,8 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     -------
     bool
     """
+    if name == "peak_time":
+        return not has_smooth_crests(loading) and _stands_alone(trace)
     if not name.startswith("approach"):
         return True
     if has_smooth_crests(loading):
@@ -105,6 +108,14 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
         return False
     rested = float(trace.time[end] - trace.time[highest[0]])
     return name != "approach_time" or rested <= CREPT * float(np.ptp(trace.time))
+
+
+def _stands_alone(trace: Trace) -> bool:
+    """Whether the force neither stays at its largest value nor comes back to it, to what runs differ by."""
+    largest, every = float(trace.force.max()), float(np.ptp(trace.time))
+    high = np.flatnonzero(trace.force >= (1.0 - MOST_MISSED) * largest)
+    held = trace.time[np.abs(trace.force - largest) <= CREPT**2 * abs(largest)]
+    return bool((np.diff(high) == 1).all()) and float(np.ptp(held)) <= CREPT * every
 
 
 def _may_reach(trace: Trace, row: int) -> float:

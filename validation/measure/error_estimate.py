@@ -39,7 +39,13 @@ from contact_scene.trace import Array
 from validation.measure.movement_norms import movement_bound, movement_distance, movement_interpolation_error
 from validation.measure.norms import CURVES, distance, interpolation_error
 from validation.measure.observables import at_last_contact
-from validation.measure.place_errors import SAFETY, add_at_approach, add_at_detachment, add_at_pull_off
+from validation.measure.place_errors import (
+    SAFETY,
+    add_at_approach,
+    add_at_detachment,
+    add_at_peak,
+    add_at_pull_off,
+)
 from validation.measure.row_interpolation import column_curve
 from validation.measure.scaling import column_of, scale
 from validation.measure.windows import load_step_ends, windows
@@ -116,7 +122,9 @@ def from_two_runs(
     add_at_approach(errors, run, spans, _extrapolated(change, usual, ratio), of_depth)
     apart = distance(other, run, "force", spans)
     usually = 0.0 if apart is None else _extrapolated(apart.rms, 1.0, ratio)
-    add_at_pull_off(errors, run, _apart(run, other, "force", 1.0, ratio, spans), usually)
+    of_force = _apart(run, other, "force", 1.0, ratio, spans)
+    add_at_peak(errors, run, spans, of_force, usually)
+    add_at_pull_off(errors, run, of_force, usually)
     add_at_detachment(errors, run, measured.get("detachment_radius"), compared=True)
     return errors
 
@@ -151,6 +159,7 @@ def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -
             between = movement_interpolation_error(trace, spans, column)
             errors[column + MOVEMENT] = trace.errors.get(column + MOVEMENT, bound) + between
     add_at_approach(errors, trace, spans)
+    add_at_peak(errors, trace, spans)
     add_at_pull_off(errors, trace)
     add_at_detachment(errors, trace, measured.get("detachment_radius"))
     return errors

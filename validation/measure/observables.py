@@ -38,6 +38,9 @@ class Observables:
         End of the approach, the first crest of the penetration that may be its largest value (see
         :mod:`validation.measure.approach`). ``None`` for a run that did not finish, unless the approach had
         ended.
+    peak_force, peak_time : float or None
+        Largest compressive force of the run, and when it is reached first (see :func:`peak_row`); ``None`` of
+        a run that did not finish as for the approach, and without compression.
     pull_off_force : float or None
         Largest tension ``max(-F)`` of the run, if it is an extremum that the run has passed (see
         :func:`pull_off_row`): not the tension with which a run begins or which still rises at its end.
@@ -66,6 +69,8 @@ class Observables:
     approach_penetration: float | None = None
     approach_force: float | None = None
     approach_radius: float | None = None
+    peak_force: float | None = None
+    peak_time: float | None = None
     pull_off_force: float | None = None
     pull_off_time: float | None = None
     pull_off_penetration: float | None = None
@@ -122,6 +127,9 @@ def observe(
     }
     if trace.outcome.finished or approach_ended(trace, loading):
         values |= _row(trace, end_of_approach(trace), "approach")
+        peak = peak_row(trace)
+        if peak is not None:
+            values |= {"peak_force": trace.force[peak], "peak_time": trace.time[peak]}
     pulling = pull_off_row(trace)
     if pulling is not None:
         at = _row(trace, pulling, "pull_off")
@@ -141,6 +149,13 @@ def largest_tension(trace: Trace) -> int | None:
     if tension.max() <= slack:
         return None
     return int(np.flatnonzero(tension >= tension.max() - slack)[-1])
+
+
+def peak_row(trace: Trace) -> int | None:
+    """Index of the first row at the largest compressive force; ``None`` without one beyond round-off."""
+    slack = ROUND_OFF * float(np.abs(trace.force).max())
+    largest = float(trace.force.max())
+    return int(np.flatnonzero(trace.force >= largest - slack)[0]) if largest > slack else None
 
 
 def pull_off_row(trace: Trace) -> int | None:

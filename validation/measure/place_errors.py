@@ -17,7 +17,7 @@ from contact_scene import OutcomeKind, Trace
 from contact_scene.trace import Array
 from validation.measure.approach import end_of_approach, rests_after
 from validation.measure.missed_maximum import MissedMaximum, missed_maximum, reach_of_maximum
-from validation.measure.observables import pull_off_row
+from validation.measure.observables import peak_row, pull_off_row
 from validation.measure.round_off import ROUND_OFF
 from validation.measure.scaling import column_of, scale
 
@@ -61,8 +61,7 @@ def add_at_approach(
     row = end_of_approach(trace)
     missed, corner = MissedMaximum(0.0, float(trace.time[row]), float(trace.time[row])), False
     if trace.contact_radius[row] > 0.0:
-        near = ROUND_OFF * float(np.ptp(trace.time))
-        corner = bool(np.isclose(_turns(trace, spans), trace.time[row], rtol=0.0, atol=near).any())
+        corner = _is_corner(trace, spans, row)
         missed = missed_maximum(trace, depth, row, corner)
     if missed.excess + depth_error <= ROUND_OFF * float(np.ptp(depth)) or rests_after(trace, row):
         return
@@ -96,19 +95,53 @@ def add_at_pull_off(
         Its root mean square over the run, relative.
     """
     row = pull_off_row(trace)
-    if row is None or _on_plateau(trace, row):
-        return
-    tension = -trace.force
-    missed = missed_maximum(trace, tension, row)
-    if "pull_off_force" in errors:
-        errors["pull_off_force"] += missed.excess / scale("pull_off_force", float(trace.force[row]), trace)
-    level = max(errors.get("pull_off_force", 0.0), usual) * float(tension[row])
-    possible = tension + _uncertain(trace, row, level, apart, LEAST_VARIED, missed.excess)
+    if row is not None and not _on_plateau(trace, row):
+        _add_at_largest(errors, trace, -trace.force, row, "pull_off", False, apart, usual)
+
+
+def add_at_peak(
+    errors: dict[str, float], trace: Trace, spans: Array, apart: Array | None = None, usual: float = 0.0
+) -> None:
+    """Add to the errors of the largest force and of its time what the rows leave open, as at the pull-off.
+
+    Parameters
+    ----------
+    errors : dict of str to float
+        Relative, by observable; added to.
+    trace : Trace
+    spans : ndarray, shape (k, 2)
+        Begin and end of every window of the run: there the largest force is a corner.
+    apart, usual
+        As of :func:`add_at_pull_off`.
+    """
+    row = peak_row(trace)
+    if row is not None:
+        corner = _is_corner(trace, spans, row)
+        _add_at_largest(errors, trace, trace.force, row, "peak", corner, apart, usual)
+
+
+def _add_at_largest(
+    errors: dict[str, float],
+    trace: Trace,
+    force: Array,
+    row: int,
+    part: str,
+    corner: bool,
+    apart: Array | None,
+    usual: float,
+) -> None:
+    """Add to the errors of the largest ``force``, and of the rest in its row, what the rows leave open."""
+    missed = missed_maximum(trace, force, row, corner)
+    if f"{part}_force" in errors:
+        errors[f"{part}_force"] += missed.excess / scale(f"{part}_force", float(force[row]), trace)
+    level = max(errors.get(f"{part}_force", 0.0), usual) * float(force[row])
+    least = 0.0 if corner else LEAST_VARIED
+    possible = force + _uncertain(trace, row, level, apart, least, missed.excess)
     for name in ("penetration", "radius", "time"):
-        key, column = f"pull_off_{name}", trace.columns()[column_of(name)]
+        key, column = f"{part}_{name}", trace.columns()[column_of(name)]
         relative_to = scale(key, float(column[row]), trace)
         if key in errors and relative_to > 0.0:
-            within_error = reach_of_maximum(possible, column, row, float(tension[row]))
+            within_error = reach_of_maximum(possible, column, row, float(force[row]))
             away = max(within_error, missed.away(trace, column, row))
             errors[key] = _joined(errors, key, away / relative_to, apart is not None)
 
@@ -236,6 +269,12 @@ def _on_plateau(trace: Trace, row: int) -> bool:
         return False
     last = int(np.flatnonzero(before)[-1])
     return bool(abs(trace.force[last] - trace.force[row]) <= ROUND_OFF * abs(trace.force[row]))
+
+
+def _is_corner(trace: Trace, spans: Array, row: int) -> bool:
+    """Whether the load turns at a row."""
+    near = ROUND_OFF * float(np.ptp(trace.time))
+    return bool(np.isclose(_turns(trace, spans), trace.time[row], rtol=0.0, atol=near).any())
 
 
 def _turns(trace: Trace, spans: Array) -> Array:
