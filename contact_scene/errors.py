@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import reprlib
+import unicodedata
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,6 +73,11 @@ def shown(value: Any) -> str:
 def cell_shown(text: str) -> str:
     """What a table holds in place of a number or name, no longer than that: a scene may name any file."""
     return shown(text if len(text) <= 12 else text[:9] + "...")
+
+
+def printable(text: str) -> str:
+    """The text without what steers a terminal: control and format characters but line ends and tabs."""
+    return "".join(c if c in "\n\t" or unicodedata.category(c) not in ("Cc", "Cf") else "?" for c in text)
 
 
 def _one_line(text: str) -> str:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import io
 import os
 import sys
-from typing import TYPE_CHECKING
+from contextlib import redirect_stderr, redirect_stdout
+from typing import TYPE_CHECKING, Any, TextIO, cast
 
 if TYPE_CHECKING:
     import argparse
@@ -40,6 +41,29 @@ def program() -> int:
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line and return the exit code."""
     _prepare_streams()
+    with (
+        redirect_stdout(cast(TextIO, _Printable(sys.stdout))),
+        redirect_stderr(cast(TextIO, _Printable(sys.stderr))),
+    ):
+        return _run_to_its_end(arguments)
+
+
+class _Printable:
+    """A stream, perhaps to a terminal, which titles and names of files are not to steer."""
+
+    def __init__(self, unfiltered: TextIO) -> None:
+        self.unfiltered = unfiltered
+
+    def write(self, text: str) -> int:
+        from contact_scene.errors import printable
+
+        return self.unfiltered.write(printable(text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.unfiltered, name)
+
+
+def _run_to_its_end(arguments: list[str] | None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # figures are files; a notebook's backend may be missing here
     try:  # around the imports, too: an interruption in them is told as any other
         from crosscontact.arguments import parser

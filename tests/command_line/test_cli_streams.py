@@ -7,6 +7,7 @@ import io
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from support.spring_solver import fake, named, small_scene
@@ -66,6 +67,30 @@ def test_progress_without_a_reader_ends_no_work(terminal, monkeypatch):
     show.tell()
     show.close()
     assert stream.tried > 0
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_titles_and_names_do_not_steer_a_terminal(tmp_path, monkeypatch, terminal):
+    """ESC, CSI as one character, a carriage return, and a mark that turns the direction of writing."""
+
+    class Stream(io.StringIO):
+        def isatty(self):
+            return terminal
+
+    monkeypatch.setenv("TERM", "xterm")
+    written = [Stream(), Stream()]
+    monkeypatch.setattr(sys, "stdout", written[0])
+    monkeypatch.setattr(sys, "stderr", written[1])
+    text = Path(small_scene(tmp_path)).read_text()
+    scene = tmp_path / "\x1b[31mred\x9b2J.toml"
+    scene.write_text(text.replace("A small scene", "\\u001b]0;owned\\u0007\\u009b2J\\rgone\\u202e"))
+    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", fake()))
+    monkeypatch.setitem(solvers.SOLVERS, "reference", named("reference", fake()))
+    main(["compare", str(scene), "--jobs", "1", "--solvers", "reference,bem"])
+    out, err = (stream.getvalue() for stream in written)
+    assert "]0;owned" in out
+    assert not [sign for sign in "\x1b\x9b\r\x07\u202e" if sign in out]
+    assert not [sign for sign in ("\x1b[31m", "\x1b]0", "\x9b", "\x07", "\u202e") if sign in err]
 
 
 def test_a_reader_that_leaves_early_leaves_a_whole_run(scene_file, tmp_path, monkeypatch):

@@ -25,7 +25,7 @@ from contact_scene import Event, SceneError, Sphere, SurfaceProfile, read_column
 from contact_scene.indenter import TabulatedProfile
 from validation import cases
 from validation.compare import regression
-from validation.execution import fingerprints, folder_lock, records
+from validation.execution import files, fingerprints, folder_lock, records
 from validation.execution.run_folder import read_run, write_run
 from validation.execution.run_table import Columns, RunRecord, RunTable, StoredRun
 from validation.execution.runs import Run
@@ -362,6 +362,27 @@ def test_without_locks_of_the_kernel_the_file_is_the_lock(tmp_path, monkeypatch,
     with pytest.raises(SceneError, match=f"{named}.*remove {file}"):
         folder_lock.locked_folder(tmp_path).__enter__()
     assert file.read_text() == left
+
+
+@pytest.mark.parametrize("failing", ["fsync", "write"])
+def test_a_full_disk_is_told_with_the_file(tmp_path, monkeypatch, failing):
+    """The lock, whose contents are for the reader of a message, is held without them."""
+
+    def full(*given, **more):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    if failing == "fsync":
+        stage = tmp_path / "stage"
+        stage.mkdir()
+        (stage / "trace.csv").write_text("")
+        monkeypatch.setattr(os, "fsync", full)
+        with pytest.raises(OSError, match=r"No space left on device.*folder/trace\.csv"):
+            files.move_whole(stage, tmp_path / "folder")
+        return
+    monkeypatch.setattr(os, "write", full)
+    monkeypatch.setattr(Path, "write_text", full)
+    with folder_lock.locked_folder(tmp_path):
+        pass
 
 
 def run_of(stiffness: float) -> Run:

@@ -17,6 +17,7 @@ import crosscontact as cc
 from contact_scene import UnsupportedScene
 from crosscontact.cli import main
 from validation import solvers
+from validation.execution import run_table
 from validation.execution.engines import Engine
 from validation.execution.polled_jobs import PolledJobs
 from validation.execution.run_table import RunRecord, RunTable, StoredRun
@@ -217,6 +218,23 @@ def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):
         RunTable(tmp_path)
     with RunTable(tmp_path, fresh=True) as table:
         assert not table.holds("x")
+
+
+@pytest.mark.parametrize("pages", [1, 5])
+def test_a_full_disk_is_one_line_with_the_file(capsys, tmp_path, monkeypatch, pages):
+    """SQLite's limit of pages answers as a full disk does: for a new file, and for its first run."""
+    limit = f"PRAGMA page_size = 512; PRAGMA max_page_count = {pages};"
+    monkeypatch.setattr(run_table, "_TABLES", limit + run_table._TABLES)
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        f'scene = "{small_scene(tmp_path)}"\nresolution = 4\nestimate = false\n'
+        '[[coordinates]]\nkey = "indenter.radius"\nvalues = [1.0]\n'
+    )
+    assert main(["sweep", str(plan), "--jobs", "1", "--out", str(tmp_path / "out")]) == 1
+    said = [line for line in capsys.readouterr().err.splitlines() if "error" in line]
+    assert len(said) == 1
+    assert "disk is full" in said[0]
+    assert str(tmp_path / "out" / "runs.sqlite") in said[0]
 
 
 def test_files_of_another_program_are_refused_in_one_line(capsys, tmp_path):

@@ -25,8 +25,11 @@ def write_whole(path: Path, content: str | bytes) -> None:
 def move_whole(stage: Path, folder: Path) -> None:
     """Move all files of a folder to another one on the same disk, each in one step."""
     for file in sorted(stage.iterdir()):
-        with file.open("rb") as stream:
-            os.fsync(stream.fileno())
+        try:
+            with file.open("rb") as stream:
+                os.fsync(stream.fileno())
+        except OSError as error:  # a full disk is told by its number alone
+            raise OSError(error.errno, error.strerror, str(folder / file.name)) from None
         file.replace(folder / file.name)
 
 

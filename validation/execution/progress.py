@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn
 from rich.progress import Progress as RichProgress
 
+from contact_scene.errors import printable
 from validation.execution.step_share import StepShare
 
 WIDTH = 30
@@ -47,8 +48,9 @@ class Progress:
     """
 
     def __init__(self, label: str, stream: TextIO | None = None) -> None:
-        self._stream = sys.stderr if stream is None else stream
-        self._label = label
+        # The bar steers a terminal itself, past what keeps other text from doing so.
+        self._stream: TextIO = getattr(sys.stderr, "unfiltered", sys.stderr) if stream is None else stream
+        self._label = printable(label)
         console = Console(file=self._stream, highlight=False)
         self._terminal = console.is_terminal and not console.is_dumb_terminal
         self._shown = self._began = time.monotonic()
@@ -82,7 +84,7 @@ class Progress:
 
     def __call__(self, fraction: float, text: str = "", detail: str | None = None) -> None:
         with self._lock:
-            self._fraction = min(max(fraction, 0.0), 1.0)
+            self._fraction, text = min(max(fraction, 0.0), 1.0), printable(text)
             if detail is None:
                 detail = time_left(self._fraction, self._began) if self._phase else ""
             self._detail = detail

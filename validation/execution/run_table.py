@@ -7,6 +7,7 @@ not stored. One process holds the file at a time, as it holds the folder (see ``
 
 from __future__ import annotations
 
+import errno
 import sqlite3
 import sys
 import zlib
@@ -84,6 +85,12 @@ class StoredRun:
     columns: Columns | None = None
 
 
+def _is_foreign(error: sqlite3.Error) -> bool:
+    """Whether a file is damaged or another program's, rather than a disk full or failing."""
+    foreign = (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
+    return getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF in foreign
+
+
 class RunTable:
     """Runs by fingerprint.
 
@@ -98,6 +105,8 @@ class RunTable:
     ------
     SceneError
         If the file is damaged, or another program's.
+    OSError
+        With the name of the file, if the disk is full or fails; of every method that stores too.
     """
 
     def __init__(self, folder: Path | None = None, fresh: bool = False) -> None:
@@ -131,13 +140,16 @@ class RunTable:
 
     def put(self, runs: Iterable[StoredRun]) -> None:
         """Store runs, all of them or none."""
-        with self._connection:
-            for run in runs:
-                row = (run.fingerprint, records.dumps(run.record), run.seconds)
-                self._connection.execute("INSERT OR REPLACE INTO runs VALUES (?, ?, ?)", row)
-                if run.columns is not None:
-                    trace = (run.fingerprint, records.dumps(run.columns))
-                    self._connection.execute("INSERT OR REPLACE INTO traces VALUES (?, ?)", trace)
+        try:
+            with self._connection:
+                for run in runs:
+                    row = (run.fingerprint, records.dumps(run.record), run.seconds)
+                    self._connection.execute("INSERT OR REPLACE INTO runs VALUES (?, ?, ?)", row)
+                    if run.columns is not None:
+                        trace = (run.fingerprint, records.dumps(run.columns))
+                        self._connection.execute("INSERT OR REPLACE INTO traces VALUES (?, ?)", trace)
+        except sqlite3.DatabaseError as error:
+            raise self._unusable(error) from None
 
     def record(self, fingerprint: str) -> RunRecord | None:
         """What is known about a run; ``None`` if it is not stored."""
@@ -173,7 +185,9 @@ class RunTable:
             raise self._unusable(error) from None
         return None if row is None else row[0]
 
-    def _unusable(self, error: sqlite3.DatabaseError) -> SceneError:
+    def _unusable(self, error: sqlite3.DatabaseError) -> SceneError | OSError:
+        if not _is_foreign(error):  # as of any file that the disk does not take or give
+            return OSError(errno.EIO, str(error), str(self._path))
         problem = f"{self._path} cannot be used: {error}"
         return SceneError("--out", problem, "runs that this program has stored, or --fresh")
 
