@@ -47,6 +47,7 @@ from contact_scene import (
 )
 from contact_scene.machine import on_machine
 from contact_scene.run_control.blas_threads import single_threaded
+from contact_scene.run_control.early_outcomes import outcome_of_loss
 from contact_scene.run_control.loading_cursor import LoadingCursor
 
 _SMOOTH_SHARE = 0.01
@@ -109,7 +110,8 @@ def solve(
     run = solve_uniform if options.annuli == "uniform" else _solve_graded
     with np.errstate(all="ignore"):  # non-finite numbers are looked for where state is committed
         trace = run(scene, options, progress, monitor)
-    return replace(trace, wall_seconds=clock.perf_counter() - began)
+    outcome = outcome_of_loss(trace.outcome, scene.is_adhesive, trace.penetration, trace.contact_radius)
+    return replace(trace, outcome=outcome, wall_seconds=clock.perf_counter() - began)
 
 
 def _check_paper_adhesion(adhesion: Adhesion) -> None:

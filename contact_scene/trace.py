@@ -47,6 +47,7 @@ class OutcomeKind(StrEnum):
     BELOW_ZONE = "out of the model's range"
     INTERRUPTED = "interrupted"
     TRIGGER_NOT_REACHED = "trigger not reached"
+    BREAKDOWN = "breakdown"
 
 
 @dataclass(frozen=True)

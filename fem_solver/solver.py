@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from contact_scene import (
 )
 from contact_scene.machine import on_machine
 from contact_scene.run_control.blas_threads import single_threaded
+from contact_scene.run_control.early_outcomes import outcome_of_loss
 from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, history_log
 from fem_solver.fields.recording import Recording
@@ -121,7 +123,15 @@ def record(
     run.counters.factorisations = setup.history.factorisations
     run.counters.volume_solves = setup.history.volume_solves
     trace = on_machine(recorder.trace(outcome, run.counters, clock.perf_counter() - began), scene.machine)
-    return Recording(setup, trace, observer.states, observer.rows, recorder.surfaces or [], observer.log)
+    outcome = outcome_of_loss(outcome, scene.is_adhesive, trace.penetration, trace.contact_radius)
+    return Recording(
+        setup,
+        replace(trace, outcome=outcome),
+        observer.states,
+        observer.rows,
+        recorder.surfaces or [],
+        observer.log,
+    )
 
 
 def _start(scene: Scene, run: NodeReleaseRun) -> Outcome | None:

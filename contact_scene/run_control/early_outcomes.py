@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike
 
 from contact_scene.trace import Counters, Outcome, OutcomeKind
 
+_SURFACE = 16.0 * np.finfo(float).eps
+"""Penetration, relative to the largest of a run, up to which an indenter only touches."""
 _EQUAL_TENSION = 1e-9
 """Difference, relative to the largest tension, below which two tensions are the same."""
 
@@ -54,3 +56,37 @@ def below_zone_outcome(force: ArrayLike, time: float) -> Outcome:
     remark = "after" if past else "before"
     reason = f"the contact has shrunk to its process zone, {remark} the largest tension"
     return Outcome(OutcomeKind.BELOW_ZONE, reason, time, past)
+
+
+def outcome_of_loss(
+    outcome: Outcome, is_adhesive: bool, penetration: ArrayLike, contact_radius: ArrayLike
+) -> Outcome:
+    """The outcome of a run; a breakdown if it lost a contact that, without adhesion, cannot have been lost.
+
+    Contact may be lost at a positive penetration, for a surface recovers more slowly than an indenter leaves
+    it. But where the indenter is as deep as it has ever been, ``D(s) <= D(t) = w``, the point below it bears
+
+        q = E(t) w + int_0^t [-E'(t - s)] (w - D(s)) ds > 0
+
+    with any relaxation modulus, and a load that bears is not lost.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        As the solver tells it.
+    is_adhesive : bool
+    penetration, contact_radius : array_like, shape (n,)
+        Of all rows; those after the loss have no radius.
+
+    Returns
+    -------
+    Outcome
+    """
+    depth, touching = np.asarray(penetration, float), np.flatnonzero(np.asarray(contact_radius, float) > 0.0)
+    if is_adhesive or outcome.kind is not OutcomeKind.DETACHED or not touching.size:
+        return outcome
+    lost = float(depth[touching[-1] :].min())
+    if lost < float(depth.max()) or lost <= _SURFACE * float(np.abs(depth).max()):
+        return outcome
+    reason = f"without adhesion, contact was lost at the largest penetration so far, {lost:.6g}"
+    return Outcome(OutcomeKind.BREAKDOWN, reason, outcome.time)

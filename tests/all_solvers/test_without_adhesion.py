@@ -20,6 +20,7 @@ from contact_scene import (
     Loading,
     Machine,
     Material,
+    Outcome,
     OutcomeKind,
     PowerLaw,
     Ramp,
@@ -27,6 +28,7 @@ from contact_scene import (
     Sphere,
     TabulatedProfile,
 )
+from contact_scene.run_control.early_outcomes import outcome_of_loss
 from validation import reference
 from validation.measure.observables import observe
 
@@ -222,3 +224,35 @@ def test_the_tips_that_are_plane():
     assert [PUNCH.plane_tip, WORN.plane_tip, BALL.plane_tip, Cone(60.0).plane_tip] == [1e-3, 2e-4, 0.0, 0.0]
     raised = replace(WORN, heights=tuple(height + 1e-6 for height in WORN.heights))
     assert raised.plane_tip == 2e-4
+
+
+MODULES = {
+    "bem": "bem_solver.solver",
+    "fem": "fem_solver.solver",
+    "reference": "validation.reference.tracking.solver",
+}
+
+
+@every_solver
+def test_every_solver_asks_whether_the_contact_it_lost_can_have_been_lost(solver, monkeypatch):
+    broken = Outcome(OutcomeKind.BREAKDOWN, "lost while pressed in", 0.0)
+    monkeypatch.setattr(MODULES[solver.name] + ".outcome_of_loss", lambda *_: broken)
+    assert solver.solve(scene(BALL, Ramp(1.1e-4, 1e-3))).outcome is broken
+    assert not broken.finished
+
+
+@pytest.mark.parametrize(
+    ("penetration", "radius", "kind"),
+    [
+        ([0.0, 1e-15], [0.0, 1e-8], OutcomeKind.BREAKDOWN),  # in the first steps of a press
+        ([0.0, 1.0, 1.0], [0.0, 0.3, 0.0], OutcomeKind.BREAKDOWN),  # in a hold
+        ([-1.0, 0.2, 0.1, 0.3], [0.0, 0.2, 0.1, 0.2], OutcomeKind.BREAKDOWN),  # pressed in again
+        ([0.0, 1.0, 0.9, 0.9], [0.0, 0.3, 0.1, 0.0], OutcomeKind.DETACHED),  # a surface that recovers slowly
+        ([0.0, 1.0, 0.9], [0.0, 0.3, 0.0], OutcomeKind.DETACHED),  # the same, in one step
+        ([0.0, -1.0], [0.0, 0.0], OutcomeKind.DETACHED),  # never in contact
+        ([-1.0, 0.0, 0.0, -0.1], [0.0, 0.0, 0.3, 0.0], OutcomeKind.DETACHED),  # a plane tip that touches
+    ],
+)
+def test_losses_without_adhesion_that_can_be(penetration, radius, kind):
+    lost = Outcome(OutcomeKind.DETACHED, "no stable contact is left", 1.0)
+    assert outcome_of_loss(lost, False, penetration, radius).kind is kind

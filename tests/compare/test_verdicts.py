@@ -24,7 +24,7 @@ from contact_scene import (
     Trace,
 )
 from validation.cases import Case, Expected
-from validation.compare.against_reference import SCALARS, against_reference
+from validation.compare.against_reference import SCALARS, against_reference, check_case
 from validation.compare.checks import check_run
 from validation.execution.runs import Run
 from validation.measure.check import agreement_limit, disagreement
@@ -146,6 +146,24 @@ def test_a_value_that_only_one_of_the_runs_gives_fails(name):
 def test_a_run_that_ends_in_another_way_fails(kind):
     assert failed(run=trace(kind=kind)) == {"outcome"}
     assert "outcome" in failed(base=trace(kind=kind))
+
+
+def test_where_two_solvers_agree_and_the_reference_does_not_the_reference_fails():
+    tolerances = dict.fromkeys(("bem", "fem"), TOLERANCES["bem"])
+    case = dataclasses.replace(CASE, tolerances=tolerances)
+    runs = {
+        "reference": Run(
+            "by hand", "reference", trace(0.5, OutcomeKind.COMPLETED), measures={"approach_force": 0.5}
+        ),
+        "bem": Run("by hand", "bem", trace(), measures={"approach_force": 1.0}),
+        "fem": Run("by hand", "fem", trace(1.001), measures={"approach_force": 1.001}),
+    }
+    wrong = {(one.solver, one.quantity) for one in check_case(case, runs) if not one.passed}
+    assert {solver for solver, _ in wrong} == {"reference"}
+    assert {"outcome", "approach_force", "F(t), RMS"} <= {quantity for _, quantity in wrong}
+    runs["fem"] = Run("by hand", "fem", trace(0.5, OutcomeKind.COMPLETED), measures={"approach_force": 0.5})
+    wrong = {one.solver for one in check_case(case, runs) if not one.passed}
+    assert wrong == {"bem"}
 
 
 def test_no_run_and_no_reference_fail():

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -63,9 +65,31 @@ def check_case(case: Case, runs: dict[str, Run]) -> list[Check]:
     checks = [check for result in runs.values() for check in check_run(case, result)]
     base = runs.get(REFERENCE)
     if base is not None and REFERENCE not in case.refused_by:
-        for solver, result in runs.items():
-            if solver != REFERENCE and not declined(case, result):
-                checks += against_reference(case, result, base)
+        others = [r for name, r in runs.items() if name != REFERENCE and not declined(case, r)]
+        found = [check for result in others for check in against_reference(case, result, base)]
+        checks += _where_the_others_agree(case, others, found)
+    return checks
+
+
+def _where_the_others_agree(case: Case, others: list[Run], checks: list[Check]) -> list[Check]:
+    """The checks, those that two solvers fail alike turned into one that the reference fails."""
+    failed = {(check.solver, check.quantity) for check in checks if not check.passed}
+    for one, two in combinations(others, 2):
+        for check in against_reference(case, two, one):
+            alike = {(one.solver, check.quantity), (two.solver, check.quantity)}
+            if check.passed and alike <= failed:
+                missed = next(c for c in checks if (c.solver, c.quantity) == (one.solver, check.quantity))
+                turned = replace(
+                    missed,
+                    solver=REFERENCE,
+                    source=f"{one.solver} and {two.solver} agree",
+                    expected=missed.found,
+                    found=missed.expected,
+                    estimate=missed.base_estimate,
+                    base_estimate=missed.estimate,
+                )
+                checks = [c for c in checks if (c.solver, c.quantity) not in alike] + [turned]
+                failed -= alike
     return checks
 
 

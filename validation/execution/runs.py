@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from contact_scene import RunMonitor, SceneError, Trace
+from contact_scene.run_control.early_outcomes import outcome_of_loss
 from validation import solvers
 from validation.cases import Case
 from validation.execution.task_execution import one_line
@@ -207,6 +208,8 @@ def run_or_raise(
     )
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
     _refuse_not_finite(trace)
+    outcome = outcome_of_loss(trace.outcome, case.scene.is_adhesive, trace.penetration, trace.contact_radius)
+    trace = replace(trace, outcome=outcome)
     measures = measure(trace, case.scene, wall)
     warnings = solvers.trace_warnings(case.scene, trace) or solvers.scene_warnings(case.scene)
     warnings += swing_warnings(trace, case.scene.loading, method.edge_spacing(case.scene, resolution))

@@ -26,6 +26,7 @@ from contact_scene import (
 )
 from contact_scene.machine import machine_columns
 from contact_scene.run_control.blas_threads import single_threaded
+from contact_scene.run_control.early_outcomes import outcome_of_loss
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.options import Fineness, Options
@@ -103,7 +104,8 @@ def solve(
         coarser = _run(scene, stops, fineness.coarser(), DENSE_ROW_TOLERANCES, start=result.start)
         kinds = {result.outcome.kind, coarser.outcome.kind}
         detached = kinds == {OutcomeKind.DETACHED}
-        errors = estimated_errors(result.columns, coarser.columns, detached, result.over_zones)
+        if coarser.outcome.kind is not OutcomeKind.BREAKDOWN:
+            errors = estimated_errors(result.columns, coarser.columns, detached, result.over_zones)
     return Trace(
         solver=NAME,
         **{name: result.columns[name] for name in COLUMNS},
@@ -161,6 +163,7 @@ def _run(
     if machine is not None and machine.compliance > 0.0:
         columns |= machine_columns(columns, machine, stepper.state.events)
     columns, outcome = _finite_rows(columns, outcome)
+    outcome = outcome_of_loss(outcome, scene.is_adhesive, columns["penetration"], columns["contact_radius"])
     if interrupted:
         outcome = replace(outcome, time=float(columns["time"][-1]))
     radii, state = columns["contact_radius"], stepper.state

@@ -31,6 +31,7 @@ LETTERS = {
     "out of range": "O",
     "out of the model's range": "Z",
     "trigger not reached": "T",
+    "breakdown": "L",
     "interrupted": "I",
     "hung": "H",
     "raised": "X",
@@ -38,8 +39,8 @@ LETTERS = {
 }
 LEGEND = (
     "c completed, d detached, R refused, N no equilibrium, U step underflow, B step budget, F not finite, "
-    "O out of range, Z contact as short as the process zone, T trigger not reached, I interrupted, H hung, "
-    "X crashed, "
+    "O out of range, Z contact as short as the process zone, T trigger not reached, L contact lost while "
+    "pressed in, I interrupted, H hung, X crashed, "
     "? not compared; underlined: reports no answer; framed and crossed out: silently wrong, crashed, not "
     "finite or hung"
 )
