@@ -10,7 +10,7 @@ import pytest
 from support.paper_scenes import STICKY as ADHESION
 
 from benchmarks import fields_accuracy
-from contact_scene import COLUMNS, Branch, Force, Hold, Loading, Material, Ramp, Scene, Sphere
+from contact_scene import Branch, Force, Hold, Loading, Material, Ramp, Scene, Sphere
 from fem_solver import Options, field_states, record, solve
 from meshes import fit, structured_half_space
 from validation.fields.balance import balance
@@ -192,12 +192,6 @@ def test_rows_not_recorded_are_named():
         next(field_states(recording, {recording.rows[TURN]: "", 2: "", 1: ""}))
     with pytest.raises(KeyError, match="rows not recorded"):
         next(field_states(recorded(), {len(recorded().trace): ""}))
-    whole = recorded().trace
-    columns = {name: getattr(whole, name)[:-1] for name in COLUMNS}
-    extra = {name: column[:-1] for name, column in whole.extra.items()}
-    shortened = replace(recorded(), trace=replace(whole, **columns, extra=extra))
-    with pytest.raises(ValueError, match="not whole"):
-        next(field_states(shortened, {0: ""}))
 
 
 def test_where_the_load_jumps_a_time_means_the_state_before():
