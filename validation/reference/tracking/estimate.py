@@ -1,4 +1,10 @@
-"""Error estimates from two runs, one with twice the step of the other: a third of the difference (order two).
+"""Error estimates from two runs: the difference over ``r^p - 1``, ``r`` the ratio of their numbers of steps.
+
+The coarser run may take twice the step, but between the rows of a table, after a kink, or where the
+deviation from an extrapolation of fourth order limits it, it does not: the difference is then a smaller
+part of the error. Curves have p = 2. Scalars have p = 1: they add up the errors of steps of which some are
+the same in both runs, and differences of either sign. What the work differs by at the end may vanish by
+accident: what it differs by at kinks of the load on the way counts as well.
 
 A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
 equal times is no error; radius and force are therefore compared by the distance of the curves in a plane
@@ -17,10 +23,8 @@ from scipy.spatial import KDTree
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 
-RICHARDSON = 1.0 / 3.0
-"""Error of the finer of two runs over their difference, for order two and twice the step."""
-FIRST_ORDER = 1.0
-"""The same for order one: the moment at which contact is lost over a short zone, and the work until then."""
+LEAST_RATIO = 1.05
+"""Least ratio of steps: of runs with nearly the same steps only what differs by rounding is left."""
 NO_TENSION = 1e-9
 """Tension, relative to the largest force, that is the rounding of a contact without adhesion when it ends."""
 NEARBY = 48
@@ -29,50 +33,56 @@ corner, among which the nearest is sought: where an edge collapses, a small shif
 
 
 def estimated_errors(
-    fine: Columns, coarse: Columns, detached: bool = False, over_zones: bool = False
+    fine: Columns, coarse: Columns, ratio: float = 2.0, detached: bool = False
 ) -> dict[str, float]:
     """Relative errors of the finer run.
 
     ``pull_off_force`` and ``loop_energy`` as they are (a loop that almost closes: relative to a thousandth of
     the work done to and fro), ``contact_radius`` and ``force`` largest over the run, relative to the largest.
-    If contact is lost in steps over process zones, that moment and the loop are off by the whole difference:
-    they converge with first order there.
     Of runs that both lose contact (``detached``) also ``detachment_time`` and ``detachment_penetration``,
-    relative to the largest and no better than the loop energy: two such moments can agree by accident.
+    relative to the largest. Neither they nor the pull-off are better than the loop energy: two such moments
+    can agree by accident.
 
     Parameters
     ----------
     fine, coarse : mapping of str to ndarray
         Columns of the traces of both runs, by name.
+    ratio : float
+        Steps of the finer run over those of the other.
     detached : bool
         Whether both runs lose contact.
-    over_zones : bool
-        Whether the last steps may pass over process zones.
 
     Returns
     -------
     dict of str to float
     """
     errors = {}
-    share = FIRST_ORDER if detached and over_zones else RICHARDSON
-    tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
-    if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
-        errors["pull_off_force"] = RICHARDSON * abs(tension[0] - tension[1]) / tension[0]
-    loops = [float(run["external_work"][-1]) for run in (fine, coarse)]
+    first, second = (1.0 / (max(ratio, LEAST_RATIO) ** order - 1.0) for order in (1, 2))
     turnover = float(np.abs(np.diff(fine["external_work"])).sum())
     if turnover > 0.0:
-        errors["loop_energy"] = share * abs(loops[0] - loops[1]) / max(abs(loops[0]), 1e-3 * turnover)
+        loop = abs(float(fine["external_work"][-1]))
+        errors["loop_energy"] = first * _work_apart(fine, coarse) / max(loop, 1e-3 * turnover)
+    least = errors.get("loop_energy", 0.0)
+    tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
+    if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
+        errors["pull_off_force"] = max(first * abs(tension[0] - tension[1]) / tension[0], least)
     if detached:
         ends = [int(np.flatnonzero(run["contact_radius"] > 0.0)[-1]) for run in (fine, coarse)]
         for name in ("time", "penetration"):
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
             if largest > 0.0:
-                own = share * abs(values[0] - values[1]) / largest
-                errors[f"detachment_{name}"] = max(own, errors.get("loop_energy", 0.0))
+                errors[f"detachment_{name}"] = max(first * abs(values[0] - values[1]) / largest, least)
     for name in ("contact_radius", "force"):
-        errors[name] = RICHARDSON * _curve_distance(fine, coarse, name)
+        errors[name] = second * _curve_distance(fine, coarse, name)
     return errors
+
+
+def _work_apart(fine: Columns, coarse: Columns) -> float:
+    """Most that the works of two runs differ by: at the end, and at the kinks that both have stepped onto."""
+    _, here, there = np.intersect1d(fine["time"], coarse["time"], return_indices=True)
+    here, there = np.append(here, -1), np.append(there, -1)
+    return float(np.abs(fine["external_work"][here] - coarse["external_work"][there]).max())
 
 
 def _curve_distance(fine: Columns, coarse: Columns, name: str) -> float:

@@ -105,7 +105,8 @@ def solve(
         kinds = {result.outcome.kind, coarser.outcome.kind}
         detached = kinds == {OutcomeKind.DETACHED}
         if coarser.outcome.kind is not OutcomeKind.BREAKDOWN:
-            errors = estimated_errors(result.columns, coarser.columns, detached, result.over_zones)
+            ratio = result.counters.steps / max(coarser.counters.steps, 1)
+            errors = estimated_errors(result.columns, coarser.columns, ratio, detached)
     return Trace(
         solver=NAME,
         **{name: result.columns[name] for name in COLUMNS},
@@ -123,8 +124,7 @@ def solve(
 class _Result:
     """What a run has computed.
 
-    ``over_zones``: whether its last steps in contact may pass over zones. ``start``: the surface it has
-    started from.
+    ``start``: the surface it has started from.
     """
 
     columns: dict[str, Array]
@@ -132,7 +132,6 @@ class _Result:
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
     profiles: list[SurfaceProfile] = field(default_factory=list)
-    over_zones: bool = False
     start: Surface | None = None
 
 
@@ -166,9 +165,8 @@ def _run(
     outcome = outcome_of_loss(outcome, scene.is_adhesive, columns["penetration"], columns["contact_radius"])
     if interrupted:
         outcome = replace(outcome, time=float(columns["time"][-1]))
-    radii, state = columns["contact_radius"], stepper.state
-    over_zones = stepper.problem.over_zones(float(radii[radii > 0.0][-1])) if radii.any() else False
-    return _Result(columns, outcome, state.counters, state.events, state.profiles, over_zones, begun)
+    state = stepper.state
+    return _Result(columns, outcome, state.counters, state.events, state.profiles, begun)
 
 
 def _stepper(
