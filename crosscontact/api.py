@@ -73,7 +73,7 @@ def solve(
         Times that are stepped onto and whose surface profile the trace holds; by default those of the
         built-in scene, if it is given by name.
     max_steps : int, optional
-        Bounds accepted and rejected steps together; by default in proportion to the forecast.
+        Bounds accepted and rejected steps together; by default a bound that no sound run comes near.
     progress : callable, optional
         Called with the share of the run that is done, 0 to 1.
 

@@ -157,7 +157,7 @@ def fit(
     check_solver : str or None
         Solves the fitted curves once more.
     max_steps : int, optional
-        Bounds accepted and rejected steps together; by default in proportion to the forecast.
+        Bounds accepted and rejected steps together; by default a bound that no sound run comes near.
     executor : Executor, optional
         Any of ``concurrent.futures``; carries out the runs of a derivative side by side.
     out : path, optional

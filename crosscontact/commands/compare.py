@@ -6,7 +6,6 @@ import sys
 from collections.abc import Sequence
 
 from crosscontact.commands.failures import exit_code
-from crosscontact.commands.forecast import forecasts, say_short_runs
 from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.compare.suite import all_pairs
@@ -47,7 +46,7 @@ def run(
         Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
         replaced.
     max_steps : int or None
-        Of every run, accepted and rejected together; ``None``: by its forecast.
+        Of every run, accepted and rejected together; ``None``: the solver's own bound.
 
     Returns
     -------
@@ -65,7 +64,6 @@ def run(
     if folder is not None and not fresh:
         check_report_unused(folder, REPORT, loaded)
     pairs = all_pairs(loaded, solvers)
-    say_short_runs(max_steps, forecasts(pairs))
     store = Store(folder, fresh)
     with telling_what_is_kept(folder, store), processes(min(jobs, len(pairs))) as executor:
         progress = Progress("compare")

@@ -1,9 +1,9 @@
-"""Checks that failed, on stderr, and the exit code they make."""
+"""Checks that failed and warnings, on stderr, and the exit code that failures make."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 from crosscontact.tables import cell
 from validation.measure.check import Check
@@ -18,3 +18,9 @@ def exit_code(failures: Collection[Check]) -> int:
             file=sys.stderr,
         )
     return 1 if failures else 0
+
+
+def warn(warnings: Iterable[str]) -> None:
+    """Say what makes an answer doubtful, one line each."""
+    for warning in warnings:
+        print(f"crosscontact: warning: {warning}", file=sys.stderr)

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import OutcomeKind, SceneError, write_scene
+from crosscontact.commands.failures import warn
 from crosscontact.commands.field_files import write_moments
-from crosscontact.commands.forecast import announce, cost_within, expected_cost, warn
 from crosscontact.commands.interruption import drop_former
 from crosscontact.commands.refusals import check_taken
 from validation import cases, solvers
@@ -23,18 +23,9 @@ from validation.execution.run_folder import check_unused
 from validation.execution.signals import GracefulStop, interrupting
 from validation.fields.figures.figure_set import FigureSet
 from validation.fields.request import METHOD, FieldRequest, RecordedFields, check_times, record_fields
-from validation.report.document import counted
-from validation.solvers import Cost
 
 if TYPE_CHECKING:
     from fem_solver import FieldState
-
-SECONDS_PER_MOMENT = 0.4
-"""To compute and write the fields at one moment (s), on a mesh of some ten thousand nodes; measured."""
-SECONDS_PER_PICTURE = 1.0
-"""To draw a section or a frame (s); measured."""
-MEGABYTES_PER_MOMENT = 2.0
-"""Size of the files for ParaView of one moment on such a mesh; measured."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +42,7 @@ class FieldsCommand:
     resolution : int or None
         Divisions per process zone; ``None``: the solver's choice.
     max_steps : int or None
-        Largest number of steps; ``None``: by the forecast.
+        Largest number of steps; ``None``: the solver's own bound.
     fresh : bool
         Whether results of another scene or solver are replaced.
     """
@@ -62,21 +53,6 @@ class FieldsCommand:
     resolution: int | None
     max_steps: int | None
     fresh: bool
-
-    def announce(self, cost: Cost | None) -> None:
-        """Say what this will cost, where that is much."""
-        request, figures, steps = self.request, self.figures, 0.0 if cost is None else cost.steps
-        moments = len(request.times) + request.pull_off
-        frames = 0
-        if figures is not None:
-            moments += 4 * figures.moments
-            frames = figures.frames * figures.animate
-        pictures = frames + (0 if figures is None else moments * (len(figures.quantities) + figures.revolve))
-        moments += round(steps / request.every) if request.every else 0
-        seconds = SECONDS_PER_MOMENT * (moments + frames) + SECONDS_PER_PICTURE * pictures
-        size = f"{MEGABYTES_PER_MOMENT:g} MB for ParaView"
-        files = f"{counted(moments, 'moment')} of {size}, {counted(pictures, 'picture')}"
-        announce(cost, more_seconds=seconds, more=files)
 
 
 def run(
@@ -146,14 +122,12 @@ def _into(folder: Path, command: FieldsCommand) -> int:
     drop_former(folder)
     stop = GracefulStop()
     warn(solvers.scene_warnings(scene))
-    cost = cost_within(command.max_steps, expected_cost(scene, METHOD, command.resolution))
-    command.announce(cost)
     states: list[FieldState] = []  # to be drawn
     figures = command.figures
     try:
         with interrupting(), Progress(f"{command.case.name} fields") as progress:
             progress.phase("set-up")
-            steps = StepProgress(progress, 1.0 if cost is None else cost.steps, "computing and writing")
+            steps = StepProgress(progress, "computing and writing")
             with stop.handling_signals():
                 recorded = record_fields(
                     scene, command.request, command.resolution, steps, command.max_steps, stop.monitor

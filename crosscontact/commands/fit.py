@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from contact_scene import Scene, SceneError
+from contact_scene import SceneError
 from contact_scene.errors import shown
 from crosscontact import registry
-from crosscontact.commands.forecast import expected_cost, say_short_runs, warn
+from crosscontact.commands.failures import warn
 from crosscontact.fitting import Fit, read_curves
 from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
-from validation.fits.fit import first_guesses, fit_curves
+from validation.fits.fit import fit_curves
 from validation.fits.fit_question import RESULT, check_folder, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
-from validation.fits.measured_curve import MeasuredCurve
 from validation.report.report_folder import check_kind
 from validation.report.write_fit import write_fit
-from validation.solvers import SOLVERS, Cost
 
 OPTIONS = (
     "vary",
@@ -94,7 +91,6 @@ def run(
     if folder is not None and not fresh:
         check_kind(folder, RESULT)
         check_folder(folder, question(curves, scene, settings), scene)
-    say_short_runs(settings.max_steps, _forecasts(curves, scene, settings))
     store = Store(folder, fresh)
     try:
         with Progress("fit") as progress, processes(jobs) as executor:
@@ -118,14 +114,3 @@ def run(
         print(f"crosscontact: not finished: {result.ended}", file=sys.stderr)
         return 1
     return 0 if result.goodness.explained else 1
-
-
-def _forecasts(
-    curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings
-) -> Iterator[tuple[str, Cost | None]]:
-    """What the first guess is expected to cost by both solvers, with the name of each run."""
-    names = (settings.solver, settings.check_solver)
-    solvers = [SOLVERS[name] for name in dict.fromkeys(names) if name is not None]
-    for curve, guess in first_guesses(curves, scene, settings):
-        for method in solvers:
-            yield f"{curve} by {method.name}", expected_cost(guess, method, settings.resolution)

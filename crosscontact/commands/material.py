@@ -14,7 +14,7 @@ from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
 from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
 from contact_scene.scene import write_material
 from contact_scene.value_checks import one_of, positive
-from crosscontact.commands.forecast import warn
+from crosscontact.commands.failures import warn
 from crosscontact.tables import aligned
 from validation.drawing.export import png, svg_file
 from validation.drawing.material_figure import draw_fit, draw_series

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from crosscontact.commands.forecast import forecasts, say_short_runs
 from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.execution.files import output_folder
@@ -17,7 +16,7 @@ from validation.report.report_folder import check_report_unused, poisson_json
 from validation.report.sections.poisson import section
 from validation.report.write import write_poisson
 from validation.solvers import solvers
-from validation.studies.poisson import RATIOS, CompressibilityComparison, all_pairs, compare_ratios
+from validation.studies.poisson import RATIOS, CompressibilityComparison, compare_ratios
 
 
 def run(
@@ -48,7 +47,7 @@ def run(
         Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
         replaced.
     max_steps : int or None
-        Of every run, accepted and rejected together; ``None``: by its forecast.
+        Of every run, accepted and rejected together; ``None``: the solver's own bound.
 
     Returns
     -------
@@ -65,7 +64,6 @@ def run(
     if folder is not None and not fresh:
         for case in loaded:
             check_report_unused(folder, poisson_json(case.name), [case])
-    say_short_runs(max_steps, forecasts(all_pairs(loaded, ratios or RATIOS)))
     code, store = 0, Store(folder, fresh)
     with telling_what_is_kept(folder, store), processes(jobs) as executor:
         for case in loaded:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from contact_scene import OutcomeKind
-from crosscontact.commands.forecast import announce, cost_within, expected_cost, warn
+from crosscontact.commands.failures import warn
 from crosscontact.commands.interruption import drop_former
 from crosscontact.commands.refusals import check_taken
 from crosscontact.key_numbers import SCALES_IN_WORDS, key_numbers, table
@@ -58,7 +58,7 @@ def run(
     plot : bool
         Whether ``force.png`` and ``force.svg`` are drawn, into ``out`` or the current folder.
     max_steps : int or None
-        Largest number of steps, accepted and rejected together; ``None``: by the forecast.
+        Largest number of steps, accepted and rejected together; ``None``: the solver's own bound.
 
     Returns
     -------
@@ -81,12 +81,10 @@ def run(
     drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
     said = solvers.scene_warnings(case.scene)
     warn(said)
-    cost = cost_within(max_steps, expected_cost(case.scene, method, resolution))
-    announce(cost, estimate)
     with Progress(f"{case.name} {solver}") as progress:
         progress.phase("set-up")
         after = "estimating the errors" if estimate else "measuring"
-        steps = StepProgress(progress, 1.0 if cost is None else cost.steps, after)
+        steps = StepProgress(progress, after)
         stop = GracefulStop()
         try:
             with stop.handling_signals():

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from crosscontact.commands.forecast import say_short_runs
 from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.execution.files import output_folder
@@ -16,7 +15,7 @@ from validation.report.report_folder import STUDY, check_report_unused
 from validation.report.sections.study import short
 from validation.report.write import write_study
 from validation.solvers import solvers
-from validation.studies.study import level_forecasts, study
+from validation.studies.study import study
 
 
 def run(
@@ -36,7 +35,7 @@ def run(
         Whether levels stored by an earlier, interrupted command are ignored, and what the folder holds does
         not matter.
     max_steps : int or None
-        Of every run, accepted and rejected together; ``None``: by its forecast.
+        Of every run, accepted and rejected together; ``None``: the solver's own bound.
 
     Returns
     -------
@@ -53,7 +52,6 @@ def run(
     folder = None if out is None else output_folder(out)
     if folder is not None and not fresh:
         check_report_unused(folder, STUDY, loaded)
-    say_short_runs(max_steps, (one for case in loaded for one in level_forecasts(case)))
     store = Store(folder, fresh)
     with telling_what_is_kept(folder, store):
         progress = Progress("study")

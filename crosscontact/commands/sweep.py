@@ -115,7 +115,7 @@ def list_plans() -> int:
 def _say(plan: SweepPlan, ahead: SweepForecast, jobs: int) -> None:
     """A forecast, in words."""
     missing = ahead.runs - ahead.stored
-    source = f"measured on {ahead.measured} stored runs" if ahead.measured else "by the solver's cost model"
+    source = f"measured on {ahead.measured} stored runs" if ahead.measured else "measured on the first"
     print(f"{ahead.runs} runs of {plan.base.name} by {plan.solver}, {ahead.stored} stored, {missing} to do")
     print(
         f"  about {duration(ahead.seconds)} of processor time, {ahead.per_run:.3g} s a run ({source}); "

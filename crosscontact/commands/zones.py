@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from crosscontact.commands.forecast import forecasts, say_short_runs
 from crosscontact.commands.interruption import telling_what_is_kept
 from crosscontact.commands.refusals import load_taken
 from validation.execution.files import output_folder
@@ -17,7 +16,7 @@ from validation.report.report_folder import check_report_unused, zones_json
 from validation.report.sections.zones import section
 from validation.report.write import write_zones
 from validation.solvers import REFERENCE, SOLVERS, solvers
-from validation.studies.zones import RATIOS, zone_pairs, zone_runs
+from validation.studies.zones import RATIOS, zone_runs
 
 
 def run(
@@ -42,7 +41,7 @@ def run(
         Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
         replaced.
     max_steps : int or None
-        Of every run, accepted and rejected together; ``None``: by its forecast.
+        Of every run, accepted and rejected together; ``None``: the solver's own bound.
 
     Returns
     -------
@@ -60,7 +59,6 @@ def run(
         for case in loaded:
             check_report_unused(folder, zones_json(case.name), [case])
     asked = [one.name for one in solvers()]
-    say_short_runs(max_steps, forecasts(zone_pairs(loaded, asked, ratios or RATIOS)))
     code, store = 0, Store(folder, fresh)
     for case in loaded:
         progress = Progress(f"{case.name} zones")

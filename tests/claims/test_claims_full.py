@@ -14,10 +14,10 @@ from validation.claims.evidence import SOLVER, Evidence, collect, gather, requir
 from validation.execution.run_tasks import run_tasks
 from validation.execution.solver_tasks import run_of, run_task
 from validation.report.figures.paper_figures import FIGURES, draw_figure
-from validation.solvers import SOLVERS
+from validation.solvers.model_range import cycle_count
 
-LONG = 10.0
-"""Expected seconds of a run that the slow tests leave out: some hundred cycles of an oscillation."""
+MANY = 30.0
+"""Cycles of an oscillation from which the slow tests leave a run out."""
 COARSE = 4
 """Annuli per zone of the boundary elements: a third of the default gives the same verdicts."""
 
@@ -28,11 +28,7 @@ def processes() -> ProcessPoolExecutor:
 
 def short_runs() -> Evidence:
     """The required runs that are not long."""
-    asked = [
-        (case, solver)
-        for case, solver in required_runs()
-        if SOLVERS[solver].expected_cost(case.scene).seconds < LONG
-    ]
+    asked = [(case, solver) for case, solver in required_runs() if cycle_count(case.scene) < MANY]
     tasks = [run_task(case, solver, COARSE if solver == SOLVER else None) for case, solver in asked]
     with processes() as executor:
         runs = map(run_of, run_tasks(tasks, executor))

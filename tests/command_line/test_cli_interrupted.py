@@ -15,12 +15,8 @@ from support.spring_solver import SCENE, FunctionSolver, named, small_scene, spr
 import crosscontact as cc
 from contact_scene import OutcomeKind
 from crosscontact.cli import main
-from crosscontact.commands import forecast
 from validation import solvers
 from validation.execution.run_folder import write_run
-from validation.solvers import Cost
-
-COST = Cost(1234.0, 34.0, 2.5e6)
 
 
 @pytest.fixture
@@ -28,10 +24,8 @@ def scene_file(tmp_path):
     return small_scene(tmp_path)
 
 
-def put(monkeypatch, function, cost=None):
+def put(monkeypatch, function):
     method = FunctionSolver(function, "bem")
-    if cost is not None:
-        monkeypatch.setattr(FunctionSolver, "expected_cost", lambda self, scene, resolution=None: cost)
     monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", method))
 
 
@@ -236,21 +230,6 @@ def test_a_scene_of_another_title_is_the_same_scene(tmp_path, scene_file, monkey
         assert main(["solve", file, "--solver", "bem", "--out", str(tmp_path / "out")]) == 0
 
 
-@pytest.mark.parametrize(
-    ("cost", "said"),
-    [
-        (COST, "about 1.2e3 steps, 34 s, 2.5 MB of memory"),
-        (Cost(20.0, 1.0, 5.2e9), "about 20 steps, 1 s, 5.2 GB of memory"),
-        (Cost(20.0, 9.0, 1e6), ""),
-    ],
-)
-def test_long_and_large_runs_are_announced(capsys, scene_file, monkeypatch, cost, said):
-    put(monkeypatch, spring(), cost)
-    assert main(["solve", scene_file, "--solver", "bem"]) == 0
-    lines = [line for line in capsys.readouterr().err.splitlines() if "expected" in line]
-    assert lines == ([f"crosscontact: expected: {said}"] if said else [])
-
-
 REFUSED = {
     "contact too large": ('kind = "force"\nvalue = 1e12\nduration = 1.0', [], "grows to"),
     "lost in the time": ('kind = "hold"\nduration = 1e17', [], "less than the time can resolve"),
@@ -273,11 +252,6 @@ def test_a_refusal_is_one_line(capsys, tmp_path, monkeypatch, name, command):
     (line,) = capsys.readouterr().err.splitlines()
     assert reason in line
     assert "allowed" in line
-
-
-def test_a_refused_scene_costs_nothing(capsys):
-    forecast.announce(None)
-    assert capsys.readouterr().err == ""
 
 
 def test_an_outcome_below_the_zone_is_read_back_as_it_was(tmp_path, scene_file, monkeypatch):

@@ -186,9 +186,9 @@ def test_what_the_memory_does_not_hold_is_refused_before_a_mesh_is_made(
     )
 
 
-def test_fields_are_told_what_their_own_mesh_costs():
+def test_fields_have_a_mesh_of_their_own():
     """It does not follow the edge, whatever that of ``solve`` does."""
     scene = read_scene(FOLDER / "pdms-cycle-1um.toml")
     assert FiniteElements().follows_edge(scene)
     assert not METHOD.follows_edge(scene)
-    assert METHOD.expected_cost(scene) != FiniteElements().expected_cost(scene)
+    assert METHOD.mesh_bytes(scene, 8) != FiniteElements().mesh_bytes(scene, 8)

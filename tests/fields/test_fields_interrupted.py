@@ -5,14 +5,10 @@ from __future__ import annotations
 import pytest
 from support.scene_text import DOWN_AND_UP
 
-from contact_scene import read_scene
 from crosscontact.cli import main
 from crosscontact.commands import fields
-from validation.cases import Case
 from validation.fields.figures import figure_set
-from validation.fields.figures.figure_set import FigureSet
-from validation.fields.request import FieldRequest, record_fields
-from validation.solvers import Cost
+from validation.fields.request import record_fields
 
 
 @pytest.fixture(scope="module")
@@ -34,29 +30,6 @@ def scene_file(tmp_path):
     path = tmp_path / "down-and-up.toml"
     path.write_text(DOWN_AND_UP, encoding="utf-8")
     return str(path)
-
-
-SHORT = Cost(1000.0, 5.0, 1e6)
-ANNOUNCED = {
-    "14 s, 1.0 MB of memory, 23 moments of 2 MB for ParaView, 0 pictures": (
-        FieldRequest((0.0, 0.1), pull_off=True, every=50),
-        None,
-    ),
-    "49 s, 1.0 MB of memory, 1 moment of 2 MB for ParaView, 32 pictures": (
-        FieldRequest((0.0,)),
-        FigureSet(("von_mises", "stress_zz"), animate=True, frames=30),
-    ),
-    "": (FieldRequest((0.0,)), None),
-}
-
-
-@pytest.mark.parametrize("said", ANNOUNCED)
-def test_files_and_pictures_are_announced(scene_file, capsys, said):
-    """A moment takes 0.4 s, a picture a second; frames are no files for ParaView."""
-    case = Case("pressed", read_scene(scene_file))
-    fields.FieldsCommand(case, *ANNOUNCED[said], None, None, False).announce(SHORT)
-    expected = f"crosscontact: expected: about 1e3 steps, {said}\n" if said else ""
-    assert capsys.readouterr().err == expected
 
 
 def test_interrupted_in_the_run(scene_file, tmp_path, monkeypatch, capsys):

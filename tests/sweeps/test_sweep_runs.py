@@ -275,7 +275,7 @@ def test_the_command_writes_draws_and_says_what_did_not_end(capsys, tmp_path, sc
     assert (out / "approach_force.png").exists()
     assert main(["sweep", plan, "--dry-run", "--out", str(out)]) == 0
     assert "3 stored, 0 to do" in capsys.readouterr().out
-    assert len(calls) == 3
+    assert len(calls) == 4  # the dry run carries out the first
 
 
 def test_the_command_refuses_in_one_line(capsys, tmp_path, scene_file):

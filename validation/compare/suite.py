@@ -60,7 +60,7 @@ def compare_scenes(
     solvers : sequence of str or None
         Names; ``None``: all for which the scene does not take too long.
     max_steps : int or None
-        Of every run; ``None``: by its forecast.
+        Of every run; ``None``: the solver's own bound.
     quick : bool
         Whether runs have the resolution of the quick suite, not each solver's default.
 

@@ -18,7 +18,6 @@ from rich.progress import BarColumn, TaskProgressColumn, TextColumn
 from rich.progress import Progress as RichProgress
 
 from contact_scene.errors import printable
-from validation.execution.step_share import StepShare
 
 WIDTH = 30
 """Characters of a full bar."""
@@ -152,44 +151,24 @@ class Progress:
 
 
 class StepProgress:
-    """Progress of a run by the steps it has taken: what a solver calls after every step.
+    """Progress of a run by the share of its loading that is done: what a solver calls after every step.
 
-    Beyond the forecast no time left is given.
-
-    Parameters
-    ----------
-    progress : Progress
-    steps : float
-        Forecast for the whole run.
-    after : str
-        Phase that begins with the end of the run.
+    ``after`` is the phase that begins with the end of the run.
     """
 
-    def __init__(self, progress: Progress, steps: float, after: str) -> None:
+    def __init__(self, progress: Progress, after: str) -> None:
         self._progress, self._after = progress, after
-        self._of_run = StepShare(steps)
-        self._began: float | None = None
+        self._steps, self._began = 0, 0.0
 
     def __call__(self, share: float) -> None:
-        if self._began is None:
+        if self._steps == 0:
             self._progress.phase("solving")
             self._began = time.monotonic()
-        done = self._of_run(share)
+        self._steps += 1
+        left = time_left(share, self._began)
+        self._progress(share, detail=", ".join(filter(None, (f"{self._steps} steps", left))))
         if share >= 1.0:
-            self._progress(1.0, detail=f"{self._of_run.steps} steps")
             self._progress.phase(self._after)
-        else:
-            self._progress(done, detail=self._words())
-
-    def _words(self) -> str:
-        lasted = time.monotonic() - (self._began or 0.0)
-        steps, ahead = self._of_run.steps, self._of_run.ahead
-        text = f"{steps} steps"
-        if lasted < AFTER:
-            return text
-        rate = (steps - 1) / lasted  # the clock began with the first step done
-        left = f"about {duration(ahead / rate)} left" if ahead > 0.0 else "more than expected"
-        return f"{text}, {rate:.3g} a second, {left}"
 
 
 def time_left(done: float, began: float) -> str:

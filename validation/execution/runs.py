@@ -177,7 +177,7 @@ def run_or_raise(
     stop_times : collection of float
         Further times that are stepped onto.
     max_steps : int or None
-        Largest number of steps, accepted and rejected together; ``None``: by the forecast.
+        Largest number of steps, accepted and rejected together; ``None``: the solver's own bound.
     estimate_progress : callable or None
         Called with the share of the loading that is done in that second run.
 

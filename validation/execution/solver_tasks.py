@@ -12,30 +12,12 @@ from validation.cases import Case
 from validation.execution.fingerprints import fingerprint
 from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run, run
-from validation.execution.step_share import StepShare
 from validation.execution.store import Store
 from validation.execution.task_progress import TellProgress
 from validation.execution.tasks import Task, TaskResult
-from validation.solvers.cost import ESTIMATE_SHARE, relative_time
 
-
-def expected_seconds(
-    case: Case, solver: str, resolution: int | None = None, max_steps: int | None = None
-) -> float:
-    """Rough run time (s), to start long runs first.
-
-    Parameters
-    ----------
-    case, solver, resolution, max_steps
-        As of :func:`~validation.execution.runs.run_or_raise`.
-
-    Returns
-    -------
-    float
-        1 for a solver that has no forecast.
-    """
-    method = solvers.SOLVERS.get(solver)
-    return 1.0 if method is None else method.expected_cost(case.scene, resolution).within(max_steps).seconds
+ESTIMATE_SHARE = 0.5
+"""Time of the coarser run from which errors are estimated, relative to the run."""
 
 
 def run_task(
@@ -58,14 +40,12 @@ def run_task(
         To be carried out by :func:`~validation.execution.run_tasks.run_tasks`.
     """
     asked = (case.scene, solver, resolution, case.profile_times, estimate, max_steps)
-    seconds = expected_seconds(case, solver, resolution, max_steps)
     return Task(
         fingerprint("run", *asked, *origin_of(solver)),
         f"{case.name} {solver}",
         partial(run_telling_share, max_steps=max_steps),
         (case, solver, resolution, estimate),
         Run,
-        seconds * relative_time(estimate),
         tells_share=True,
     )
 
@@ -94,34 +74,15 @@ def run_telling_share(
     Run
     """
     first = second = None
-    method = solvers.SOLVERS.get(solver)
-    if tell_share is not None and method is not None:
-        steps = method.expected_cost(case.scene, resolution).within(max_steps).steps
-        first_ends = 1.0 / relative_time(estimate)
-        first = _part_of_task(StepShare(steps), 0.0, first_ends, tell_share)
-        second = _part_of_task(StepShare(ESTIMATE_SHARE * steps), first_ends, 1.0, tell_share)
+    if tell_share is not None:
+        ends = 1.0 / (1.0 + ESTIMATE_SHARE * estimate)
+        first, second = _part_of_task(0.0, ends, tell_share), _part_of_task(ends, 1.0, tell_share)
     return run(case, solver, resolution, first, estimate, max_steps=max_steps, estimate_progress=second)
 
 
-def _part_of_task(
-    share: StepShare, begin: float, end: float, tell: Callable[[float], None]
-) -> Callable[[float], None]:
-    """What a solver calls after every step of a run that is a part of a task.
-
-    Parameters
-    ----------
-    share : StepShare
-        Of the run.
-    begin, end : float
-        Shares of the task between which the run is, 0 to 1.
-    tell : callable
-        Called with the share of the task.
-
-    Returns
-    -------
-    callable
-    """
-    return lambda loading: tell(begin + (end - begin) * share(loading))
+def _part_of_task(begin: float, end: float, tell: Callable[[float], None]) -> Callable[[float], None]:
+    """What a solver calls with the share of the loading of a run that is a part of a task."""
+    return lambda loading: tell(begin + (end - begin) * loading)
 
 
 def origin_of(solver: str) -> tuple[str, ...]:
@@ -163,7 +124,7 @@ def run_all(
     estimated : collection of str
         Names of the scenes whose errors are estimated.
     max_steps : int or None
-        Of every run; ``None``: by its forecast.
+        Of every run; ``None``: the solver's own bound.
     quick : bool
         Whether they have the resolution of the quick suite, not each solver's default.
 

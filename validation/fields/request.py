@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 from contact_scene import Loading, OutcomeKind, RunMonitor, Scene, SceneError, Trace
 from validation.measure.observables import largest_tension
 from validation.measure.round_off import ROUND_OFF
+from validation.solvers.base import step_budget
 from validation.solvers.finite_elements import FiniteElements
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def record_fields(
         Divisions per process zone; default: the solver's choice.
     progress : callable(float), optional
     max_steps : int, optional
-        Largest number of steps, accepted and rejected together; default: by the forecast.
+        Largest number of steps, accepted and rejected together; default: the solver's own bound.
     monitor : RunMonitor, optional
         Asked between two steps whether the run is to continue.
 
@@ -131,7 +132,7 @@ def record_fields(
         record_times=request.times,
         record_every=request.every,
         record_pull_off=True,
-        max_steps=METHOD.step_budget(scene, resolution) if max_steps is None else max_steps,
+        max_steps=step_budget(scene) if max_steps is None else max_steps,
     )
     recording, picked = record(scene, mesh, options, progress, monitor), {}
     if request.picked is not None and len(recording.trace):

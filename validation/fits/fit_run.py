@@ -62,7 +62,7 @@ def run_of(
     tolerance : float or None
         Of the time steps, where no resolution is given.
     max_steps : int or None
-        ``None``: by the forecast.
+        ``None``: the solver's own bound.
 
     Returns
     -------

@@ -45,7 +45,7 @@ class FitSettings:
     check_solver : str or None
         The second solver; ``None``: none.
     max_steps : int or None
-        Of every run, accepted and rejected together; ``None``: by its forecast.
+        Of every run, accepted and rejected together; ``None``: the solver's own bound.
     """
 
     vary: tuple[str, ...] = ()

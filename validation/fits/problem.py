@@ -58,7 +58,7 @@ class FitProblem:
     penalty : callable, optional
         Further residuals of the values by name, and nothing else (regularisation).
     max_steps : int or None
-        Of every run; ``None``: by its forecast.
+        Of every run; ``None``: the solver's own bound.
 
     Attributes
     ----------

@@ -1,7 +1,6 @@
 """The solvers by name, one object each; scikit-fem and gmsh are imported when the finite elements run."""
 
 from validation.solvers.base import Solver
-from validation.solvers.cost import Cost
 from validation.solvers.front_tracking import REFERENCE
 from validation.solvers.model_range import out_of_range, scene_warnings, trace_warnings
 from validation.solvers.peers import PEERS
@@ -12,7 +11,6 @@ __all__ = [
     "PEERS",
     "REFERENCE",
     "SOLVERS",
-    "Cost",
     "Progress",
     "RunOptions",
     "Solver",

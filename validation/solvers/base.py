@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -11,10 +12,9 @@ from typing import Any, ClassVar
 
 from contact_scene import COLUMNS, Scene, Trace, UnsupportedScene
 from contact_scene.errors import shown
-from validation.solvers.cost import Cost, CostModel, forecast
-from validation.solvers.model_range import out_of_range
+from contact_scene.run_control.options import MAX_STEPS
+from validation.solvers.model_range import cycle_count, interval_count, out_of_range
 from validation.solvers.run_options import RunOptions
-from validation.solvers.scene_work import SceneWork, scene_work
 
 SKIPPED_WORK: Mapping[str, str] = {
     "closure_evaluations": "no closure was evaluated",
@@ -78,8 +78,6 @@ class Solver(ABC):
         Fewest divisions per process zone that are accepted.
     estimates_errors : bool
         Whether ``solve`` can estimate the errors of a run itself (``Trace.errors``).
-    cost_model : CostModel
-        What a run costs, measured (``python -m benchmarks.cost_forecast``).
     skipped_work : mapping of str to str
         Work counter: what its remaining at zero means.
     curve_style : mapping
@@ -103,7 +101,6 @@ class Solver(ABC):
     movement_tolerance: ClassVar[float] = 2e-2
     least_resolution: ClassVar[int] = 4
     estimates_errors: ClassVar[bool] = False
-    cost_model: ClassVar[CostModel] = CostModel()
     skipped_work: ClassVar[Mapping[str, str]] = SKIPPED_WORK
     curve_style: ClassVar[Mapping[str, Any]] = {
         "color": "#cc79a7",
@@ -149,7 +146,7 @@ class Solver(ABC):
         self.check(scene, resolution)
         asked = RunOptions(**options)
         if asked.max_steps is None:
-            asked = replace(asked, max_steps=self.step_budget(scene, resolution))
+            asked = replace(asked, max_steps=step_budget(scene))
         return self._solve(scene, resolution, asked)
 
     def check(self, scene: Scene, resolution: int | None = None) -> None:
@@ -217,28 +214,10 @@ class Solver(ABC):
         half = divisions // 2
         return divisions, half if half >= self.least_resolution else 2 * divisions
 
-    def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
-        """Forecast of the steps, the processor time and the memory of a run, without solving anything.
 
-        Parameters
-        ----------
-        scene : Scene
-        resolution : int, optional
-            Divisions per process zone, as for :meth:`solve`.
+def step_budget(scene: Scene) -> int:
+    """Most steps of a run, accepted and rejected together, where the user states no number.
 
-        Returns
-        -------
-        Cost
-            To a factor of three or so. The coarser run from which errors are estimated is not included.
-        """
-        work = scene_work(scene)
-        divisions = resolution or self.default_resolution(scene)
-        return forecast(self.cost_model, work, divisions, self._unknowns(work, divisions))
-
-    def step_budget(self, scene: Scene, resolution: int | None = None) -> int:
-        """Most steps of a run for which the user states no number, in proportion to the forecast."""
-        return self.expected_cost(scene, resolution).step_budget
-
-    def _unknowns(self, work: SceneWork, resolution: int) -> float:
-        """What the time of a step grows with: points of the surface, by default of the whole contact."""
-        return max(work.radius_in_zones, 1.0) * resolution
+    A thousand for each cycle and each interval between kinks of the load: some six times what they take.
+    """
+    return max(MAX_STEPS, math.ceil(1e3 * (cycle_count(scene) + interval_count(scene))))

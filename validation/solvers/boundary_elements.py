@@ -10,7 +10,6 @@ from bem_solver import Options, refusal, solve
 from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import Scene, Trace, UnsupportedScene
 from validation.solvers.base import Solver
-from validation.solvers.cost import CostModel
 from validation.solvers.run_options import RunOptions
 
 
@@ -55,20 +54,6 @@ class BoundaryElements(Solver):
         "zone_excess": 0.01,
     }
     coarse_tolerance = 1e-2
-    cost_model = CostModel(
-        most_zones_of_radius=50.0,
-        steps_per_division=0.45,
-        adhesionless_steps_per_division=0.15,
-        steps_per_division_of_cycle=0.07,
-        steps_per_decade=8.0,
-        steps_per_interval=2.0,
-        steps_per_cycle=60.0,
-        steps_of_elastic_interval=60.0,
-        seconds_of_step=(6.5e-3,),
-        share_of_branch=0.2,
-        share_of_elastic_step=0.15,
-        share_of_adhesionless_step=0.25,
-    )
     curve_style: ClassVar[Mapping[str, Any]] = {"color": "#0072b2", "linestyle": "-", "linewidth": 1.4}
     marker = "o"
     css_variable = "bem"

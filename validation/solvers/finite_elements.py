@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Literal
@@ -11,10 +11,8 @@ from typing import Any, ClassVar, Literal
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.memory import installed_memory
 from meshes import EdgeMeshes, HalfSpaceMesh
-from meshes.around_edge import INNER_RADIUS
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, Solver
 from validation.solvers.contact_range import largest_contact_radius
-from validation.solvers.cost import Cost, CostModel, forecast
 from validation.solvers.fitted_meshes import (
     ADHESIONLESS_DIVISIONS,
     DIVISIONS,
@@ -29,46 +27,20 @@ from validation.solvers.fitted_meshes import (
     resolved_length,
 )
 from validation.solvers.run_options import RunOptions
-from validation.solvers.scene_work import SceneWork, scene_work
 
 FOLLOWED_BEYOND = 48.0
 """Largest contact radius, in process zones, beyond which the mesh follows the edge: of the order at which
 a mesh that is fine along the whole path takes as long, not measured closer."""
-FOLLOWING_COST = CostModel(
-    steps_per_division=0.5,
-    steps_per_division_of_cycle=1.3,
-    steps_per_interval=4.0,
-    steps_per_decade=6.0,
-    steps_per_cycle=45.0,
-    steps_of_elastic_interval=200.0,
-    most_zones_of_radius=20.0,
-    seconds_of_setup=(1.0, 0.03, 2.2e-3),
-    seconds_of_step=(5e-3, 3e-4),
-    share_of_branch=0.01,
-    bytes_of_run=(2e7, 1.75e7),
-)
-"""Where the mesh follows the edge; unknowns are the elements in a process zone, more where it is short."""
+BYTES_FOLLOWING, BYTES_CONDENSED, BYTES_OF_VOLUME = (2e7, 1.75e7), (6e7, 6e5, 200.0), (6e7, 1.3e6, 700.0)
+"""Memory before the first step, measured: coefficients of the powers of the number of elements along the
+contact (in a process zone, where the mesh follows the edge), by where the history is carried."""
 ADVISED_SHARE = 0.9
 """Memory of a resolution that is advised, over what is installed: the mesh may be a little larger than its
 forecast."""
 ZONES_AT_RIM = 4.0
 """Process zones that the mesh resolves where the edge rests on the rim of a punch: two to either side."""
-SHARE_OF_LEVELS = 0.65
-"""Of the meshes between the largest contact and the least, one for each halving, that a run comes to: an edge
-that runs away leaves some out."""
 FEW_HALVINGS = 8.0
 """Halvings of the contact radius down to the process zone above which the rest of the mesh counts."""
-VOLUME_COST = CostModel(
-    steps_per_division=5.0,
-    adhesionless_steps_per_division=0.6,
-    steps_of_elastic_interval=400.0,
-    seconds_of_setup=(0.1, 9e-3, 1.6e-5),
-    seconds_of_step=(4e-3, 1e-4, 2.4e-8),
-    share_of_branch=0.05,
-    bytes_of_run=(6e7, 1.3e6, 700.0),
-    bytes_of_row=3e5,
-)
-"""Where the history is carried at quadrature points and every step solves for the whole body."""
 
 
 @dataclass(frozen=True)
@@ -122,16 +94,6 @@ class FiniteElements(Solver):
         "zone_excess": 0.08,
     }
     coarse_tolerance = 2e-2
-    cost_model = CostModel(
-        steps_per_division=5.0,
-        steps_per_cycle=100.0,
-        adhesionless_steps_per_division=0.6,
-        steps_of_elastic_interval=400.0,
-        seconds_of_setup=(0.1, 3.5e-3, 2.5e-6, 1e-9),
-        seconds_of_step=(1e-3, 0.0, 1.6e-8),
-        share_of_branch=5e-3,
-        bytes_of_run=(6e7, 6e5, 200.0),
-    )
     least_resolution = 1
     skipped_work: ClassVar[Mapping[str, str]] = {
         **SKIPPED_WORK,
@@ -182,29 +144,19 @@ class FiniteElements(Solver):
         relaxes_apart = scene.material.bulk is not None and bool(scene.material.spectrum[0].size)
         return relaxes_apart or self.path == "quadrature"
 
-    def expected_cost(self, scene: Scene, resolution: int | None = None) -> Cost:
-        """Forecast of a run, as of every solver, with constants for each way to carry it out."""
-        try:
-            follows = self.follows_edge(scene)
-        except SceneError:  # the scene never touches
-            follows = False
-        divisions = resolution or self.default_resolution(scene)
-        work, finer = scene_work(scene), divisions_of_zone(scene, divisions)
-        if follows:
-            halvings = math.log2(max(work.radius_in_zones, 1.0))
-            cost = forecast(FOLLOWING_COST, work, divisions, finer * max(halvings / FEW_HALVINGS, 1.0))
-            further = max(SHARE_OF_LEVELS * (halvings - math.log2(INNER_RADIUS)), 0.0)
-            return replace(cost, seconds=cost.seconds + further * cost.setup_seconds)
-        unknowns = self._unknowns(work, finer)
+    def mesh_bytes(self, scene: Scene, divisions: int) -> float:
+        """Memory of the mesh and what is worked out on it before the first step, to a factor of 1.3."""
+        largest, finer = largest_contact_radius(scene), float(divisions_of_zone(scene, divisions))
+        zones = largest / scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 100.0
+        if self.follows_edge(scene):
+            elements = finer * max(math.log2(max(zones, 1.0)) / FEW_HALVINGS, 1.0)
+            return _polynomial(BYTES_FOLLOWING, elements)
+        finer *= 1.0 if scene.is_adhesive else 0.5  # without adhesion two divisions are one element
+        elements = max(zones, 1.0) * finer
         if math.isfinite(scene.indenter.edge) and not peels(scene):
-            outside = 2.0 / (self.grading or GRADING) * math.log(max(work.radius_in_zones, 1.0))
-            unknowns = self._unknowns(replace(work, radius_in_zones=ZONES_AT_RIM), finer) + outside
-        model = VOLUME_COST if self.solves_volume(scene) else self.cost_model
-        return forecast(model, work, finer, unknowns)
-
-    def _unknowns(self, work: SceneWork, resolution: int) -> float:
-        """Elements along the surface; without adhesion two divisions are one."""
-        return super()._unknowns(work, resolution) * (1.0 if work.adhesive else 0.5)
+            outside = 2.0 / (self.grading or GRADING) * math.log(max(zones, 1.0))
+            elements = ZONES_AT_RIM * finer + outside
+        return _polynomial(BYTES_OF_VOLUME if self.solves_volume(scene) else BYTES_CONDENSED, elements)
 
     def check(self, scene: Scene, resolution: int | None = None) -> None:
         """As of every solver; a mesh may be too large too, of itself or for the memory of the machine."""
@@ -212,12 +164,12 @@ class FiniteElements(Solver):
         parameters = edge_mesh_parameters if self.follows_edge(scene) else mesh_parameters
         parameters(scene, resolution, self.grading, self.domain_ratio)
         installed, divisions = installed_memory(), resolution or self.default_resolution(scene)
-        needed = self.expected_cost(scene, divisions).setup_bytes
+        needed = self.mesh_bytes(scene, divisions)
         if installed is None or needed <= installed:
             return
 
         def fits(coarser: int) -> bool:
-            return self.expected_cost(scene, coarser).setup_bytes <= ADVISED_SHARE * installed
+            return self.mesh_bytes(scene, coarser) <= ADVISED_SHARE * installed
 
         there = f"{1e-9 * installed:.3g} GB are installed"
         problem = f"at resolution {divisions} it takes about {1e-9 * needed:.3g} GB of memory, {there}"
@@ -255,3 +207,8 @@ class FiniteElements(Solver):
         method = replace(self, grading=ratio * (self.grading or GRADING))
         run = partial(method.solve, scene, other, step_tolerance=ratio**2 * DEFAULT_TOLERANCE)
         return ComparisonRun(run, ratio)
+
+
+def _polynomial(coefficients: Sequence[float], unknowns: float) -> float:
+    """Of a number of unknowns that may be one that no run could have."""
+    return sum(factor * min(unknowns, 1e30) ** power for power, factor in enumerate(coefficients))

@@ -10,7 +10,6 @@ from contact_scene import Scene, Trace, UnsupportedScene
 from validation.reference import Options, refusal, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
 from validation.solvers.base import Solver
-from validation.solvers.cost import CostModel
 from validation.solvers.run_options import RunOptions
 
 REFERENCE = "reference"
@@ -30,19 +29,6 @@ class FrontTracking(Solver):
     tolerance = 5e-4
     curve_tolerance = 5e-4
     coarse_tolerance = 2e-3
-    cost_model = CostModel(
-        most_zones_of_radius=20.0,
-        steps_per_division=1.6,
-        steps_per_division_of_cycle=0.8,
-        steps_per_decade=16.0,
-        steps_per_cycle=100.0,
-        steps_of_elastic_interval=200.0,
-        seconds_of_setup=(0.1,),
-        seconds_of_step=(1.8e-3,),
-        share_of_branch=0.04,
-        share_of_adhesionless_step=0.5,
-        share_of_turn=4e-3,
-    )
     estimates_errors = True
     curve_style: ClassVar[Mapping[str, Any]] = {"color": "#999999", "linestyle": "-", "linewidth": 3.6}
     marker = "D"

@@ -14,10 +14,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact_scene import OutcomeKind, Ramp, Scene, SceneError, Sphere, TabulatedProfile, Trace
+from contact_scene import (
+    Oscillate,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+    Sweep,
+    TabulatedProfile,
+    Trace,
+)
 from contact_scene.scene import zone_too_long
 from validation.solvers.contact_range import largest_contact_radius, start_radius
-from validation.solvers.scene_work import cycle_count
 
 MOST_CYCLES = 1e6
 """Cycles of a loading. A cycle has ten rows or more: ten million of them are what a trace can hold."""
@@ -43,6 +52,22 @@ the force at first order, a few percent there."""
 LARGEST_SLOPE = 0.5
 """Slope of the indenter at the contact edge beyond which the half-space, a theory of small slopes, is poor:
 for a sphere at half its radius, where the paraboloid is 7 % lower than the sphere."""
+
+
+def cycle_count(scene: Scene) -> float:
+    """Cycles of all oscillations and sweeps of a loading."""
+    cycles = 0.0
+    for step in scene.loading.steps:
+        if isinstance(step, Oscillate):
+            cycles += step.angular_frequency * step.duration / (2.0 * math.pi)
+        elif isinstance(step, Sweep):
+            cycles += step.chirp * step.duration**2 / (4.0 * math.pi)
+    return cycles
+
+
+def interval_count(scene: Scene) -> int:
+    """Intervals of a loading between its kinks."""
+    return sum(len(segment.kinks) + 1 for _, segment in scene.loading.segments(own_time=True))
 
 
 def out_of_range(scene: Scene) -> SceneError | None:

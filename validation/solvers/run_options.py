@@ -27,9 +27,8 @@ class RunOptions:
     profile_times : tuple of float
         Times that are stepped onto exactly and give a surface profile each.
     max_steps : int, optional
-        Largest number of steps, accepted and rejected together; by default several times the forecast
-        (:meth:`~validation.solvers.base.Solver.step_budget`), so that no run that was announced ends for
-        want of steps.
+        Largest number of steps, accepted and rejected together; by default
+        :func:`~validation.solvers.base.step_budget`.
     progress : callable, optional
         Called with the share of the loading that is done, 0 to 1.
     monitor : RunMonitor, optional

@@ -122,7 +122,7 @@ def solve_level(case: Case, scheme: str, level: Level, max_steps: int | None = N
         Name.
     level : Level
     max_steps : int or None
-        ``None``: by the forecast.
+        ``None``: the solver's own bound.
 
     Returns
     -------
@@ -151,7 +151,7 @@ def run_level(
     reference : Trace or None
         Run that errors are measured against; ``None``: no errors.
     max_steps : int or None
-        ``None``: by the forecast.
+        ``None``: the solver's own bound.
     repeats : int
         Largest number of runs, of which the fastest is timed.
 

@@ -116,12 +116,6 @@ def ratio_runs(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:
     }
 
 
-def all_pairs(cases: Iterable[Case], ratios: Iterable[float]) -> list[tuple[Case, str]]:
-    """The scene and the solver of every run, for every ratio."""
-    asked = [(case, ratio) for case in cases for ratio in ratios]
-    return [pair for case, ratio in asked for pair in ratio_runs(case, ratio).values()]
-
-
 def compare_ratios(
     case: Case,
     ratios: Iterable[float] = RATIOS,
@@ -143,7 +137,7 @@ def compare_ratios(
     executor, progress, store
         As of :func:`~validation.execution.run_tasks.run_tasks`.
     max_steps : int or None
-        Of every run; ``None``: by its forecast.
+        Of every run; ``None``: the solver's own bound.
 
     Returns
     -------

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from contact_scene import Scene, SceneError, Trace
-from validation.solvers import SOLVERS, Cost, Solver
+from contact_scene import Scene, Trace
+from validation.solvers import SOLVERS, Solver
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.front_tracking import FrontTracking
@@ -101,7 +101,7 @@ class Scheme:
         stop_times : tuple of float
             Stepped onto.
         max_steps : int or None
-            ``None``: by the forecast.
+            ``None``: the solver's own bound.
 
         Returns
         -------
@@ -114,15 +114,6 @@ class Scheme:
             stop_times=stop_times,
             max_steps=max_steps,
         )
-
-    def expected_cost(self, scene: Scene, settings: Settings) -> Cost | None:
-        """The forecast of a level; ``None`` where the solver refuses the scene."""
-        try:
-            return self._solver_with(settings).expected_cost(
-                with_zone(scene, settings.zone_factor), settings.resolution
-            )
-        except SceneError:
-            return None
 
     def _solver_with(self, settings: Settings) -> Solver:
         changes: Any = settings.of_solver

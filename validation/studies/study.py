@@ -6,7 +6,6 @@ Everything is measured against the finest front tracking.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
@@ -20,7 +19,7 @@ from validation.execution.run_tasks import run_tasks
 from validation.execution.store import Store
 from validation.execution.task_execution import one_line
 from validation.execution.tasks import Task, TaskResult
-from validation.solvers import REFERENCE, Cost
+from validation.solvers import REFERENCE
 from validation.studies.convergence import (
     REPEATS,
     Convergence,
@@ -95,7 +94,7 @@ def study(
     store : Store or None
         Levels of an earlier attempt are taken over, run times included.
     max_steps : int or None
-        Of every run; ``None``: by its forecast.
+        Of every run; ``None``: the solver's own bound.
 
     Returns
     -------
@@ -107,14 +106,6 @@ def study(
     finally:
         progress.close()
     return Study(scenes, stamp(), store.seconds)
-
-
-def level_forecasts(case: Case) -> Iterator[tuple[str, Cost | None]]:
-    """What the levels of all ladders are expected to cost, with the name of each run."""
-    for ladder in ladders(case.scene):
-        for level in ladder.levels:
-            cost = scheme(ladder.scheme).expected_cost(case.scene, level.settings)
-            yield f"{case.name} by {ladder.scheme}, {ladder.kind} {level.label}", cost
 
 
 def _study_scene(

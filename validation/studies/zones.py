@@ -8,10 +8,9 @@ longer than ``PATIENCE`` is ended, and its solver is not asked for shorter zones
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,6 @@ from validation.execution.store import Store
 from validation.execution.tasks import TaskEnding
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE, SOLVERS
-from validation.solvers.contact_range import largest_contact_radius
 
 RATIOS = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 5e-9)
 """Process zones over the largest contact radius: seven decades."""
@@ -197,17 +195,6 @@ def _zone_run(
     result = run_of(replace(answer, task=plain, value=None if measured is None else measured.run))
     peak = None if executor is None or measured is None else measured.peak_memory
     return replace(one, run=result, skipped="", errors=relative_errors(result, finer), peak_memory=peak)
-
-
-def zone_pairs(
-    cases: Iterable[Case], solvers: Sequence[str], ratios: Iterable[float]
-) -> Iterator[tuple[Case, str]]:
-    """The named scene and the solver of every run, for forecasts: with the bound of the contact radius that
-    meshes are fitted to."""
-    for case, ratio in product(cases, sorted(ratios, reverse=True)):
-        there = _with_zone(case, ratio * largest_contact_radius(case.scene))
-        named = replace(there, name=f"{case.name}, zone {ratio:.0e} of the radius,")
-        yield from ((named, solver) for solver in solvers)
 
 
 def _with_zone(case: Case, zone: float) -> Case:

@@ -12,13 +12,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from contact_scene.errors import SceneError
-from validation.cases import Case
 from validation.execution.engines import Engine
 from validation.execution.fingerprints import version
 from validation.execution.memory import keep_freed
 from validation.execution.progress import duration
 from validation.execution.run_table import RunRecord, RunTable, StoredRun
-from validation.execution.solver_tasks import expected_seconds
 from validation.execution.task_execution import completed_tasks
 from validation.execution.tasks import Task, TaskResult
 from validation.sweeps.batch import BatchedRun, OtherVersion, SweepOptions, run_batch
@@ -93,7 +91,6 @@ class _Batches:
     ) -> None:
         self._plan, self._runs, self._engine, self._largest = plan, runs, engine, largest
         self._seconds, self._done = 0.0, 0
-        self._forecast = 0.0
 
     def measured(self, runs: list[BatchedRun]) -> None:
         """Take note of what runs took."""
@@ -111,21 +108,12 @@ class _Batches:
             at += len(scenes)
 
     def _size(self, left: int) -> int:
-        by_cost = round(self._engine.batch_seconds / max(self._cost(), 1e-6))
+        if self._done == 0:  # what a run takes is not known yet
+            return 1
+        by_cost = round(self._engine.batch_seconds / max(self._seconds / self._done, 1e-6))
         tail = -(-left // (TAIL * self._engine.outstanding))
         size = max(1, min(by_cost, max(tail, by_cost // SHORTEST)))
         return size if self._largest is None else min(size, self._largest)
-
-    def _cost(self) -> float:
-        """Seconds of a run: measured, or before that by the forecast for the first one."""
-        if self._done > 0:
-            return self._seconds / self._done
-        if self._forecast == 0.0:
-            case = Case("sweep", self._plan.scene(self._runs[0][1]))
-            self._forecast = expected_seconds(
-                case, self._plan.solver, self._plan.resolution, self._plan.max_steps
-            )
-        return self._forecast
 
 
 def carry_out(
