@@ -341,7 +341,8 @@ def test_packaged_scenes_are_declared():
 def test_every_package_says_that_it_is_typed():
     with open("pyproject.toml", "rb") as stream:
         packages = tomllib.load(stream)["tool"]["mypy"]["packages"]
-    assert [name for name in packages if not Path(name, "py.typed").is_file()] == []
+    installed = [name for name in packages if name != "benchmarks"]
+    assert [name for name in installed if not Path(name, "py.typed").is_file()] == []
 
 
 def test_help_alone_and_the_version(capsys):
