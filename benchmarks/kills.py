@@ -79,7 +79,7 @@ SUITE = ["elastic-relaxed", "relaxed-equilibrium"]
 
 def carry_out(name: str, out: str) -> int:
     """A command on short work: few scenes of a report, the coarsest levels of some ladders of a study."""
-    scenes.suite = lambda suite: SUITE
+    scenes.suite = lambda name: SUITE
     full = study.ladders
     study.ladders = lambda scene: [replace(one, levels=one.levels[:2]) for one in full(scene)[::4]]
     study.finest = lambda scene: (8,)
