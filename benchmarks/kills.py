@@ -77,13 +77,13 @@ SUITE = ["elastic-relaxed", "relaxed-equilibrium"]
 """Scenes of the report."""
 
 
-def carry_out(name: str, out: str) -> int:
+def carry_out(command: str, out: str) -> int:
     """A command on short work: few scenes of a report, the coarsest levels of some ladders of a study."""
     scenes.suite = lambda name: SUITE
     full = study.ladders
     study.ladders = lambda scene: [replace(one, levels=one.levels[:2]) for one in full(scene)[::4]]
     study.finest = lambda scene: (8,)
-    return main([*COMMANDS[name], "--jobs", "2", "--out", out])
+    return main([*COMMANDS[command], "--jobs", "2", "--out", out])
 
 
 def numbers(folder: Path) -> dict[str, Any]:

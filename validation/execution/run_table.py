@@ -34,6 +34,8 @@ _COLUMNS = (
     "SELECT fingerprint, record, seconds FROM runs LIMIT 0", "SELECT fingerprint, columns FROM traces LIMIT 0"
 )  # fmt: skip
 """What the tables of another program do not answer."""
+_DAMAGED = sqlite3.DatabaseError, UnicodeDecodeError
+"""What is raised over a damaged file; the latter where SQLite's message quotes it."""
 Columns = dict[str, NDArray[np.float64]]
 
 
@@ -117,7 +119,7 @@ class RunTable:
         try:
             self._connection = sqlite3.connect(self._path or ":memory:")
             self._make_tables()
-        except sqlite3.DatabaseError as error:
+        except _DAMAGED as error:
             raise self._unusable(error) from None
 
     def _make_tables(self) -> None:
@@ -126,7 +128,7 @@ class RunTable:
             for question in _COLUMNS:
                 self._connection.execute(question)
             self._tell_of_other_version()
-        except sqlite3.DatabaseError:
+        except _DAMAGED:
             self.close()
             raise
 
@@ -148,7 +150,7 @@ class RunTable:
                     if run.columns is not None:
                         trace = (run.fingerprint, records.dumps(run.columns))
                         self._connection.execute("INSERT OR REPLACE INTO traces VALUES (?, ?)", trace)
-        except sqlite3.DatabaseError as error:
+        except _DAMAGED as error:
             raise self._unusable(error) from None
 
     def record(self, fingerprint: str) -> RunRecord | None:
@@ -181,11 +183,11 @@ class RunTable:
     def _cell(self, question: str, fingerprint: str) -> Any:
         try:
             row = self._connection.execute(question, (fingerprint,)).fetchone()
-        except sqlite3.DatabaseError as error:
+        except _DAMAGED as error:
             raise self._unusable(error) from None
         return None if row is None else row[0]
 
-    def _unusable(self, error: sqlite3.DatabaseError) -> SceneError | OSError:
+    def _unusable(self, error: Exception) -> SceneError | OSError:
         if not _is_foreign(error):  # as of any file that the disk does not take or give
             return OSError(errno.EIO, str(error), str(self._path))
         problem = f"{self._path} cannot be used: {error}"
