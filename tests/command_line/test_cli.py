@@ -266,7 +266,7 @@ def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
     fakes(bem=FunctionSolver(interrupt))
     assert code_of("solve", scene_file, "--solver", "bem") == 1
     assert capsys.readouterr().err.splitlines() == [
-        "crosscontact: no step is done: there is nothing to keep",
+        "crosscontact: nothing is kept of the run",
         "crosscontact: interrupted",
     ]
 

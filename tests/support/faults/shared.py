@@ -38,12 +38,12 @@ def _(true):
     return lambda self, *given: true(replace(self, rate=1.003 * self.rate), *given)
 
 
-@scene_fault("tables counted from the start of the run", "table:Table.segment", PUNCH)
+@scene_fault("tables counted from the start of the run", "load_steps:Table.segment", PUNCH)
 def _(true):
     return lambda self, time, *given: true(self, 0.5 * time, *given)
 
 
-@scene_fault("tables by steps instead of straight lines", "table:Table.segment", PUNCH)
+@scene_fault("tables by steps instead of straight lines", "load_steps:Table.segment", PUNCH)
 def _(true):
     def segment(self, *given):
         found = true(self, *given)
@@ -117,7 +117,7 @@ def _(true):
     return lambda self: 1.01 * true(self)
 
 
-@scene_fault("a step ends at 1.001 of its level", "trigger:Trigger.excess", SPRING)
+@scene_fault("a step ends at 1.001 of its level", "segment:Trigger.excess", SPRING)
 def _(true):
     return lambda self, *given: true(self, *given) - 0.001 * self.level
 
