@@ -254,8 +254,8 @@ def test_estimates_from_two_runs() -> None:
     fine, coarse = columns(1.0, 2.0), columns(1.03, 2.3)
     found = estimated_errors(fine, coarse, 2.0, True)
     assert found["pull_off_force"] == found["loop_energy"] == pytest.approx(0.03)
-    assert found["detachment_time"] == pytest.approx(0.15)
-    assert found["detachment_penetration"] == pytest.approx(0.075)
+    assert found["detachment_time"] == pytest.approx(0.05)
+    assert found["detachment_penetration"] == found["loop_energy"]
     agreeing = estimated_errors(fine, columns(1.03, 2.0), 2.0, True)
     assert agreeing["detachment_time"] == agreeing["loop_energy"] == pytest.approx(0.03)
     held = estimated_errors(fine, coarse)

@@ -2,9 +2,10 @@
 
 The coarser run may take twice the step, but between the rows of a table, after a kink, or where the
 deviation from an extrapolation of fourth order limits it, it does not: the difference is then a smaller
-part of the error. Curves have p = 2. Scalars have p = 1: they add up the errors of steps of which some are
-the same in both runs, and differences of either sign. What the work differs by at the end may vanish by
-accident: what it differs by at kinks of the load on the way counts as well.
+part of the error. Curves and the moment at which contact is lost have p = 2. Pull-off and work have p = 1:
+they add up the errors of steps of which some are the same in both runs, and differences of either sign.
+What the work differs by at the end may vanish by accident: what it differs by at kinks of the load on the
+way counts as well.
 
 A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
 equal times is no error; radius and force are therefore compared by the distance of the curves in a plane
@@ -72,7 +73,7 @@ def estimated_errors(
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
             if largest > 0.0:
-                errors[f"detachment_{name}"] = max(first * abs(values[0] - values[1]) / largest, least)
+                errors[f"detachment_{name}"] = max(second * abs(values[0] - values[1]) / largest, least)
     for name in ("contact_radius", "force"):
         errors[name] = second * _curve_distance(fine, coarse, name)
     return errors
