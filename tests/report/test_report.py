@@ -6,7 +6,6 @@ import dataclasses
 import json
 import re
 import xml.etree.ElementTree as tree
-from concurrent.futures import Executor, Future
 from html.parser import HTMLParser
 
 import pytest
@@ -20,8 +19,6 @@ from validation import solvers
 from validation.cases import load
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
-from validation.execution.runs import Run
-from validation.execution.solver_tasks import run_all
 from validation.report.build import build
 from validation.report.document import Bullets
 from validation.report.sections import scene as scene_section
@@ -89,6 +86,9 @@ def test_junit_has_one_case_per_check(built):
     root = tree.parse(folder / "junit.xml").getroot()
     assert len(root.findall(".//testcase")) == len(report.checks) == int(root.attrib["tests"])
     assert len(root.findall(".//failure")) == len(report.failures) == int(root.attrib["failures"])
+    for suite in root.iter("testsuite"):
+        times = [float(case.attrib["time"]) for case in suite.iter("testcase")]
+        assert sum(times) == pytest.approx(float(suite.attrib["time"]), abs=1e-4 * len(times))
 
 
 def test_markdown_names_every_failure(built):
@@ -145,7 +145,8 @@ def test_html_is_whole_and_self_contained(built):
     assert re.findall(r"<script[^>]*>", text) == ["<script>"]  # its own, which loads nothing
     assert "@import" not in text
     assert "A &lt;small&gt; &amp; odd scene" in text
-    assert text.count("<svg") == 6 * len(report.scenes)
+    assert text.count("<svg") == (6 + 1) * len(report.scenes)  # and a small one, which leads to the scene
+    assert text.count('<figure class="linked"><a href="#scene-') == len(report.scenes)
     assert text.count('class="fail"') >= len(report.failures)
     assert "prefers-color-scheme: dark" in text
     drawn = "".join(re.findall(r"<svg.*?</svg>", text, flags=re.DOTALL))
@@ -224,23 +225,6 @@ def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatc
                               and c.source == "front tracking"]  # fmt: skip
     assert (found[True].passed, found[True].estimate, found[True].base_estimate) == (False, 0.0, 0.0)
     assert (found[False].passed, found[False].estimate) == (True, None)
-
-
-def test_what_takes_longest_is_begun_first():
-    begun = []
-
-    class Pool(Executor):
-        def submit(self, execute, function, arguments):
-            case, solver, _, estimate = arguments
-            begun.append((case.name, solver, estimate))
-            future = Future()
-            future.set_result(execute(Run, (case.name, solver)))
-            return future
-
-    asked = [(load(name), "bem") for name in ("cycle-v0.1", "sweep", "oscillation-w1.4")]
-    found = run_all(asked, Pool(), estimated={"sweep"})
-    assert begun == [("oscillation-w1.4", "bem", False), ("sweep", "bem", True), ("cycle-v0.1", "bem", False)]
-    assert [name for name, _ in found] == ["cycle-v0.1", "sweep", "oscillation-w1.4"]
 
 
 def test_report_command(tmp_path, monkeypatch, capsys):

@@ -32,7 +32,6 @@ SCALARS = {
     "approach_force": "force",
     "approach_radius": "length",
     "peak_force": "force",
-    "peak_time": "",
     "pull_off_force": "jkr-force",
     "pull_off_penetration": "length",
     "pull_off_radius": "length",

@@ -80,8 +80,8 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     Parameters
     ----------
     name : str
-        Name of the observable; any other than at the end of the approach, and but for the time of the largest
-        force, is located.
+        Name of the observable; any other than at the end of the approach, and of the largest force, is
+        located.
     trace : Trace
     loading : Loading
 
@@ -89,8 +89,10 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     -------
     bool
     """
+    if name.startswith("peak_") and has_smooth_crests(loading):
+        return False
     if name == "peak_time":
-        return not has_smooth_crests(loading) and _stands_alone(trace)
+        return _stands_alone(trace)
     if not name.startswith("approach"):
         return True
     if has_smooth_crests(loading):

@@ -122,6 +122,10 @@ class Figure:
         Why there is no picture.
     files : mapping of str to bytes
         Copies by file name, written to ``figures/`` beside the document; Markdown shows the first.
+    link : LinkCell, optional
+        Where a click on the picture leads; it stands below the picture instead of the caption.
+    verdict : VerdictCell, optional
+        Stands in the corner of the picture.
     """
 
     name: str
@@ -130,14 +134,17 @@ class Figure:
     wide: bool = False
     missing: str = ""
     files: Mapping[str, bytes] = field(default_factory=dict)
+    link: LinkCell | None = None
+    verdict: VerdictCell | None = None
 
 
 @dataclass(frozen=True)
 class Figures:
-    """Pictures side by side."""
+    """Pictures side by side; ``small`` ones as many as a page is wide, on paper too."""
 
     kind: ClassVar[str] = "figures"
     figures: tuple[Figure, ...]
+    small: bool = False
 
 
 @dataclass(frozen=True)

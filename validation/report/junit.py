@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as tree
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 from validation.measure.check import Check
 from validation.report.sections.checks import cells
@@ -15,12 +15,21 @@ _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 @dataclass(frozen=True)
 class CheckSuite:
-    """Checks under a name, the seconds they took, and what each wants to be printed (or nothing)."""
+    """Checks under a name, the seconds behind them, and what each wants to be printed (or nothing).
+
+    ``seconds`` are those of the run of each solver, which its checks share alike; under the empty name, those
+    that all checks of the suite share.
+    """
 
     name: str
     checks: Sequence[Check]
-    seconds: float = 0.0
+    seconds: Mapping[str, float] = field(default_factory=dict)
     outputs: Sequence[str] = ()
+
+    def time_of(self, check: Check) -> float:
+        """Seconds of a check."""
+        own = sum(other.solver == check.solver for other in self.checks)
+        return self.seconds.get(check.solver, 0.0) / own + self.seconds.get("", 0.0) / len(self.checks)
 
 
 def text(name: str, suites: Sequence[CheckSuite], seconds: float) -> str:
@@ -35,14 +44,14 @@ def text(name: str, suites: Sequence[CheckSuite], seconds: float) -> str:
 def element(suite: CheckSuite) -> tree.Element:
     """One suite."""
     made = tree.Element("testsuite", name=_allowed(suite.name))
-    _count(made, suite.checks, suite.seconds)
+    _count(made, suite.checks, sum(suite.seconds.values()))
     for index, check in enumerate(suite.checks):
         case = tree.SubElement(
             made,
             "testcase",
             classname=_allowed(f"{check.scene}.{check.solver}"),
             name=_allowed(f"{index + 1} {check.quantity} ({check.source})"),
-            time="0",
+            time=f"{suite.time_of(check):.4f}",
         )
         if not check.passed:
             message = ", ".join(f"{title} {shown}" for title, shown in list(cells(check).items())[2:])

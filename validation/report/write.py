@@ -13,7 +13,7 @@ from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
 from validation.execution.run_folder import write_run
 from validation.report import html, json_data, junit, markdown
-from validation.report.document import Document, Section, figures_of
+from validation.report.document import Document, Figure, Section, figures_of
 from validation.report.figures import zone_chart
 from validation.report.report import Report
 from validation.report.report_folder import REPORT, STABILITY, STUDY, poisson_json, zones_json
@@ -37,14 +37,14 @@ from validation.studies.study import Study
 from validation.studies.zones import ZoneRun
 
 
-def page(report: Report, scenes: Sequence[Section]) -> Document:
-    """Everything, with figures; ``scenes`` are the sections of its scenes."""
-    parts = [overview.section(report)]
+def page(report: Report, scenes: Sequence[tuple[Section, Figure]]) -> Document:
+    """Everything, with figures; ``scenes`` are the sections of its scenes and their small figures."""
+    parts = [overview.section(report, [small for _, small in scenes])]
     parts += [] if report.baseline is None else [regression.section(report.baseline)]
     parts += [] if report.claims is None else [claims.section(report.claims)]
     parts += [] if report.stability is None else [stability.section(report.stability)]
     parts += [] if report.fields is None else [fields.section(report.fields)]
-    parts += scenes
+    parts += [section for section, _ in scenes]
     parts += [costs.section(report.runs), environment.section(report.environment, report.wall_seconds)]
     return Document(overview.title(report), (overview.lead(report),), tuple(parts))
 
@@ -61,7 +61,9 @@ def summary(report: Report) -> Document:
 def suites(report: Report) -> list[junit.CheckSuite]:
     """Checks grouped by scene and kind of evidence."""
     made = [
-        junit.CheckSuite(one.case.name, one.checks, sum(run.wall_seconds for run in one.runs.values()))
+        junit.CheckSuite(
+            one.case.name, one.checks, {name: run.wall_seconds for name, run in one.runs.items()}
+        )
         for one in report.scenes
     ]
     if report.claims is not None:
@@ -71,7 +73,7 @@ def suites(report: Report) -> list[junit.CheckSuite]:
         made.append(junit.CheckSuite("baseline", report.baseline.checks))
     if report.stability is not None:
         matrix = report.stability
-        made.append(junit.CheckSuite("stability", stability_checks(matrix.cells), matrix.wall_seconds))
+        made.append(junit.CheckSuite("stability", stability_checks(matrix.cells), {"": matrix.wall_seconds}))
     return made
 
 
@@ -96,7 +98,7 @@ def write(
         Called with the share of the scenes that are drawn, 0 to 1.
     """
     (folder / "index.html").unlink(missing_ok=True)  # if it is there, the set is complete
-    drawn = (map if executor is None else executor.map)(scene.section, report.scenes)
+    drawn = (map if executor is None else executor.map)(scene.drawn, report.scenes)
     for one in report.scenes:  # while the others draw
         for solver, run in one.runs.items():
             write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
@@ -104,12 +106,12 @@ def write(
     checks = junit.text(f"crosscontact {report.suite}", suites(report), report.wall_seconds)
     write_whole(folder / "junit.xml", checks)
     write_whole(folder / "summary.md", markdown.text(summary(report)))
-    sections = []
-    for section in drawn:
-        sections.append(section)
+    scenes = []
+    for one_drawn in drawn:
+        scenes.append(one_drawn)
         if progress is not None:
-            progress(len(sections) / len(report.scenes))
-    _write_page(page(report, sections), folder)
+            progress(len(scenes) / len(report.scenes))
+    _write_page(page(report, scenes), folder)
 
 
 def write_study(result: Study, folder: Path) -> None:

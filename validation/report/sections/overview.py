@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from validation.compare.suite import SceneComparison
 from validation.report.document import (
@@ -10,6 +10,8 @@ from validation.report.document import (
     Bullets,
     Cell,
     DataTable,
+    Figure,
+    Figures,
     LinkCell,
     Paragraph,
     Part,
@@ -21,6 +23,7 @@ from validation.report.document import (
     passed_or_not,
     plain,
 )
+from validation.report.figures import overview_figures
 from validation.report.report import Report
 from validation.report.sections import checks
 from validation.report.sections.scene import anchor, skipped_work
@@ -35,6 +38,10 @@ EXPLAINED = (
 )
 
 
+PICTURES = (
+    "Force against penetration of each scene, all solvers laid over each other, in the colours of the chart "
+    "below; a click leads to the scene."
+)
 QUICK = (
     f"The quick suite is solved at {QUICK_DIVISIONS} divisions of the process zone at most, where that is "
     "cheaper than a solver's default; its checks ask for no more."
@@ -56,8 +63,8 @@ def lead(report: Report) -> Paragraph:
     )
 
 
-def section(report: Report) -> Section:
-    """What did not pass, a line for each scene, which leads to its section, and who the solvers are."""
+def section(report: Report, small: Sequence[Figure] = ()) -> Section:
+    """What did not pass; ``small`` figures, a chart of all errors, a line for each scene, and the solvers."""
     rows: Iterator[Record] = (
         {
             "scene": LinkCell(scene.case.name, anchor(scene)),
@@ -69,7 +76,10 @@ def section(report: Report) -> Section:
         for scene in report.scenes
     )
     resolution = (Paragraph(QUICK),) if report.suite == "quick" else ()
-    parts: tuple[Part, ...] = (DataTable.of(rows), Paragraph(EXPLAINED), *resolution, *solvers(report))
+    pictures: tuple[Part, ...] = (Paragraph(PICTURES), Figures(tuple(small), small=True))
+    pictures = (*pictures, Figures((overview_figures.cost(report.scenes),))) if small else ()
+    lines = Section("Scene by scene", (DataTable.of(rows), Paragraph(EXPLAINED), *resolution))
+    parts: tuple[Part, ...] = (*pictures, lines, *solvers(report))
     if report.failures:
         parts = (Section("Not passed", (_failures(report),), "not-passed"), *parts)
     return Section("Overview", parts, "overview")

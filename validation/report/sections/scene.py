@@ -21,6 +21,7 @@ from validation.report.document import (
     number,
     passed_or_not,
 )
+from validation.report.figures import overview_figures
 from validation.report.pictures import valid_id, with_drawing
 from validation.report.sections import checks
 from validation.solvers import REFERENCE
@@ -46,6 +47,11 @@ def section(scene: SceneComparison) -> Section:
     )
     verdict = passed_or_not(scene.passed)
     return Section(case.scene.title or case.name, parts, anchor(scene), verdict, folded=scene.passed)
+
+
+def drawn(scene: SceneComparison) -> tuple[Section, Figure]:
+    """The section of a scene, and the small figure that leads to it."""
+    return section(scene), overview_figures.small(scene, anchor(scene))
 
 
 def verdicts(scene: SceneComparison) -> Section:
