@@ -92,7 +92,7 @@ def test_equal_runs_agree_in_everything_that_is_measured():
     assert all(check.passed for check in found.values())
     expected = {name for name in SCALARS if not name.startswith("final")}
     assert set(found) == expected | {"outcome", "F(t), RMS", "a(t), RMS", "F(t), movement", "a(t), movement"}
-    assert set(Observables().as_dict()) <= set(SCALARS)
+    assert set(Observables().as_dict()) <= {*SCALARS, "peak_time"}  # uncertain as a crest is flat
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
