@@ -13,8 +13,8 @@ from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.report import exam_report, terminal
+from validation.report.exam_report import lead, overview
 from validation.report.report_folder import EXAM, check_report_unused
-from validation.report.sections.exam import lead, overview
 
 
 def run(folder: str, out: str | None, jobs: int, fresh: bool = False) -> int:

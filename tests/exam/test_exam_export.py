@@ -12,15 +12,16 @@ from pathlib import Path
 import pytest
 from support.exam_answers import SCENE, case, hertz, text
 
-from contact_scene import SceneError, read_scene
+from contact_scene import Scene, SceneError, load_steps, read_scene
+from contact_scene.checked import fields_of
 from crosscontact.cli import main
 from validation.cases import load
 from validation.exam import judge
+from validation.exam.answer import Header, read_header
 from validation.exam.export import exam_cases, export_reference, export_scenes
-from validation.exam.header import Header, read_header
 from validation.exam.judge import reference_runs
 from validation.exam.scene_json import expanded, scene_of
-from validation.exam.statement import page
+from validation.exam.statement import SHAPES, STEPS, page
 from validation.exam.tags import POSSIBLE, tags
 from validation.scenes import suite
 
@@ -76,13 +77,17 @@ def test_the_page_states_the_scene_in_words():
     assert "6. the force goes linearly to `1000.0` at `200.0`" in words
     assert "`zone = 0.013`" in page(load("cycle-v0.02"))
     assert "No adhesion" in page(case())
+    assert "the step ends as soon as the force is" in page(load("spring-elastic"))
+    assert set(STEPS) | set(SHAPES) == {step.kind for step in load_steps.STEPS} | {
+        shape.shape for shape in fields_of(Scene)["indenter"].kinds
+    }
 
 
 def test_a_header_says_all_that_is_needed_to_compute_it_again():
     scene = load("repressed-profile").scene
     header = Header("reference", resolution="32", seconds=0.25, scene="x", problem=expanded(scene))
-    again, odd = read_header(header.lines(), "x")
-    assert odd == ()
+    again, odd = read_header(header.lines())
+    assert odd == []
     assert again == header
     assert scene_of(again.problem) == scene
 

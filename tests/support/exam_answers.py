@@ -8,8 +8,7 @@ import numpy as np
 
 from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace
 from validation.cases import Case, load
-from validation.exam.answer import Answer
-from validation.exam.header import Header
+from validation.exam.answer import Answer, Header
 from validation.execution.runs import Run
 from validation.measure.scalars import measure
 

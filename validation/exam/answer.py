@@ -1,50 +1,86 @@
-"""An answer: a trace somebody's code computed, read as hostile input.
+"""An answer: a run that somebody's code computed, as columns of a trace under a header; hostile input.
 
-``trace.csv`` begins with the lines of :mod:`validation.exam.header`; then a line with the names of the
-columns and a row for each time. Columns are those of ``contact_scene.COLUMNS``, in the units of the scene;
-``time`` and one more are enough. Two rows of equal time are a jump.
+``trace.csv`` begins with lines ``# key: value``, the header; then a line with the names of the columns and a
+row for each time. Columns are those of ``contact_scene.COLUMNS``, in the units of the scene; ``time`` and one
+more are enough. Two rows of equal time are a jump.
 """
 
 from __future__ import annotations
 
+import json
+import math
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, SceneError, Trace
 from contact_scene.errors import shown
 from contact_scene.files import read_rows, read_text
-from contact_scene.separators import check_head
-from contact_scene.value_checks import LARGEST
-from validation.exam.header import Header, read_header
+from contact_scene.separators import check_head, is_number
+from contact_scene.trace import Array
+from contact_scene.value_checks import SMALLEST, Range, finite, not_negative
+from validation.execution.files import from_json
 
-Array = NDArray[np.float64]
 MOST_ROWS = 100_000
 """Rows of an answer: a hundred times those of a fine run of ours."""
 LOST = 1e-6
 """Contact counts as lost below this fraction of the largest radius: what a root search leaves of zero."""
-NOT_NEGATIVE = ("time", "contact_radius")
+LONGEST = 60
+"""Characters of a text in the header: it becomes a cell of a table and a label of a figure."""
+TABOR = 1.1570
+"""Maugis' parameter over Tabor's, where the Dugdale stress is the largest of a Lennard-Jones law."""
+CODE = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._+-]{0,39}")
+A_CODE = "a name of at most 40 letters, digits, blanks and . _ + -"
+TEXTS = ("version", "author", "resolution", "scene")
+WORDS = {"outcome": ("completed", "detached"), "units": ("scene",)}
+NUMBERS = {
+    "seconds": Range("a number from 1e-09 to 1e+10", 1e-9, 1e10),  # a few cycles of a processor, 300 years
+    "transition": Range("a number > 0, at most 1e+06, or inf", SMALLEST, 1e6, also=(math.inf,)),
+    "tabor": Range("a number > 0, at most 1e+06", SMALLEST, 1e6),
+}
+KEYS = ("code", *TEXTS, *WORDS, *NUMBERS, "problem")
+RANGES = {"time": not_negative, "contact_radius": not_negative}
+
+
+@dataclass(frozen=True)
+class Header:
+    """What an answer says of itself.
+
+    ``resolution`` is in the code's own terms and tells several answers of one code apart; an empty ``scene``
+    is that of the folder; without an ``outcome`` contact is lost if the last radius is zero. ``transition``
+    is Maugis' parameter of a code whose attraction has a finite range, infinite without a zone; ``problem``
+    the whole scene, as of :mod:`validation.exam.scene_json`.
+    """
+
+    code: str
+    version: str = ""
+    author: str = ""
+    resolution: str = ""
+    seconds: float | None = None
+    scene: str = ""
+    outcome: str = ""
+    transition: float | None = None
+    problem: dict[str, Any] | None = None
+
+    @property
+    def label(self) -> str:
+        """Code and version in one."""
+        return f"{self.code} {self.version}".strip()
+
+    def lines(self) -> list[str]:
+        """The lines of a file."""
+        stated = vars(self) | {"units": "scene"}
+        stated["problem"] = None if stated.pop("problem") is None else json.dumps(self.problem)
+        return [f"# {name}: {value}" for name, value in stated.items() if value not in ("", None)]
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What was found in one file.
-
-    Parameters
-    ----------
-    header : Header
-    file : str
-        Name of the file, relative to the folder that is judged.
-    columns : mapping of str to ndarray, shape (n,)
-        Those it has; empty if the file cannot be used.
-    problem : str
-        Why it cannot be used, in one line; empty if it can.
-    remarks : tuple of str
-        What is odd, one line each.
-    """
+    """What was found in a file: columns, or the ``problem`` for which they cannot be used, in one line."""
 
     header: Header
     file: str
@@ -58,119 +94,135 @@ class Answer:
         Contact is lost if the last radius is zero (``LOST``) or the header says so; rows after that are left
         out, but for the first.
         """
-        columns = {name: self.columns.get(name) for name in COLUMNS}
-        rows = len(self.columns["time"])
-        whole = {name: np.zeros(rows) if column is None else column for name, column in columns.items()}
-        kind, end = OutcomeKind.COMPLETED, rows
-        radius = self.columns.get("contact_radius", np.zeros(0))
-        touching = np.flatnonzero(radius > LOST * radius.max(initial=0.0))
-        if touching.size and touching[-1] + 1 < radius.size:
-            kind, end = OutcomeKind.DETACHED, int(touching[-1]) + 2
-            whole["contact_radius"] = np.where(np.arange(rows) > touching[-1], 0.0, radius)
-        elif self.header.outcome == OutcomeKind.DETACHED:
-            kind = OutcomeKind.DETACHED
-        kept: dict[str, Any] = {name: column[:end] for name, column in whole.items()}
-        outcome = Outcome(kind, "as read from its rows", float(kept["time"][-1]))
+        end = len(self.columns["time"])
+        columns: dict[str, Any] = {name: self.columns.get(name, np.zeros(end)) for name in COLUMNS}
+        radius = columns["contact_radius"]
+        last = int(np.flatnonzero(radius > LOST * radius.max())[-1]) if radius.any() else end
+        lost = last + 1 < end
+        if lost:
+            columns["contact_radius"] = np.where(np.arange(end) > last, 0.0, radius)
+            end = last + 2
+        kind = OutcomeKind.DETACHED if lost or self.header.outcome == "detached" else OutcomeKind.COMPLETED
+        columns = {name: column[:end] for name, column in columns.items()}
+        state = [float(columns[name][-1]) for name in COLUMNS[:4]]
+        gone = kind is OutcomeKind.DETACHED and state[-1] == 0.0  # contact that shrinks to nothing is lost
+        outcome = Outcome(kind, "as read from its rows", state[0])
         seconds = self.header.seconds or 0.0
-        events: tuple[Event, ...] = ()
-        if kind is OutcomeKind.DETACHED and kept["contact_radius"][-1] == 0.0:
-            last = (float(kept[name][-1]) for name in ("time", "penetration", "force", "contact_radius"))
-            events = (Event("pull-off", *last),)  # where contact shrinks to nothing, it is lost there
         return Trace(
             self.header.code,
+            **columns,
             outcome=outcome,
             counters=Counters(),
-            events=events,
+            events=(Event("pull-off", *state),) if gone else (),
             wall_seconds=seconds,
-            **kept,
         )
 
 
 def read_answer(path: Path, name: str) -> Answer:
-    """Read a file; whatever is wrong with it is part of the answer.
-
-    Parameters
-    ----------
-    path : Path
-    name : str
-        Of the file, in messages.
-    """
-    header = Header(_nameable(path.parent.parent.name))
+    """Read a file, ``name`` in messages; whatever is wrong with it is part of the answer."""
+    folder = path.parent.parent.name  # names the code of a file whose header cannot be read
+    header = Header((CODE.search(re.sub(r"[^A-Za-z0-9._+-]", "", folder)) or ["?"])[0])
     try:
         text = read_text(path)
-        _check_signs(text, name)
+        if "\x00" in text:
+            raise SceneError("", "holds zero bytes, as UTF-16 does", "UTF-8 text")
+        if "\r" in text:
+            raise SceneError("", "has lines that end in a carriage return alone", "line feeds")
         lines = text.split("\n")
         count = next((i for i, line in enumerate(lines) if not line.lstrip().startswith("#")), len(lines))
-        header, remarks = read_header([line.strip() for line in lines[:count]], name)
-        columns, odd = _columns(text, name)
+        header, remarks = read_header([line.strip() for line in lines[:count]])
+        columns, others = _columns(text, name)
     except SceneError as error:
         return Answer(header, name, problem=str(error.in_file(name)).replace(str(path), name))
-    return Answer(header, name, columns, remarks=(*remarks, *odd))
+    if others:
+        remarks.append(f"columns that are not judged: {', '.join(map(shown, others[:5]))}")
+    return Answer(header, name, columns, remarks=tuple(f"{name}: {one}" for one in remarks))
 
 
-def _nameable(name: str) -> str:
-    """A name for the code of a file whose header cannot be read."""
-    return "".join(c for c in name if c.isascii() and (c.isalnum() or c in "._+-"))[:40].lstrip("._+-") or "?"
+def read_header(lines: Sequence[str]) -> tuple[Header, list[str]]:
+    """The header of the lines that begin a file, and in a line what is odd in it, if anything is.
+
+    Raises
+    ------
+    SceneError
+        If it names no code, or a value is none that can be used.
+    """
+    found: dict[str, str] = {}
+    odd: list[str] = []
+    for line in lines:
+        key, colon, value = line.lstrip("# ").partition(":")
+        name = key.strip().lower()
+        if not colon or name not in KEYS:
+            odd.append(shown(key.strip()))
+        elif name in found:
+            raise SceneError(f"header: {name}", "is given twice", "each key once")
+        else:
+            found[name] = value.strip()
+    code = found.get("code", "")
+    if not CODE.fullmatch(code):
+        raise SceneError("header: code", f"got {shown(code)}" if code else "is missing", f"# code: {A_CODE}")
+    for name, words in WORDS.items():
+        if name in found and found[name] not in ("", *words):
+            raise SceneError(f"header: {name}", f"got {shown(found[name])}", " or ".join(words))
+    stated: dict[str, Any] = {
+        name: allowed(_value(found[name]), f"header: {name}")
+        for name, allowed in NUMBERS.items()
+        if name in found
+    }
+    if "tabor" in stated:
+        stated["transition"] = TABOR * stated.pop("tabor")
+    for name in TEXTS:  # printable, and without the signs that a figure or a table would read as markup
+        text = re.sub(r"[$\\<>|`*]", "", found.get(name, ""))
+        stated[name] = "".join(filter(str.isprintable, text))[:LONGEST]
+    more = f" and {len(odd) - 1} more are no keys" if len(odd) > 1 else " is no key"
+    told = [f"header: {odd[0]}{more}; allowed: {', '.join(KEYS)}"] if odd else []
+    problem, outcome = _problem(found.get("problem")), found.get("outcome", "")
+    return Header(code, **stated, outcome=outcome, problem=problem), told
 
 
-def _check_signs(text: str, file: str) -> None:
-    """What spreadsheets and other systems write that is no comma-separated UTF-8."""
-    if "\x00" in text:
-        raise SceneError("", "holds zero bytes, as UTF-16 does", "UTF-8 text", file)
-    if "\r" in text:
-        raise SceneError("", "has lines that end in a carriage return alone", "line feeds", file)
+def _value(text: str) -> Any:
+    """The number that a text states, or the text."""
+    return float(text) if is_number(text) else text
 
 
-def _columns(text: str, file: str) -> tuple[dict[str, Array], tuple[str, ...]]:
-    rows = read_rows(text, file)
-    (line, names), body = rows[0], rows[1:]
+def _problem(text: str | None) -> dict[str, Any] | None:
+    try:
+        data = None if text is None else from_json(text)
+    except ValueError:
+        data = ()
+    if data is not None and not isinstance(data, dict):
+        raise SceneError("header: problem", "is no JSON object", "the scene as in its scene.json")
+    return data
+
+
+def _columns(text: str, file: str) -> tuple[dict[str, Array], list[str]]:
+    """Columns by name, and the names of those that are none of a trace."""
+    (line, names), *body = read_rows(text, file)
+    head = f"line {line}"
     check_head(line, names, COLUMNS, file)
     for name in names:
         if any(sign in name for sign in "[(/"):
             allowed = "columns in the units of the scene, without a unit in their names"
-            raise SceneError(f"line {line}", f"column {shown(name)} states a unit", allowed, file)
-    repeated = [name for name in COLUMNS if names.count(name) > 1]
-    if repeated:
-        raise SceneError(f"line {line}", f"two columns {repeated[0]}", "each column once", file)
+            raise SceneError(head, f"column {shown(name)} states a unit", allowed)
+        if name in COLUMNS and names.count(name) > 1:
+            raise SceneError(head, f"two columns {name}", "each column once")
     known = [name for name in names if name in COLUMNS]
     if "time" not in known or len(known) < 2:
         allowed = f"time and at least one of {', '.join(COLUMNS[1:])}"
-        raise SceneError(f"line {line}", f"columns {shown(','.join(names))}", allowed, file)
+        raise SceneError(head, f"columns {shown(','.join(names))}", allowed)
     if not 1 <= len(body) <= MOST_ROWS:
-        raise SceneError("", f"has {len(body)} rows", f"1 to {MOST_ROWS} rows below the columns", file)
+        raise SceneError("", f"has {len(body)} rows", f"1 to {MOST_ROWS} rows below the columns")
+    ranges = [RANGES.get(name, finite) for name in names]
     table = np.empty((len(body), len(names)))
     for index, (line, cells) in enumerate(body):
         if len(cells) != len(names):
-            raise SceneError(f"line {line}", f"has {len(cells)} cells", f"{len(names)}, as the head", file)
-        for place, cell in enumerate(cells):
-            table[index, place] = _number(cell, f"line {line}, {names[place]}", file)
+            raise SceneError(f"line {line}", f"has {len(cells)} cells", f"{len(names)}, as the head")
+        for place, (cell, check) in enumerate(zip(cells, ranges, strict=True)):
+            table[index, place] = check(_value(cell), f"line {line}, {names[place]}")
     columns = {name: table[:, names.index(name)] for name in known}
-    _check_values(columns, [line for line, _ in body], file)
-    odd = [name for name in names if name not in COLUMNS]
-    told = f"{file}: columns that are not judged: {', '.join(shown(name) for name in odd[:5])}"
-    return columns, (told,) if odd else ()
-
-
-def _number(cell: str, key: str, file: str) -> float:
-    try:
-        value = float(cell) if "_" not in cell else np.nan
-    except ValueError:
-        value = np.nan
-    if not abs(value) <= LARGEST:
-        raise SceneError(key, f"got {shown(cell)}", f"a finite number, at most {LARGEST:g}", file)
-    return value
-
-
-def _check_values(columns: dict[str, Array], lines: list[int], file: str) -> None:
-    for name in NOT_NEGATIVE:
-        low = np.flatnonzero(columns.get(name, np.zeros(1)) < 0.0)
-        if low.size:
-            found = f"got {columns[name][low[0]]:g}"
-            raise SceneError(f"line {lines[low[0]]}, {name}", found, "a number >= 0", file)
     back = np.flatnonzero(np.diff(columns["time"]) < 0.0)
     if back.size:
-        row = int(back[0]) + 1
-        times = f"{columns['time'][row - 1]:g} -> {columns['time'][row]:g}"
-        raise SceneError(
-            f"line {lines[row]}, time", f"runs backwards ({times})", "times that never fall", file
-        )
+        before, after = columns["time"][back[0] : back[0] + 2]
+        key = f"line {body[back[0] + 1][0]}, time"
+        raise SceneError(key, f"runs backwards ({before:g} -> {after:g})", "times that never fall")
+    return columns, [name for name in names if name not in COLUMNS]

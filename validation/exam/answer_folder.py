@@ -1,14 +1,13 @@
 """What lies in a folder that is judged: scenes, answers to them, and what codes decline.
 
 ``exam.json`` lists the scenes; without it they are the built-in ones that are answered. An answer is any file
-``trace.csv`` or ``trace-SOMETHING.csv``; its scene is named in its header or by its folder. ``code.toml``,
-with ``code`` and ``declines``, a list of tags, says what a code does not do; ``declined.txt`` in the folder
-of a scene says why this one is not answered.
+``trace.csv`` or ``trace-SOMETHING.csv``; its scene is named in its header or by its folder.
 """
 
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,30 +17,23 @@ from contact_scene.errors import shown
 from contact_scene.files import read_text
 from validation.cases import Case, load
 from validation.exam.answer import Answer, read_answer
-from validation.exam.answer_files import answer_files, is_trace
-from validation.exam.declining import Declined, read_declined
 from validation.exam.scene_json import difference, expanded
+from validation.exam.tags import BY_REASON, BY_TAG, Declined, read_declined
 from validation.execution.files import from_json
 from validation.scenes import names
 
 EXAM = "exam.json"
+TRACE = re.compile(r"trace(-.*)?\.csv", re.DOTALL)
+DEEPEST = 4
+"""Folders below the one that is judged that are looked into: code, resolution, suite, scene."""
+MOST_FILES = 2000
+"""Files that are read: the full suite by fifty codes."""
+ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z")
 
 
 @dataclass(frozen=True)
 class AnswerFolder:
-    """Everything found.
-
-    Parameters
-    ----------
-    cases : tuple of Case
-        The scenes of the exam.
-    answers : tuple of Answer
-        Their headers name the scene.
-    declined : mapping of (str, str) to str
-        Why a code (first) does not answer a scene (second).
-    remarks : tuple of str
-        What could not be used, one line each.
-    """
+    """The scenes of an exam, answers to them, what is declined, and remarks on what could not be used."""
 
     cases: tuple[Case, ...]
     answers: tuple[Answer, ...]
@@ -67,22 +59,25 @@ def read_folder(folder: Path) -> AnswerFolder:
         raise SceneError("DIR", f"{folder} is no folder", "a folder with answers, see docs/how-to/exam.md")
     remarks: list[str] = []
     answers, declining = [], []
-    for path in answer_files(folder, remarks):
+    for path in _files(folder, remarks):
         relative = path.relative_to(folder).as_posix()
         name = "".join(sign if sign.isprintable() else "?" for sign in relative)
-        if is_trace(path.name):
-            answers.append(_placed(read_answer(path, name), path))
-        else:
+        if path.name in (BY_TAG, BY_REASON):
             declining.append((path, name))
-    cases = _cases(folder, answers)
-    known = {case.name for case in cases}
-    asked = {case.name: expanded(case.scene) for case in cases if any(one.header.problem for one in answers)}
-    answers = [_of_this_exam(one, asked.get(one.header.scene)) for one in answers]
-    for one in answers:
-        if one.header.scene not in known:
-            remarks.append(f"{one.file}: {shown(one.header.scene)} is no scene of this exam")
+            continue
+        one = read_answer(path, name)
+        named = replace(one.header, scene=one.header.scene or path.parent.name)
+        answers.append(replace(one, header=named))
+    if (folder / EXAM).exists():
+        cases = listed_cases(folder)
+    else:
+        answered = sorted({one.header.scene for one in answers} & set(names()))
+        cases = tuple(replace(load(name), profile_times=()) for name in answered)
+    known = {case.name: case for case in cases}
+    kept = tuple(_of_this_exam(one, known) for one in answers if one.header.scene in known)
+    strange = [one for one in answers if one.header.scene not in known]
+    remarks += [f"{one.file}: {shown(one.header.scene)} is no scene of this exam" for one in strange]
     declined = read_declined(declining, cases, remarks)
-    kept = tuple(one for one in answers if one.header.scene in known)
     if not kept and not declined:
         reason = f" ({remarks[-1]})" if remarks else ""
         allowed = "files SCENE/trace.csv, see docs/how-to/exam.md"
@@ -90,27 +85,37 @@ def read_folder(folder: Path) -> AnswerFolder:
     return AnswerFolder(cases, kept, declined, tuple(remarks))
 
 
-def _placed(answer: Answer, path: Path) -> Answer:
-    """The answer with the scene of its folder, where its header names none."""
-    if answer.header.scene:
-        return answer
-    return replace(answer, header=replace(answer.header, scene=path.parent.name))
+def _files(folder: Path, remarks: list[str]) -> list[Path]:
+    """Traces and what is declined, in alphabetical order; a remark on each kind of thing passed over."""
+    files: list[Path] = []
+    passed_over: dict[str, str] = {}
+    for where, inner, found in os.walk(folder):
+        place = Path(where)
+        if len(place.relative_to(folder).parts) >= DEEPEST and inner:
+            passed_over.setdefault(f"folders more than {DEEPEST} deep are not looked into", inner[0])
+            inner.clear()
+        inner[:] = sorted(one for one in inner if not one.startswith("."))
+        for name in sorted(found):
+            wanted = name in (BY_TAG, BY_REASON) or TRACE.fullmatch(name)
+            if wanted and (place / name).is_symlink():
+                passed_over.setdefault("symbolic links are not followed", name)
+            elif wanted:
+                files.append(place / name)
+            elif name.lower().endswith(ARCHIVES):
+                passed_over.setdefault("archives are not unpacked", name)
+    remarks += [f"{shown(name)}: {reason}" for reason, name in passed_over.items()]
+    if len(files) > MOST_FILES:
+        remarks.append(f"only the first {MOST_FILES} of {len(files)} files are read")
+    return files[:MOST_FILES]
 
 
-def _of_this_exam(answer: Answer, asked: dict[str, Any] | None) -> Answer:
+def _of_this_exam(answer: Answer, cases: dict[str, Case]) -> Answer:
     """The answer; without its columns where its header states another scene than is asked."""
-    if answer.header.problem is None or asked is None:
+    if answer.header.problem is None or answer.problem:
         return answer
-    apart = difference(answer.header.problem, asked)
+    apart = difference(answer.header.problem, expanded(cases[answer.header.scene].scene))
     problem = f"{answer.file}: answers another scene of this name: {apart}"
-    return replace(answer, columns={}, problem=problem) if apart and not answer.problem else answer
-
-
-def _cases(folder: Path, answers: list[Answer]) -> tuple[Case, ...]:
-    if (folder / EXAM).exists():
-        return listed_cases(folder)
-    answered = sorted({one.header.scene for one in answers} & set(names()))
-    return tuple(replace(load(name), profile_times=()) for name in answered)
+    return replace(answer, columns={}, problem=problem) if apart else answer
 
 
 def listed_cases(folder: Path) -> tuple[Case, ...]:
@@ -121,25 +126,24 @@ def listed_cases(folder: Path) -> tuple[Case, ...]:
     SceneError
         If its list or a scene cannot be read.
     """
-    listed = folder / EXAM
+    text = read_text(folder / EXAM)
     try:
-        data: Any = from_json(read_text(listed))
-        scenes = [entry["name"] for entry in data["scenes"]]
-    except (ValueError, KeyError, TypeError) as error:
-        if isinstance(error, SceneError):
-            raise
+        scenes = [entry["name"] for entry in from_json(text)["scenes"]]
+    except (ValueError, KeyError, TypeError):
         allowed = "a file written by `crosscontact exam export`"
-        raise SceneError("scenes", "is no list of scenes", allowed, str(listed)) from None
-    return tuple(_case(folder, name) for name in dict.fromkeys(scenes))
+        raise SceneError("scenes", "is no list of scenes", allowed, str(folder / EXAM)) from None
+    return tuple(_case(folder, name) for name in dict.fromkeys(map(_a_name, scenes)))
 
 
-def _case(folder: Path, name: Any) -> Case:
-    """The built-in scene, unless the folder states another under that name."""
+def _a_name(name: Any) -> str:
     if not isinstance(name, str) or not name or Path(name).name != name:
-        raise SceneError("scenes", f"got {shown(name)}", "names of folders", str(folder / EXAM))
-    scene = read_scene(folder / name / "scene.toml")
-    if name in names():
-        built_in = load(name)
-        if expanded(built_in.scene) == expanded(scene):
-            return replace(built_in, profile_times=())
-    return Case(name, scene)
+        raise SceneError("scenes", f"got {shown(name)}", "names of folders", EXAM)
+    return name
+
+
+def _case(folder: Path, name: str) -> Case:
+    """The built-in scene, unless the folder states another under that name."""
+    case = Case(name, read_scene(folder / name / "scene.toml"))
+    built_in = load(name) if name in names() else case
+    same = expanded(built_in.scene) == expanded(case.scene)
+    return replace(built_in, profile_times=()) if same else case

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from contact_scene import Trace, write_scene
 from validation.cases import Case, load
+from validation.exam.answer import Header
 from validation.exam.answer_folder import EXAM
-from validation.exam.header import Header
 from validation.exam.judge import reference_resolution
 from validation.exam.scene_json import expanded
 from validation.exam.statement import COLUMNS, HOW_TO_ANSWER, page
@@ -22,9 +22,23 @@ from validation.scenes import suite as of_suite
 from validation.solvers import REFERENCE, SOLVERS
 
 FORMAT = 1
-REFERENCE_TRACE, REFERENCE_MEASURES = "reference.csv", "reference.json"
 ALWAYS = ("adhesionless-force", "elastic-press")
 """Scenes that are in every exam, for codes that answer nothing else."""
+README = f"""\
+# The exam
+
+{HOW_TO_ANSWER}
+
+What a code does not do it declines by tag, in a file `code.toml` beside its answers:
+
+```toml
+code = "my code"
+declines = ["adhesive", "oscillation"]
+```
+
+Scenes and their tags:
+
+"""
 
 
 def exam_cases(suite: str) -> list[Case]:
@@ -42,56 +56,33 @@ def export_scenes(folder: Path, cases: Sequence[Case]) -> None:
         data = {"name": case.name, "tags": tags(case.scene)} | expanded(case.scene)
         write_whole(folder / case.name / "scene.json", to_json(data | {"columns": COLUMNS}))
         write_whole(folder / case.name / "page.md", page(case))
-    columns = "\n".join(f"- `{name}`: {text}" for name, text in COLUMNS.items())
     scenes = "\n".join(f"- `{case.name}`: {', '.join(tags(case.scene))}" for case in cases)
-    text = f"# The exam\n\n{HOW_TO_ANSWER}\n{columns}\n\n{DECLINING}\nScenes and their tags:\n\n{scenes}\n"
-    write_whole(folder / "README.md", text)
+    write_whole(folder / "README.md", f"{README}{scenes}\n")
     listed = [{"name": case.name, "tags": tags(case.scene), "title": case.scene.title} for case in cases]
     write_whole(
         folder / EXAM, to_json({"format": FORMAT, "program": fingerprints.version(), "scenes": listed})
     )
 
 
-DECLINING = """\
-What a code does not do it declines by tag, in a file `code.toml` beside its answers:
-
-```toml
-code = "my code"
-declines = ["adhesive", "oscillation"]
-```
-"""
-
-
 def export_reference(folder: Path, cases: Sequence[Case], runs: Mapping[str, Run]) -> None:
-    """Write ``reference.csv`` and ``reference.json`` into the folder of every scene that has a trace.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the exam.
-    cases : sequence of Case
-    runs : mapping of str to Run
-        By scene, as of :func:`~validation.exam.judge.reference_runs`.
-    """
+    """Write ``reference.csv`` and ``reference.json`` into the folder of every scene that has a trace."""
     for case in cases:
         run = runs[case.name]
         if run.curves is None:
             continue
         header = header_of(case, run, reference_resolution(case.scene))
-        write_whole(folder / case.name / REFERENCE_TRACE, trace_text(header, run.curves))
-        outcome = run.curves.outcome
+        write_whole(folder / case.name / "reference.csv", trace_text(header, run.curves))
         data = {
-            "outcome": str(outcome.kind),
-            "ends_at": outcome.time,
+            "outcome": run.outcome,
+            "ends_at": run.curves.outcome.time,
             "measures": {k: v for k, v in run.measures.items() if not k.startswith("counters.")},
             "relative_errors": run.errors,
         }
-        write_whole(folder / case.name / REFERENCE_MEASURES, to_json(data))
+        write_whole(folder / case.name / "reference.json", to_json(data))
 
 
 def header_of(case: Case, run: Run, resolution: int | None) -> Header:
     """Header of a run of one of the registered solvers, from which alone it can be computed again."""
-    outcome = "" if run.trace is None else str(run.trace.outcome.kind)
     version = SOLVERS.origin(run.solver)
     return Header(
         run.solver,
@@ -101,7 +92,7 @@ def header_of(case: Case, run: Run, resolution: int | None) -> Header:
         seconds=max(run.wall_seconds, 1e-6),
         scene=case.name,
         transition=SOLVERS[run.solver].transition(resolution),
-        outcome=outcome if outcome in ("completed", "detached") else "",
+        outcome=run.outcome if run.outcome in ("completed", "detached") else "",
         problem=expanded(case.scene),
     )
 

@@ -3,25 +3,36 @@
 An answer *passes at 1e-k* if every difference is at most 1e-k, or no larger than what the reference estimates
 its own error there to be. The place of a maximum, and the edge where it loses its hold, are known to the root
 of what the force is known to: their differences count squared. What an answer does not give is not graded.
+
+Curves are compared over the time in which both runs are in contact; when contact is lost is a number of its
+own. A difference is relative to the root mean square of the reference in that time, so that a column that is
+wrong by a factor is wrong by that factor. Energies have to close, where the answer gives them:
+
+    external work = change of stored energy + energy spent at the edge + loss
+
+Spent at the edge is ``work`` for an area that opens; given back is ``work_closing`` for one that closes. On
+a spring of stiffness ``k`` the work is that of the stage, and the spring stores ``F^2/(2 k)``. Where the work
+of adhesion follows the speed of the edge the balance is not judged: radii do not hold that speed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from contact_scene import COLUMNS, OutcomeKind, Scene, Trace
 from validation.exam.answer import Answer
-from validation.exam.curve_errors import curve_error, factor_in_words, in_contact
-from validation.exam.energy_balance import balance_error
 from validation.execution.runs import Run
 from validation.measure.approach import is_located
 from validation.measure.cycles import cycle_times
+from validation.measure.difference import Difference, of_movements, of_numbers
 from validation.measure.error_estimate import MOVEMENT
-from validation.measure.movement_norms import movement_distance
+from validation.measure.norms import Distance, distance
 from validation.measure.scalars import measure
-from validation.measure.scaling import Magnitudes, column_of
+from validation.measure.scaling import LEAST_SHARE, column_of
 from validation.measure.windows import windows
 
 FINEST = 6
@@ -29,49 +40,37 @@ FINEST = 6
 COARSEST = 2
 """Coarsest decade that passes: beyond one percent an answer is wrong."""
 PLACES = (
-    "peak_time",
-    "pull_off_time",
-    "pull_off_penetration",
-    "pull_off_radius",
-    "detachment_radius",
-    "detachment_force",
+    *("peak_time", "pull_off_time", "pull_off_penetration", "pull_off_radius"),
+    *("detachment_radius", "detachment_force"),
 )
 """Places of a maximum and states at a limit point: an error of the force moves them by its root."""
 VANISHING = ("detachment_radius", "detachment_force")
 """States at the loss of contact that are zero without adhesion: the last row before is as good as another."""
-OF_ENERGY = {"loop_energy": "external_work", "dissipated_energy": "dissipated_energy"}
-_PARTS = ("start", "approach", "peak_force", "peak_time", "pull_off", "detachment", "final")
-BALANCE = "energy balance"
-OUTCOME = "outcome"
-COVERED = "time covered"
-
-
-@dataclass(frozen=True)
-class Difference:
-    """One number or curve of an answer against the reference.
-
-    Parameters
-    ----------
-    quantity : str
-    error : float
-        Relative; infinite where the answer has what the reference has not.
-    known_to : float
-        What the reference estimates its own error at.
-    note : str
-    """
-
-    quantity: str
-    error: float
-    known_to: float = 0.0
-    note: str = ""
-
-    @property
-    def counted(self) -> float:
-        """The difference as it counts: nothing within what the reference knows, squared for places."""
-        size = abs(self.error)
-        if size <= self.known_to:
-            return 0.0
-        return size**2 if self.quantity in PLACES else size
+ENERGIES = {"stored_energy", "external_work", "dissipated_energy"}
+NEEDED = {
+    "loop_energy": {"external_work"},
+    "dissipated_energy": {"dissipated_energy", "contact_radius"},
+    "start": set[str](),
+    "approach": {"penetration"},
+    "peak_force": set[str](),
+    "peak_time": {"force"},
+    "pull_off": {"force", "penetration"},
+    "detachment": {"contact_radius"},
+    "final": set[str](),
+}
+"""Columns that a number is measured on beside its own, by how its name begins; any other is not graded."""
+PLAIN_FACTOR = 0.1
+"""Largest part of a difference that a constant factor may leave over to be told as such."""
+LEAST_FACTOR = 1e-2
+"""Least departure of a factor from 1 that is told: the least accuracy that passes."""
+NOTHING = 1e-9
+"""Factor below which a column counts as zero."""
+POSITIVE = {
+    "force": "compression is positive",
+    "penetration": "downwards is positive",
+    "external_work": "work done on the half-space is positive",
+}
+BALANCE, OUTCOME, COVERED = "energy balance", "outcome", "time covered"
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,7 @@ class Grade:
     @property
     def worst(self) -> Difference | None:
         """The difference that counts most."""
-        return max(self.differences, key=lambda one: one.counted, default=None)
+        return max(self.differences, key=counted, default=None)
 
     def error(self, quantity: str) -> float | None:
         """One difference by name."""
@@ -98,133 +97,129 @@ class Grade:
 
 
 def grade(answer: Answer, scene: Scene, base: Run) -> Grade:
-    """Grade an answer that can be read against a run of the reference.
-
-    Parameters
-    ----------
-    answer : Answer
-        That can be read.
-    scene : Scene
-    base : Run
-        Of the reference, with its error estimates.
-
-    Returns
-    -------
-    Grade
-    """
+    """Grade an answer that can be read against a run of the reference with its error estimates."""
     reference, trace = base.trace, answer.trace()
     assert reference is not None, "an exam is held only where the reference has an answer"
-    told: list[str] = []
-    differences = [
-        *_curves(answer, trace, reference, base, told),
-        *_scalars(answer, trace, scene, reference, base),
-        *_movements(answer, trace, scene, reference, base),
-        *_ending(answer, trace, reference),
-    ]
-    left = balance_error(set(answer.columns), in_contact(trace), scene)
+    run = Run(base.scene, answer.header.code, trace, measures=measure(trace, scene, 0.0))
+    here, there = (replace(one, trace=in_contact(rows)) for one, rows in ((run, trace), (base, reference)))
+    given = set(answer.columns)
+    curves = list(_curves(in_contact(trace), in_contact(reference), given, base))
+    found = [*curves, *_numbers(run, base, scene, given)]
+    if cycle_times(scene.loading):  # curves relative to their excursion in the worst cycle or load step
+        for one in of_movements(here, there, windows(scene.loading, reference)):
+            column = one.quantity.removesuffix(MOVEMENT)
+            if column in given:
+                found.append(replace(one, quantity=f"{column}, movement"))
+    found += _ending(given, trace, reference)
+    left = balance_error(given, in_contact(trace), scene)
     if left is not None:
-        differences.append(Difference(BALANCE, left))
-    return Grade(tuple(differences), decade(differences, base), tuple(told))
+        found.append(Difference(BALANCE, left))
+    return Grade(tuple(found), decade(found, base), tuple(one.note for one in curves if one.note))
 
 
-def decade(differences: list[Difference], base: Run) -> int:
+def counted(one: Difference) -> float:
+    """A difference as it counts: nothing within what the reference knows, squared for places."""
+    size = abs(one.error)
+    if size <= (one.known_to or 0.0):
+        return 0.0
+    return size**2 if one.quantity in PLACES else size
+
+
+def decade(differences: Iterable[Difference], base: Run) -> int:
     """The largest k at which all differences pass, as far as the reference is known; 0 if none does."""
-    if not differences:
-        return 0
+    errors = [counted(one) for one in differences]
     known = max((base.errors.get(name, 0.0) for name in ("force", "contact_radius")), default=0.0)
-    finest = min(FINEST, _digits(known))
-    return max(min(finest, *(_digits(one.counted) for one in differences)), 0)
+    return max(min(map(_digits, (*errors, known))), 0) if errors else 0
 
 
 def _digits(error: float) -> int:
-    """Largest k with error <= 1e-k."""
+    """Largest k up to ``FINEST`` with error <= 1e-k."""
     if not math.isfinite(error):
         return 0
-    return FINEST if error <= 0.0 else math.floor(-math.log10(error) + 1e-9)
+    return FINEST if error <= 0.0 else min(math.floor(-math.log10(error) + 1e-9), FINEST)
 
 
-def _curves(
-    answer: Answer, trace: Trace, reference: Trace, base: Run, told: list[str]
-) -> Iterator[Difference]:
-    """Every column the answer has; what a factor suggests goes to ``told``."""
-    there, here = in_contact(reference), in_contact(trace)
-    energy = max((base.errors.get(name, 0.0) for name in OF_ENERGY), default=0.0)
+def in_contact(trace: Trace) -> Trace:
+    """The rows up to the last one in contact, of a run that lost it."""
+    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    if trace.outcome.kind is not OutcomeKind.DETACHED or not touching.size:
+        return trace
+    columns = {name: getattr(trace, name)[: touching[-1] + 1] for name in COLUMNS}
+    return Trace(trace.solver, **columns, outcome=trace.outcome, counters=trace.counters)
+
+
+def _curves(here: Trace, there: Trace, given: set[str], base: Run) -> Iterator[Difference]:
+    """Every column the answer has, noted where a constant factor explains what it is off by."""
+    energy = max((base.errors.get(name, 0.0) for name in ("loop_energy", "dissipated_energy")), default=0.0)
+    most = max(float(np.abs(getattr(there, name)).max()) for name in ENERGIES)
     for column in COLUMNS[1:]:
-        if column not in answer.columns:
+        apart = distance(here, there, column) if column in given else None
+        if apart is None:
             continue
-        found = curve_error(here, there, column)
-        if found is None:
+        # what an energy balance leaves may be next to nothing
+        size = max(apart.level, LEAST_SHARE * most / apart.size if column in ENERGIES else 0.0)
+        amplitude = float(apart.level > 0.0) / size if size > 0.0 else 1.0
+        error = apart.rms / size if size > 0.0 else math.inf if apart.rms > 0.0 else 0.0
+        known = base.errors.get(column, energy) * amplitude
+        yield Difference(f"{column}, curve", error, known_to=known, note=_factor_in_words(column, apart))
+
+
+def _factor_in_words(column: str, apart: Distance) -> str:
+    """What a constant factor that explains the difference of a column suggests; empty if none does."""
+    factor, name = apart.factor, column.replace("_", " ")
+    away = abs(factor - 1.0)
+    if away <= LEAST_FACTOR or apart.rms >= math.hypot(1.0, PLAIN_FACTOR) * away * apart.level:
+        return ""
+    if abs(factor) < NOTHING:
+        return f"{name} is zero throughout"
+    if abs(factor + 1.0) < PLAIN_FACTOR:
+        return f"{name} has the other sign: {POSITIVE.get(column, 'it is positive here')}"
+    hint = ", a diameter?" if column == "contact_radius" and abs(factor - 2.0) < PLAIN_FACTOR else ""
+    other = ", another unit or sign?" if not 0.1 < factor < 10.0 else hint
+    return f"{name} is {factor:.4g} times the reference throughout{other}"
+
+
+def _numbers(run: Run, base: Run, scene: Scene, given: set[str]) -> Iterator[Difference]:
+    assert base.trace is not None
+    lost = base.trace.outcome.kind is OutcomeKind.DETACHED
+    for one in of_numbers(run, base, base.measures):
+        name = one.quantity
+        needed = next((columns for begin, columns in NEEDED.items() if name.startswith(begin)), None)
+        if needed is None or not needed | ({column_of(name)} - {""}) <= given:
             continue
-        known = base.errors.get(column, energy)
-        note = "" if found.factor is None else factor_in_words(column, found.factor)
-        if note:
-            told.append(note)
-        yield Difference(f"{column}, curve", found.error, known * found.amplitude, note)
+        after = lost and name.startswith("final")
+        vanishes = name in VANISHING and not scene.is_adhesive
+        outcome_says_so = run.measures.get(name) is None and name.startswith("detachment")
+        if not (after or vanishes or outcome_says_so) and is_located(name, base.trace, scene.loading):
+            yield replace(one, known_to=one.known_to or 0.0)
 
 
-def _scalars(answer: Answer, trace: Trace, scene: Scene, reference: Trace, base: Run) -> Iterator[Difference]:
-    measured = measure(trace, scene, 0.0)
-    sizes = Magnitudes.of_trace(reference)
-    for name, expected in base.measures.items():
-        needed = _needed(name)
-        if expected is None or not needed or not needed <= set(answer.columns):
-            continue
-        if not is_located(name, reference, scene.loading):
-            continue
-        if name.startswith("final") and reference.outcome.kind is OutcomeKind.DETACHED:
-            continue
-        if name in VANISHING and not scene.is_adhesive:
-            continue
-        value, size = measured.get(name), sizes.scale(name, expected)
-        if value is None:
-            if not name.startswith("detachment"):  # the outcome says so
-                yield Difference(name, math.inf, note="the answer has none")
-        elif size > 0.0:
-            yield Difference(name, (value - expected) / size, base.errors.get(name, 0.0))
-        elif value != expected:
-            yield Difference(name, math.inf, note="the reference has zero")
-
-
-def _needed(name: str) -> set[str]:
-    """Columns that a scalar is measured on; none for what is not graded."""
-    if name in OF_ENERGY:
-        return {OF_ENERGY[name]} | ({"contact_radius"} if name == "dissipated_energy" else set())
-    part = next((part for part in _PARTS if name.startswith(part)), None)
-    if part is None:
-        return set()
-    more = {"approach": {"penetration"}, "peak_time": {"force"}, "pull_off": {"force", "penetration"}}
-    return {column_of(name)} | more.get(part, {"contact_radius"} if part == "detachment" else set())
-
-
-def _movements(
-    answer: Answer, trace: Trace, scene: Scene, reference: Trace, base: Run
-) -> Iterator[Difference]:
-    """In scenes with cycles the curves relative to their excursion in the worst cycle or load step."""
-    if not cycle_times(scene.loading):
-        return
-    spans = windows(scene.loading, reference)
-    for column in ("force", "contact_radius"):
-        if column in answer.columns:
-            moved = movement_distance(in_contact(trace), in_contact(reference), spans, column)
-            if moved is not None:
-                known = base.errors.get(column + MOVEMENT, 0.0)
-                note = f"worst from t = {moved.begin:.4g} to {moved.end:.4g}"
-                yield Difference(f"{column}, movement", moved.rms, known, note)
-
-
-def _ending(answer: Answer, trace: Trace, reference: Trace) -> Iterator[Difference]:
+def _ending(given: set[str], trace: Trace, reference: Trace) -> Iterator[Difference]:
     """Whether contact is lost as in the reference, and how much of the run is missing."""
-    if reference.outcome.kind in (OutcomeKind.COMPLETED, OutcomeKind.DETACHED):
-        lost = trace.outcome.kind is OutcomeKind.DETACHED
-        if lost and reference.outcome.kind is OutcomeKind.COMPLETED:
+    kind, lost = reference.outcome.kind, trace.outcome.kind is OutcomeKind.DETACHED
+    if kind in (OutcomeKind.COMPLETED, OutcomeKind.DETACHED):
+        if lost and kind is OutcomeKind.COMPLETED:
             yield Difference(OUTCOME, math.inf, note=f"loses contact at t = {trace.outcome.time:.4g}")
-            return
-        if "contact_radius" in answer.columns and lost != (reference.outcome.kind is OutcomeKind.DETACHED):
+        if not lost and kind is OutcomeKind.DETACHED and "contact_radius" in given:
             yield Difference(OUTCOME, math.inf, note="does not lose contact")
         if lost:
             return
-    span = float(reference.time[-1] - reference.time[0])
-    missing = max(float(reference.time[-1] - trace.time[-1]), 0.0)
-    missing += max(float(trace.time[0] - reference.time[0]), 0.0)
-    if span > 0.0:
-        yield Difference(COVERED, missing / span)
+    begin, end = reference.time[0], reference.time[-1]
+    missing = max(end - trace.time[-1], 0.0) + max(trace.time[0] - begin, 0.0)
+    if end > begin:
+        yield Difference(COVERED, float(missing / (end - begin)))
+
+
+def balance_error(given: set[str], rows: Trace, scene: Scene) -> float | None:
+    """What the energies of rows in contact leave, relative to the largest; ``None`` if not to be judged."""
+    compliance, adhesion = scene.loading.compliance, scene.adhesion
+    needed = ENERGIES | {"contact_radius"} | ({"force"} if compliance > 0.0 else set())
+    if not needed <= given or len(rows) < 2 or (adhesion is not None and adhesion.rate is not None):
+        return None
+    stored = rows.stored_energy + 0.5 * compliance * rows.force**2
+    opened = -np.pi * np.diff(rows.contact_radius**2)
+    work, closing = (0.0, 0.0) if adhesion is None else (adhesion.work, adhesion.closing)
+    spent = np.concatenate(([0.0], np.cumsum(np.where(opened > 0.0, work, closing) * opened)))
+    left = rows.external_work - stored - spent - rows.dissipated_energy
+    largest = max(float(np.abs(term).max()) for term in (stored, rows.external_work, spent))
+    return float(np.abs(left - left[0]).max()) / largest if largest > 0.0 else None

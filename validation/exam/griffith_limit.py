@@ -12,17 +12,16 @@ at a crack tip of energy release rate ``K_I^2/(2 E*) = dg`` a constant stress ``
 
     d = (pi/8) (K_I/s0)^2 = pi E* dg/(4 s0^2) = pi (16 pi/9)^(-2/3) lambda^-2 (dg R^2/E*)^(1/3).
 
-That is the length which stands for the process zone. Of a Lennard-Jones law ``lambda`` is 1.1570 times
-Tabor's parameter. The track is held on elastic spheres: under relaxation the zone sets the speed scale, and
-there is no limit.
+That is the length which stands for the process zone. The track is held on elastic spheres: under relaxation
+the zone sets the speed scale, and there is no limit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 
@@ -44,22 +43,9 @@ SEEN_IN = "pull_off_force"
 """Quantity whose error is followed."""
 
 
-class _Graded(Protocol):
-    @property
-    def answer(self) -> Answer: ...
-
-
 @dataclass(frozen=True)
 class RangeError:
-    """An answer of a code with a finite range against the Griffith limit.
-
-    Parameters
-    ----------
-    transition, zone : float
-        Maugis' parameter, and the length it stands for.
-    error : float
-        Signed, relative, of ``SEEN_IN``.
-    """
+    """Signed relative error of ``SEEN_IN`` at a transition parameter, which stands for a zone."""
 
     transition: float
     zone: float
@@ -70,16 +56,9 @@ class RangeError:
 class GriffithTrack:
     """Answers of one code over the range of its attraction, the longest first.
 
-    Parameters
-    ----------
-    points : tuple of RangeError
-        Empty of a code without a zone.
-    order : float
-        Fitted exponent of the error over the zone.
-    remaining : float
-        Relative error that is left where the zone is extrapolated to zero.
-    decade : int
-        Of a code without a zone: that of its whole answer at the Griffith limit.
+    ``order`` is the fitted exponent of the error over the zone, ``remaining`` the error that is left where
+    the zone is extrapolated to zero. A code without a zone has no points, and the ``decade`` of its whole
+    answer at the Griffith limit.
     """
 
     points: tuple[RangeError, ...]
@@ -92,8 +71,7 @@ class GriffithTrack:
         """Whether the errors fall with the range, to nothing as far as can be seen."""
         if not self.points:
             return self.decade >= COARSEST
-        sizes = [abs(point.error) for point in self.points]
-        falling = all(after < before for before, after in pairwise(sizes))
+        falling = all(abs(after.error) < abs(before.error) for before, after in pairwise(self.points))
         return falling and self.order >= LEAST_ORDER and abs(self.remaining) <= 10.0**-COARSEST
 
     @property
@@ -110,61 +88,44 @@ class GriffithTrack:
 
 
 def zone_of(transition: float, radius: float, plane_modulus: float, work: float) -> float:
-    """Length of the zone that Maugis' transition parameter stands for (see the head of this module).
-
-    Parameters
-    ----------
-    transition : float
-    radius, plane_modulus, work : float
-        Of the sphere, of the half-space, and of adhesion, in units of the scene.
-
-    Returns
-    -------
-    float
-        Length.
-    """
+    """Length of the zone that Maugis' transition parameter stands for (see the head of this module)."""
     unit = np.cbrt(work * radius**2 / plane_modulus)
     return float(np.pi * (16.0 * np.pi / 9.0) ** (-2.0 / 3.0) / transition**2 * unit)
 
 
-def tracks(graded: Sequence[_Graded], case: Case) -> GriffithTrack | None:
+def tracks(answers: Iterable[Answer], case: Case) -> GriffithTrack | None:
     """The track of a code on a scene; ``None`` where it states too few transition parameters for one."""
-    scene, by_transition = case.scene, {}
-    for one in graded:
-        if one.answer.header.transition is not None and not one.answer.problem:
-            by_transition[one.answer.header.transition] = one.answer
-    sphere, adhesion = scene.indenter, scene.adhesion
-    few = len(by_transition) < FEWEST and np.inf not in by_transition
-    if few or not isinstance(sphere, Sphere) or not scene.material.is_elastic:
+    scene, sphere, adhesion = case.scene, case.scene.indenter, case.scene.adhesion
+    by_transition = {
+        one.header.transition: one for one in answers if one.header.transition is not None and not one.problem
+    }
+    few = len(by_transition) < FEWEST and math.inf not in by_transition
+    if few or not isinstance(sphere, Sphere) or not scene.material.is_elastic or not scene.is_adhesive:
         return None
-    if adhesion is None or not scene.is_adhesive or adhesion.rate is not None:
-        return None
-    if adhesion.work_closing is not None:
+    if adhesion is None or adhesion.rate is not None or adhesion.work_closing is not None:
         return None
     zone = VANISHING * largest_contact_radius(scene)
-    limit_case = replace(case, scene=replace(scene, adhesion=Adhesion(adhesion.work, zone)))
-    limit = run(limit_case, REFERENCE, estimate=True)
+    at_limit = replace(scene, adhesion=Adhesion(adhesion.work, zone))
+    limit = run(replace(case, scene=at_limit), REFERENCE, estimate=True)
     if limit.curves is None:
         return None
-    if np.inf in by_transition:
-        there = grade(by_transition[np.inf], limit_case.scene, limit)
-        return GriffithTrack((), 0.0, 0.0, there.decade)
+    if math.inf in by_transition:
+        return GriffithTrack((), 0.0, 0.0, grade(by_transition[math.inf], at_limit, limit).decade)
+    stated = sphere.radius, scene.material.relaxed_plane_modulus, adhesion.work
     points = []
     for transition in sorted(by_transition):
-        found = grade(by_transition[transition], limit_case.scene, limit)
-        error = next((one.error for one in found.differences if one.quantity == SEEN_IN), None)
-        if error is not None and np.isfinite(error):
-            size = zone_of(transition, sphere.radius, scene.material.relaxed_plane_modulus, adhesion.work)
-            points.append(RangeError(transition, size, error))
+        found = grade(by_transition[transition], at_limit, limit).differences
+        error = next((one.error for one in found if one.quantity == SEEN_IN), math.inf)
+        if math.isfinite(error):
+            points.append(RangeError(transition, zone_of(transition, *stated), error))
     return None if len(points) < FEWEST else track_of(points)
 
 
 def track_of(points: list[RangeError]) -> GriffithTrack:
     """Order by least squares of logarithms; what is left by extrapolation of the last two with it."""
     sizes = [max(abs(point.error), np.finfo(float).tiny) for point in points]
-    zones = [point.zone for point in points]
-    order = float(np.polyfit(np.log(zones), np.log(sizes), 1)[0])
-    ratio = (zones[-2] / zones[-1]) ** order - 1.0
-    before, last = points[-2].error, points[-1].error
-    remaining = last - (before - last) / ratio if ratio > 0.0 else last
+    order = float(np.polyfit(np.log([point.zone for point in points]), np.log(sizes), 1)[0])
+    before, last = points[-2:]
+    ratio = (before.zone / last.zone) ** order - 1.0
+    remaining = last.error - (before.error - last.error) / ratio if ratio > 0.0 else last.error
     return GriffithTrack(tuple(points), order, float(remaining))

@@ -11,7 +11,7 @@ from contact_scene import Scene
 from validation.cases import Case
 from validation.exam.answer import Answer
 from validation.exam.answer_folder import AnswerFolder
-from validation.exam.grading import COARSEST, Grade, grade
+from validation.exam.grading import COARSEST, Grade, counted, grade
 from validation.exam.griffith_limit import GriffithTrack, tracks
 from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run
@@ -47,20 +47,18 @@ class GradedAnswer:
         """Decade of accuracy reached; 0 if none."""
         return 0 if self.grade is None else self.grade.decade
 
+    @property
+    def error(self) -> float:
+        """What the worst difference counts; infinite where there is no grade."""
+        worst = None if self.grade is None else self.grade.worst
+        return float("inf") if self.grade is None else 0.0 if worst is None else counted(worst)
+
 
 @dataclass(frozen=True)
 class CodeOnScene:
     """A code on a scene: its answers, the best one last, and the verdict on them.
 
-    Parameters
-    ----------
-    code, scene : str
-    kind : VerdictKind
-    answers : tuple of GradedAnswer
-    reason : str
-        Why it failed or declined.
-    track : GriffithTrack, optional
-        Of a code with a finite range of attraction.
+    ``reason`` is why it failed or declined, ``track`` that of a code with a finite range of attraction.
     """
 
     code: str
@@ -82,16 +80,14 @@ class CodeOnScene:
             return f"passed at 1e-{self.best.decade}"
         if self.kind is VerdictKind.CONVERGES and self.track is not None and self.track.points:
             return "converges to the Griffith limit"
-        if self.kind is VerdictKind.DECLINED:
-            return f"declined {self.reason}" if self.reason.startswith("by tag") else "declined"
-        return str(self.kind)
+        by_tag = self.kind is VerdictKind.DECLINED and self.reason.startswith("by tag")
+        return f"declined {self.reason}" if by_tag else str(self.kind)
 
     @property
     def passed(self) -> bool | None:
         """``None`` where there is nothing to judge."""
-        if self.kind in (VerdictKind.DECLINED, VerdictKind.NO_ANSWER):
-            return None
-        return self.kind is not VerdictKind.FAILED
+        nothing = self.kind in (VerdictKind.DECLINED, VerdictKind.NO_ANSWER)
+        return None if nothing else self.kind is not VerdictKind.FAILED
 
 
 @dataclass(frozen=True)
@@ -114,17 +110,9 @@ class Judgement:
     @property
     def checks(self) -> list[Check]:
         """A check for every verdict on answers."""
+        least = f"passed at 1e-{COARSEST} or better"
         return [
-            Check(
-                one.scene,
-                one.code,
-                "verdict",
-                "exam",
-                f"passed at 1e-{COARSEST} or better",
-                one.verdict,
-                one.passed,
-                note=one.reason,
-            )
+            Check(one.scene, one.code, "verdict", "exam", least, one.verdict, one.passed, note=one.reason)
             for scene in self.scenes
             for one in scene.verdicts
             if one.passed is not None
@@ -137,18 +125,7 @@ def judge_folder(
     store: Store | None = None,
     progress: TellProgress | None = None,
 ) -> Judgement:
-    """Judge everything in a folder.
-
-    Parameters
-    ----------
-    folder : AnswerFolder
-    executor, store, progress
-        As of :func:`~validation.execution.run_tasks.run_tasks`, for the runs of the reference.
-
-    Returns
-    -------
-    Judgement
-    """
+    """Judge everything in a folder; the reference is run as of ``run_tasks``."""
     answered = {one.header.scene for one in folder.answers}
     needed = [case for case in folder.cases if case.name in answered]
     runs = reference_runs(needed, executor, store, progress)
@@ -171,18 +148,7 @@ def reference_runs(
     store: Store | None = None,
     progress: TellProgress | None = None,
 ) -> dict[str, Run]:
-    """Runs of the reference at ``FINER`` times its default resolution, with error estimates, by scene.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-    executor, store, progress
-        As of :func:`~validation.execution.run_tasks.run_tasks`.
-
-    Returns
-    -------
-    dict of str to Run
-    """
+    """Runs of the reference at ``FINER`` times its default resolution, with error estimates, by scene."""
     tasks = [run_task(case, REFERENCE, reference_resolution(case.scene), estimate=True) for case in cases]
     return {one.scene: one for one in map(run_of, run_tasks(tasks, executor, store, progress))}
 
@@ -202,35 +168,24 @@ def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> C
     if not graded:
         reason = folder.declined.get((code, case.name))
         return bare if reason is None else replace(bare, kind=VerdictKind.DECLINED, reason=reason)
-    graded.sort(key=_accuracy)
-    whole = replace(bare, answers=tuple(graded), track=tracks(graded, case))
-    best = graded[-1]
-    if best.decade >= COARSEST:
+    graded.sort(key=lambda one: (one.decade, -one.error))
+    track = tracks([one.answer for one in graded], case)
+    whole = replace(bare, answers=tuple(graded), track=track)
+    if graded[-1].decade >= COARSEST:
         return replace(whole, kind=VerdictKind.PASSED)
-    if whole.track is not None and whole.track.converges:
-        return replace(whole, kind=VerdictKind.CONVERGES, reason=whole.track.in_words)
-    return replace(whole, kind=VerdictKind.FAILED, reason=_why(whole, best))
+    if track is not None and track.converges:
+        return replace(whole, kind=VerdictKind.CONVERGES, reason=track.in_words)
+    why = [*_why(graded[-1]), *([] if track is None else [track.in_words])]
+    return replace(whole, kind=VerdictKind.FAILED, reason="; ".join(why))
 
 
-def _accuracy(one: GradedAnswer) -> tuple[int, float]:
-    worst = None if one.grade is None else one.grade.worst
-    return one.decade, -float("inf") if one.grade is None else -(0.0 if worst is None else worst.counted)
-
-
-def _why(whole: CodeOnScene, best: GradedAnswer) -> str:
-    """Why the best answer does not pass, in a line."""
+def _why(best: GradedAnswer) -> list[str]:
+    """Why the best answer does not pass: what is told of its columns, and its worst difference."""
     if best.grade is None:
-        return best.answer.problem
-    worst = best.grade.worst
+        return [best.answer.problem]
+    worst, told = best.grade.worst, list(best.grade.remarks)
     if worst is None:
-        return "the answer has no column that can be compared"
-    told = list(best.grade.remarks)
-    size = (
-        f"{worst.quantity}: off by {abs(worst.error):.2g}"
-        if abs(worst.error) < float("inf")
-        else worst.quantity
-    )
-    if worst.note not in told:
-        size += f" ({worst.note})" if worst.note else ""
-    track = [] if whole.track is None else [whole.track.in_words]
-    return "; ".join([*told, size, *track])
+        return ["the answer has no column that can be compared"]
+    size = f": off by {abs(worst.error):.2g}" if abs(worst.error) < float("inf") else ""
+    note = f" ({worst.note})" if worst.note and worst.note not in told else ""
+    return [*told, f"{worst.quantity}{size}{note}"]

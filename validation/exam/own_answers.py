@@ -13,9 +13,9 @@ from contact_scene import SceneError
 from contact_scene.errors import shown
 from validation.cases import Case
 from validation.exam.answer import read_answer
-from validation.exam.declining import DECLINED
 from validation.exam.export import header_of, trace_text
 from validation.exam.scene_json import scene_of
+from validation.exam.tags import BY_REASON
 from validation.execution.files import write_whole
 from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run, run
@@ -35,24 +35,10 @@ def answer_all(
     executor: Executor | None = None,
     progress: TellProgress | None = None,
 ) -> list[Run]:
-    """Answer every scene by every solver, and write the answers.
+    """Answer every scene by every solver, and write the answers; returns the runs that broke down.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the exam.
-    cases : sequence of Case
-    solvers : sequence of str
-        Names of registered solvers.
-    resolutions : sequence of int or None
-        As of ``Solver.solve``; ``None``: the solver's choice.
-    executor, progress
-        As of :func:`~validation.execution.run_tasks.run_tasks`.
-
-    Returns
-    -------
-    list of Run
-        Those that broke down: they are not written. A scene that a solver does not take is declined.
+    ``folder`` is that of the exam; a resolution of ``None`` is the solver's choice. A scene that a solver
+    does not take is declined.
     """
     asked = [(case, name, size) for name in solvers for size in resolutions for case in cases]
     tasks = [run_task(case, name, size) for case, name, size in asked]
@@ -64,7 +50,7 @@ def answer_all(
         if result.curves is not None:
             write_whole(place / "trace.csv", trace_text(header_of(case, result, size), result.curves))
         elif result.refused:
-            write_whole(place / DECLINED, f"{name}: {result.failure}\n")
+            write_whole(place / BY_REASON, f"{name}: {result.failure}\n")
         else:
             failed.append(result)
     return failed
@@ -92,31 +78,29 @@ def reproduce(path: Path) -> Reproduction:
     SceneError
         If the file cannot be read, or its header lacks the scene or a resolution.
     """
-    answer = read_answer(path, str(path))
+    answer, file = read_answer(path, str(path)), str(path)
     header = answer.header
     if answer.problem:
-        raise SceneError("", answer.problem, "an answer with its header", str(path))
+        raise SceneError("", answer.problem, "an answer with its header", file)
     if header.problem is None:
-        raise SceneError("header: problem", "is missing", "a trace written by this program", str(path))
+        raise SceneError("header: problem", "is missing", "a trace written by this program", file)
     if header.resolution and not header.resolution.isdecimal():
-        raise SceneError("header: resolution", f"got {shown(header.resolution)}", "a number", str(path))
+        raise SceneError("header: resolution", f"got {shown(header.resolution)}", "a number", file)
     if header.code not in SOLVERS:
-        raise SceneError(
-            "header: code", f"got {shown(header.code)}", f"one of {', '.join(SOLVERS)}", str(path)
-        )
-    resolution = int(header.resolution) if header.resolution else None
+        raise SceneError("header: code", f"got {shown(header.code)}", f"one of {', '.join(SOLVERS)}", file)
     try:
         scene = scene_of(header.problem)
     except SceneError as error:
         raise error.in_file(f"{path}: header: problem") from None
+    resolution = int(header.resolution) if header.resolution else None
     again = run(Case(header.scene or "scene", scene), header.code, resolution)
     if again.curves is None:
-        allowed = "" if again.refused else "a solver and a scene it takes"
-        raise SceneError("header", again.ending, allowed, str(path))
+        raise SceneError(
+            "header", again.ending, "" if again.refused else "a solver and a scene it takes", file
+        )
     rows, rows_again = len(answer.columns["time"]), len(again.curves)
     largest = np.inf
     if rows == rows_again:
-        pairs = [(answer.columns[name], getattr(again.curves, name)) for name in answer.columns]
-        apart = [float(np.abs(a - b).max()) / (float(np.abs(b).max()) or 1.0) for a, b in pairs]
-        largest = max(apart)
-    return Reproduction(rows, rows_again, float(largest))
+        pairs = [(column, getattr(again.curves, name)) for name, column in answer.columns.items()]
+        largest = max(float(np.abs(a - b).max()) / (float(np.abs(b).max()) or 1.0) for a, b in pairs)
+    return Reproduction(rows, rows_again, largest)

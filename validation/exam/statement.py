@@ -4,23 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
-from contact_scene import (
-    Cone,
-    FlatPunch,
-    Force,
-    ForceRamp,
-    Hold,
-    Indenter,
-    Oscillate,
-    PowerLaw,
-    Ramp,
-    Scene,
-    Sphere,
-    Step,
-    Sweep,
-    Table,
-    TabulatedProfile,
-)
+from contact_scene import Scene, Step
 from validation.cases import Case
 from validation.exam.tags import tags
 
@@ -51,7 +35,8 @@ Only `code` is needed above the columns, `time` and one more column below. `seco
 figure of error against run time; `resolution` tells several answers of one code apart, the files of which are
 `trace-64.csv`, `trace-128.csv`, ... Where contact is lost, write the last row in contact and, at the same
 time, a row with contact radius 0. Columns:
-"""
+
+""" + "\n".join(f"- `{name}`: {text}" for name, text in COLUMNS.items())
 FORMULAS = """\
 The half-space is linear viscoelastic with relaxation modulus `E(t) = modulus + sum_k branches[k].modulus *
 exp(-t/branches[k].time)` (Young's modulus; times are relaxation times) and constant Poisson's ratio `nu`;
@@ -67,56 +52,80 @@ where
 `sigma` the tension inside the contact, `g` the gap outside. The zone is part of the model, not of the
 discretisation. Where the integral is larger the edge recedes, where it is smaller it advances; of several
 roots that one holds at which it rises with `a`. Contact is lost where there is none."""
-
-
-CLOSING = """\
+LAWS = {
+    "work_closing": """\
 An edge advances only where the integral falls to `work_closing`; between that and `work` it is pinned. The
 contact of the start state has been made by closing. An area that closes gives `work_closing` back, and
-`dissipated_energy` counts it so; what is lost at the edge is no part of it."""
-RATE = """\
+`dissipated_energy` counts it so; what is lost at the edge is no part of it.""",
+    "rate": """\
 `work` is what an edge at rest takes up. An edge that recedes at speed `v` takes up `w(v)` of `rate`: `work *
 (1 + (v/speed)^exponent)`, or a table `speeds`, `works`, straight from rest to its first row, straight in the
-logarithms between its rows, constant beyond. That is what `dissipated_energy` counts as spent at the edge."""
-STRESS = """\
+logarithms between its rows, constant beyond. `dissipated_energy` counts it as spent at the edge.""",
+    "stress": """\
 The zone has no fixed length: it is the one over which the mean tension of the sharp edge is `4/pi` times
-`stress`."""
+`stress`.""",
+}
+NO_ADHESION = "The pressure is nowhere negative, and contact is lost where it would be."
 SPRING = """\
 The indenter hangs on a spring of `stiffness = {stiffness!r}`. What is said of the penetration below holds of
 the stage `X = D + F/stiffness` instead, `external_work` is that of the stage, contact is lost where there
 is no equilibrium at that stage, and what the spring stores, `F^2/(2 stiffness)`, is no part of
 `dissipated_energy`."""
+SHAPES = {
+    "sphere": "A paraboloid `f(r) = r^2/(2 R)`, `R = {radius!r}`.",
+    "cone": "A cone `f(r) = r cot(alpha)`, half angle `alpha = {half_angle!r}` degrees.",
+    "flat-punch": "A flat-ended cylinder of radius `{radius!r}`; contact never goes beyond it.",
+    "power-law": "`f(r) = c r^n`, `c = {coefficient!r}`, `n = {exponent!r}`.",
+    "profile": "A profile through the points `radii`, `heights` of `scene.json`: cubic Hermite curve with "
+    "three-point slopes, each limited to three times the smaller neighbouring secant, straight "
+    "beyond the last point.",
+}
+"""Profiles ``f(r)``, the height above the lowest point, by the shape of the indenter."""
+STEPS = {
+    "ramp": "the penetration goes linearly to `{to!r}` at speed `{rate!r}`; the run ends where contact is "
+    "lost",
+    "hold": "the penetration stays for `{duration!r}`",
+    "force": "the force jumps to `{value!r}` and stays for `{duration!r}`; the penetration is free",
+    "force-ramp": "the force goes linearly to `{to!r}` at `{rate!r}` per time; the penetration is free",
+    "oscillate": "`D = D_start + {amplitude!r} sin({angular_frequency!r} t) - {drift!r} t` for "
+    "`{duration!r}`, `t` from the start of the step",
+    "sweep": "`D = D_start + {amplitude!r} sin({chirp!r} t^2/2)` for `{duration!r}`, `t` from its start",
+    "table": "the {quantity} goes through `times`, `values` of `scene.json`; interpolation {interpolation} "
+    "(linear: straight lines; cubic: monotone cubic pieces, PCHIP)",
+    "approach": "the penetration grows at speed `{rate!r}`, to `{to!r}` at most, until the force is "
+    "`{force!r}`, stays for `{dwell!r}`, and goes at speed `{retract!r}` to `{away!r}`",
+}
+"""Load steps by their kind."""
 
 
 def page(case: Case) -> str:
     """The page as Markdown."""
-    scene = case.scene
+    scene, adhesion = case.scene, case.scene.adhesion
     parts = [
         f"# {scene.title or case.name}",
         case.statement,
         f"Tags: {', '.join(tags(scene))}. All numbers are in one consistent system of units, and so is the "
         "answer.",
-        "## Material",
-        FORMULAS,
-        _material(scene),
-        "## Indenter",
-        _shape(scene.indenter),
+        *("## Material", FORMULAS, _material(scene)),
+        *("## Indenter", SHAPES[scene.indenter.shape].format(**vars(scene.indenter))),
     ]
-    if scene.adhesion is not None and scene.is_adhesive:
-        values = ", ".join(f"`{name} = {value!r}`" for name, value in asdict(scene.adhesion).items() if value)
-        law = {CLOSING: "work_closing", RATE: "rate", STRESS: "stress"}
-        said = [text for text, name in law.items() if getattr(scene.adhesion, name) is not None]
-        parts += ["## Adhesion", ADHESION, *said, values + "."]
+    if adhesion is not None and scene.is_adhesive:
+        values = ", ".join(f"`{name} = {value!r}`" for name, value in asdict(adhesion).items() if value)
+        laws = [text for name, text in LAWS.items() if getattr(adhesion, name) is not None]
+        parts += ["## Adhesion", ADHESION, *laws, values + "."]
     else:
-        parts += [
-            "## No adhesion",
-            "The pressure is nowhere negative, and contact is lost where it would be.",
-        ]
+        parts += ["## No adhesion", NO_ADHESION]
     if scene.machine is not None and scene.loading.compliance > 0.0:
         parts += ["## Machine", SPRING.format(stiffness=scene.machine.stiffness)]
-    steps = "\n".join(f"{i}. {_step(step)}{_level(step)}" for i, step in enumerate(scene.loading.steps, 1))
-    parts += ["## Loading", _start(scene), steps or "1. nothing: the start state alone is asked for"]
-    columns = "\n".join(f"- `{name}`: {text}" for name, text in COLUMNS.items())
-    parts += ["## The answer", HOW_TO_ANSWER.rstrip(), columns]
+    state = "glassy" if scene.loading.start == "jump-in" else "fully relaxed"
+    depth = scene.loading.penetration
+    steps = "\n".join(f"{i}. {_step(step)}" for i, step in enumerate(scene.loading.steps, 1))
+    parts += [
+        "## Loading",
+        f"At `t = 0` the contact is in {state} equilibrium at penetration `{depth!r}`. Then:",
+        steps or "1. nothing: the start state alone is asked for",
+        *("## The answer", HOW_TO_ANSWER),
+    ]
     return "\n\n".join(filter(None, parts)) + "\n"
 
 
@@ -128,60 +137,7 @@ def _material(scene: Scene) -> str:
     return f"`modulus = {material.modulus!r}` (relaxed), `poisson = {material.poisson!r}`; {glassy}.{relaxes}"
 
 
-def _shape(indenter: Indenter) -> str:
-    """Its profile ``f(r)``, the height above the lowest point."""
-    match indenter:
-        case Sphere(radius=radius):
-            return f"A paraboloid `f(r) = r^2/(2 R)`, `R = {radius!r}`."
-        case Cone(half_angle=angle):
-            return f"A cone `f(r) = r cot(alpha)`, half angle `alpha = {angle!r}` degrees."
-        case FlatPunch(radius=radius):
-            return f"A flat-ended cylinder of radius `{radius!r}`; contact never goes beyond it."
-        case PowerLaw(exponent=exponent, coefficient=coefficient):
-            return f"`f(r) = c r^n`, `c = {coefficient!r}`, `n = {exponent!r}`."
-        case TabulatedProfile():
-            return (
-                "A profile through the points `radii`, `heights` of `scene.json`: cubic Hermite curve with "
-                "three-point slopes, each limited to three times the smaller neighbouring secant, straight "
-                "beyond the last point."
-            )
-    return f"Shape `{indenter.shape}`, see `scene.json`."
-
-
-def _start(scene: Scene) -> str:
-    state = "glassy" if scene.loading.start == "jump-in" else "fully relaxed"
-    depth = scene.loading.penetration
-    return f"At `t = 0` the contact is in {state} equilibrium at penetration `{depth!r}`. Then:"
-
-
-def _level(step: Step) -> str:
-    """Where the step ends before."""
-    if step.trigger is None:
-        return ""
-    return f"; the step ends as soon as the {step.trigger.quantity} is `{step.trigger.level!r}`"
-
-
 def _step(step: Step) -> str:
-    match step:
-        case Ramp(to=to, rate=rate):
-            end = "the run ends where contact is lost"
-            return f"the penetration goes linearly to `{to!r}` at speed `{rate!r}`; {end}"
-        case Hold(duration=duration):
-            return f"the penetration stays for `{duration!r}`"
-        case Force(value=value, duration=duration):
-            return f"the force jumps to `{value!r}` and stays for `{duration!r}`; the penetration is free"
-        case ForceRamp(to=to, rate=rate):
-            return f"the force goes linearly to `{to!r}` at `{rate!r}` per time; the penetration is free"
-        case Oscillate(amplitude=amplitude, angular_frequency=w, duration=duration, drift=drift):
-            return (
-                f"`D = D_start + {amplitude!r} sin({w!r} t) - {drift!r} t` for `{duration!r}`, `t` from the "
-                "start of the step"
-            )
-        case Sweep(amplitude=amplitude, chirp=chirp, duration=duration):
-            return (
-                f"`D = D_start + {amplitude!r} sin({chirp!r} t^2/2)` for `{duration!r}`, `t` from its start"
-            )
-        case Table(quantity=quantity, interpolation=interpolation):
-            pieces = "monotone cubic pieces (PCHIP)" if interpolation == "cubic" else "straight lines"
-            return f"the {quantity} goes by {pieces} through `times`, `values` of `scene.json`"
-    return f"step of kind `{step.kind}`, see `scene.json`"
+    end = None if step.kind == "approach" else step.trigger
+    level = "" if end is None else f"; the step ends as soon as the {end.quantity} is `{end.level!r}`"
+    return STEPS[step.kind].format(**vars(step)) + level

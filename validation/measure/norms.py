@@ -44,6 +44,10 @@ class Distance:
         End of the interval covered by both runs.
     covered : float
         Length of that interval over the length of the longer run.
+    size, level : float
+        Largest magnitude in the second (1 if it is zero throughout), and its root mean square over that.
+    factor : float
+        Constant that turns the second into the first with the least root mean square left over.
     """
 
     mean: float
@@ -52,6 +56,9 @@ class Distance:
     at: float
     until: float
     covered: float
+    size: float = 1.0
+    level: float = 1.0
+    factor: float = 1.0
 
 
 def distance(
@@ -86,13 +93,21 @@ def distance(
     span = float(grid[-1] - grid[0])
     worst = np.unravel_index(int(np.argmax(np.abs(apart) * (h > 0.0))), apart.shape)
     longer = max(run.time[-1] - run.time[0], reference.time[-1] - reference.time[0])
+
+    def mean(values: Array) -> float:
+        return float((h * (WEIGHTS @ values)).sum() / span)
+
+    square = mean(second**2)
     return Distance(
         mean=float((h * _mean_magnitude(apart)).sum() / span / scale),
-        rms=float(np.sqrt((h * (WEIGHTS @ apart**2)).sum() / span) / scale),
+        rms=float(np.sqrt(mean(apart**2)) / scale),
         largest=float(np.abs(apart[worst]) / scale),
         at=float(grid[worst[1]] + POINTS[worst[0]] * h[worst[1]]),
         until=float(grid[-1]),
         covered=float(span / longer),
+        size=scale,
+        level=float(np.sqrt(square) / scale),
+        factor=mean(first * second) / square if square > 0.0 else 1.0,
     )
 
 

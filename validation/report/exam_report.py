@@ -1,28 +1,206 @@
-"""The report of an exam in its forms: HTML, Markdown, JSON, JUnit."""
+"""The report of an exam: codes side by side, a section for each scene, a chart of error against run time."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from validation.exam.judge import CodeOnScene, GradedAnswer, Judgement
+import numpy as np
+
+from validation.drawing import export
+from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
+from validation.exam.grading import BALANCE, counted
+from validation.exam.judge import CodeOnScene, GradedAnswer, Judgement, SceneJudgement
+from validation.exam.tags import tags
 from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
-from validation.report import html, junit, markdown
-from validation.report.document import Document, Paragraph, figures_of
+from validation.report import document, html, junit, markdown
+from validation.report.document import (
+    ABSENT,
+    Bullets,
+    DataTable,
+    Document,
+    Figure,
+    Figures,
+    Fold,
+    LinkCell,
+    Paragraph,
+    Part,
+    Record,
+    Section,
+    VerdictCell,
+    formatted,
+    plain,
+)
+from validation.report.pictures import valid_id, with_drawing
 from validation.report.report_folder import EXAM
-from validation.report.sections import environment, exam
+from validation.report.sections import environment
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
 FORMAT = 1
 TITLE = "crosscontact exam"
+EXPLAINED = (
+    "An answer passes at 1e-k if every number and curve it gives differs from the reference by no more than "
+    "1e-k, or than what the reference estimates its own error there to be; places of a maximum and states at "
+    "a limit point count squared. At least 1e-2 is asked for. What an answer does not give is not judged. Of "
+    "several answers of a code to a scene the best one counts; all stay in tables and figures."
+)
+LEAST = 1e-12
+"""Smallest error drawn: below it an answer is the run it is graded against, or prescribes the quantity."""
 
 
-def page(judgement: Judgement, wall_seconds: float) -> Document:
-    """Everything, with figures."""
-    parts = [exam.overview(judgement), *map(exam.section, judgement.scenes)]
-    parts.append(environment.section(stamp(), wall_seconds))
-    return Document(TITLE, (exam.lead(judgement), Paragraph(exam.EXPLAINED)), tuple(parts))
+def lead(judgement: Judgement) -> Paragraph:
+    """How many verdicts, and how many failed."""
+    checks = judgement.checks
+    failed = sum(not check.passed for check in checks)
+    codes, scenes = (
+        document.counted(len(x), n) for x, n in ((judgement.codes, "code"), (judgement.scenes, "scene"))
+    )
+    verdicts, ended = document.counted(len(checks), "verdict"), f"{failed} failed" if failed else "all passed"
+    return Paragraph(f"{codes} on {scenes}, {verdicts} on answers: {ended}.", not failed)
+
+
+def overview(judgement: Judgement) -> Section:
+    """A row for each scene, a column for each code."""
+    rows = (
+        {"scene": LinkCell(one.case.name, _anchor(one))}
+        | {found.code: VerdictCell(found.verdict, found.passed) for found in one.verdicts}
+        for one in judgement.scenes
+    )
+    parts: tuple[Part, ...] = (DataTable.of(rows), DataTable.of(_totals(judgement)))
+    if judgement.remarks:
+        parts += (Paragraph("Told of the files:"), Bullets(judgement.remarks))
+    return Section("Verdicts", parts)
+
+
+def _totals(judgement: Judgement) -> Iterator[Record]:
+    for code in judgement.codes:
+        verdicts = [one for scene in judgement.scenes for one in scene.verdicts if one.code == code]
+        kinds = [one.passed for one in verdicts]
+        least = min((one.best.decade for one in verdicts if one.best is not None), default=0)
+        yield {
+            "code": code,
+            "passed": str(kinds.count(True)),
+            "failed": str(kinds.count(False)),
+            "declined or no answer": str(kinds.count(None)),
+            "least decade": f"1e-{least}" if least else ABSENT,
+        }
+
+
+def _section(scene: SceneJudgement) -> Section:
+    """All answers to a scene, the figure of error against run time, and every difference."""
+    name, graded = scene.case.name, [one for verdict in scene.verdicts for one in verdict.answers]
+    parts: list[Part] = [Paragraph(f"Tags: {', '.join(tags(scene.case.scene))}.")]
+    if graded:
+        parts.append(DataTable.of(map(_row, graded)))
+    others = [f"{one.code}: {one.verdict} ({one.reason})" for one in scene.verdicts if one.reason]
+    if others:
+        parts.append(Bullets(tuple(others)))
+    drawing = _drawn(scene)
+    if drawing is not None:
+        figure = f"exam-{valid_id(name)}"
+        files = {f"{figure}.png": export.png(drawing), f"{figure}.svg": export.svg_file(drawing)}
+        shown = Figure(figure, f"{name}: error against stated run time", files=files)
+        parts.append(Figures((with_drawing(shown, drawing),)))
+    folds = (Fold(_titled(one), (_differences(one),)) for one in graded)
+    return Section(scene.case.scene.title or name, (*parts, *folds), _anchor(scene))
+
+
+def _anchor(scene: SceneJudgement) -> str:
+    return f"exam-scene-{valid_id(scene.case.name)}"
+
+
+def _titled(graded: GradedAnswer) -> str:
+    header = graded.answer.header
+    return f"All differences: {header.code}{f', resolution {header.resolution}' if header.resolution else ''}"
+
+
+def _row(graded: GradedAnswer) -> Record:
+    header, grade = graded.answer.header, graded.grade
+    worst = None if grade is None else grade.worst
+    reached = VerdictCell(f"1e-{graded.decade}" if graded.decade else "none", None)
+
+    def error(quantity: str) -> str:
+        return formatted(None if grade is None else grade.error(quantity), ".1e")
+
+    return {
+        "code": header.label,
+        "resolution": header.resolution or ABSENT,
+        "seconds": formatted(header.seconds, ".3g"),
+        "F(t)": error("force, curve"),
+        "a(t)": error("contact_radius, curve"),
+        "energy balance": error(BALANCE),
+        "worst": ABSENT if worst is None else f"{plain(worst.quantity)}: {abs(worst.error):.1e}",
+        "decade": VerdictCell("cannot be read", False) if grade is None else reached,
+        "told": "; ".join(grade.remarks) if grade is not None and grade.remarks else ABSENT,
+        "author": header.author or ABSENT,
+    }
+
+
+def _differences(graded: GradedAnswer) -> DataTable:
+    found = () if graded.grade is None else graded.grade.differences
+    return DataTable.of(
+        {
+            "quantity": plain(one.quantity),
+            "difference": f"{one.error:+.1e}",
+            "reference known to": f"{one.known_to or 0.0:.1e}",
+            "counts as": f"{counted(one):.1e}",
+            "note": one.note or ABSENT,
+        }
+        for one in sorted(found, key=lambda one: -counted(one))
+    )
+
+
+def _drawn(scene: SceneJudgement) -> Drawing | None:
+    """Error against stated run time, a line for each code, answers that fail crossed; ``None`` if none is."""
+    controls = {step.kind for step in scene.case.scene.loading.steps}
+    prescribed = controls and controls <= {"force", "force-ramp"}
+    quantity, symbol = ("contact_radius, curve", "a(t)") if prescribed else ("force, curve", "F(t)")
+    lines = [_points(one, quantity) for one in scene.verdicts]
+    if not any(lines):
+        return None
+    from matplotlib.figure import Figure as Drawing
+    from matplotlib.ticker import NullFormatter
+
+    drawing = Drawing(figsize=(1.4 * SIZE[0], SIZE[1]), layout="constrained")
+    axes = drawing.add_subplot(xscale="log", yscale="log")
+    for index, (one, points) in enumerate(zip(scene.verdicts, lines, strict=True)):
+        if not points:
+            continue
+        colour = SERIES[index % len(SERIES)]  # a code has the same on every scene
+        seconds, errors, passed = zip(*points, strict=True)
+        style = {"color": colour, "linestyle": DASHES[index % len(DASHES)], "linewidth": 1.2}
+        marker = MARKERS[index % (len(MARKERS) - 1)]
+        axes.plot(seconds, errors, label=one.code, marker=marker, markersize=5, **style)
+        failed = np.where(passed, np.nan, errors)
+        axes.plot(seconds, failed, linestyle="none", marker="x", markersize=9, color=colour)
+    axes.axhline(1e-2, color=INK, linewidth=0.7, linestyle=(0, (2, 3)))
+    axes.set_xlabel("stated run time (s)")
+    axes.set_ylabel(f"relative error of {symbol}")
+    format_axes(axes)
+    for axis in (axes.xaxis, axes.yaxis):  # labels between the decades would run into each other
+        axis.set_minor_formatter(NullFormatter())
+    low, high = np.log10(axes.get_xlim())
+    axes.set_xlim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
+    axes.legend(
+        loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize="small", labelcolor=INK
+    )
+    return drawing
+
+
+def _points(one: CodeOnScene, quantity: str) -> list[tuple[float, float, bool]]:
+    """Seconds, error and whether it passed, of every answer that states its run time, fastest first."""
+    found = []
+    for answer, grade in ((graded.answer, graded.grade) for graded in one.answers):
+        error, seconds = None if grade is None else grade.error(quantity), answer.header.seconds
+        if grade is not None and error is not None and seconds is not None and LEAST < error < float("inf"):
+            found.append((seconds, error, grade.passed))
+    return sorted(found)
 
 
 def data(judgement: Judgement) -> dict[str, Any]:
@@ -55,14 +233,18 @@ def _verdict(one: CodeOnScene) -> dict[str, Any]:
 
 
 def _answer(graded: GradedAnswer) -> dict[str, Any]:
-    header, grade = graded.answer.header, graded.grade
-    stated = {name: value for name, value in asdict(header).items() if name != "problem"}
+    grade = graded.grade
+    stated = {name: value for name, value in vars(graded.answer.header).items() if name != "problem"}
+    found = [
+        {"quantity": one.quantity, "error": one.error, "known_to": one.known_to or 0.0, "note": one.note}
+        for one in (() if grade is None else grade.differences)
+    ]
     return stated | {
         "file": graded.answer.file,
         "decade": graded.decade,
         "unreadable": graded.answer.problem or None,
         "told": [] if grade is None else list(grade.remarks),
-        "differences": [] if grade is None else [asdict(one) for one in grade.differences],
+        "differences": found,
     }
 
 
@@ -70,16 +252,21 @@ def write(judgement: Judgement, folder: Path, wall_seconds: float) -> None:
     """Write ``index.html``, ``exam.md``, ``exam.json``, ``junit.xml`` and ``figures/``, the page last."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "index.html").unlink(missing_ok=True)
-    document = page(judgement, wall_seconds)
+    parts = [
+        overview(judgement),
+        *map(_section, judgement.scenes),
+        environment.section(stamp(), wall_seconds),
+    ]
+    page = Document(TITLE, (lead(judgement), Paragraph(EXPLAINED)), tuple(parts))
     write_whole(folder / EXAM, to_json(data(judgement)))
     suites = [
         junit.CheckSuite(code, [check for check in judgement.checks if check.solver == code])
         for code in judgement.codes
     ]
     write_whole(folder / "junit.xml", junit.text(TITLE, suites, wall_seconds))
-    write_whole(folder / "exam.md", markdown.text(document))
-    for figure in figures_of(document.parts):
+    write_whole(folder / "exam.md", markdown.text(page))
+    for figure in document.figures_of(page.parts):
         for name, picture in figure.files.items():
             (folder / "figures").mkdir(exist_ok=True)
             write_whole(folder / "figures" / name, picture)
-    write_whole(folder / "index.html", html.text(document))
+    write_whole(folder / "index.html", html.text(page))
