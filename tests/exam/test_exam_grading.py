@@ -42,6 +42,7 @@ def test_one_column_two_percent_off_fails(column):
     columns[column] = 1.02 * columns[column]
     found = graded(columns)
     assert not found.passed
+    assert found.error(f"{column}, curve") == pytest.approx(0.02, rel=1e-2)
     assert f"{column.replace('_', ' ')} is 1.02 times the reference throughout" in found.remarks
     columns[column] = columns[column] / 1.02 * 1.002
     assert graded(columns).passed
