@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
 from dataclasses import replace
 
 import meshio
@@ -167,9 +169,14 @@ def test_nothing_half_written_stays(looked_into, tmp_path, monkeypatch):
     target = tmp_path / "a.vtu"
     target.write_text("the one before", encoding="utf-8")
     body = grid(states[0])
-    monkeypatch.setattr(type(body), "save", lambda self, path: path.with_suffix(".none").write_text("half"))
-    with pytest.raises(OSError, match="could not be written"):
+
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space left") as caught:
         files.save(body, target)
+    assert caught.value.filename == str(target)
     assert target.read_text(encoding="utf-8") == "the one before"
     assert list(tmp_path.iterdir()) == [target]
 

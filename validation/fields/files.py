@@ -9,7 +9,6 @@ numbers, are written when all they name is there.
 from __future__ import annotations
 
 import math
-import tempfile
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
@@ -88,13 +87,15 @@ def _file(name: str, index: int) -> str:
 
 
 def save(data: pyvista.DataSet, path: Path) -> None:
-    """Write a data set beside its place and move it there in one step."""
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".part.") as stage:
-        partial = Path(stage) / path.name
-        data.save(partial)
-        if not partial.is_file():
-            raise OSError(f"{path} could not be written")
-        partial.replace(path)
+    """Write a data set whole or not at all; the writer itself would crash on a full disk."""
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
+
+    writer = {".vtu": vtkXMLUnstructuredGridWriter, ".vtp": vtkXMLPolyDataWriter}[path.suffix]()
+    writer.SetInputData(data)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    write_whole(path, writer.GetOutputString())
 
 
 def collection(files: Iterable[tuple[float, str]]) -> str:
