@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
+import argparse
 
-from crosscontact.commands.failures import exit_code
-from crosscontact.commands.interruption import telling_what_is_kept
-from crosscontact.commands.refusals import load_taken
+from crosscontact import arguments
+from crosscontact.commands import shared
 from validation.compare.suite import all_pairs
 from validation.execution.files import output_folder
 from validation.execution.processes import processes
@@ -21,51 +19,40 @@ from validation.report.write import write
 from validation.solvers import SOLVERS
 
 
-def run(
-    names: Sequence[str],
-    solvers: Sequence[str] | None,
-    out: str | None,
-    jobs: int,
-    fresh: bool = False,
-    *,
-    max_steps: int | None = None,
-) -> int:
-    """Compare and print.
+def _solvers(text: str) -> tuple[str, ...]:
+    try:
+        return arguments.chosen(shared.comma_separated(text), "")
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
-    Parameters
-    ----------
-    names : sequence of str
-        Scene files or names of built-in scenes.
-    solvers : sequence of str or None
-        Names, the reference among them; ``None``: all for which a scene does not take too long.
-    out : str or None
-        Folder of the report, if one is to be written.
-    jobs : int
-        Processes.
-    fresh : bool
-        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
-        replaced.
-    max_steps : int or None
-        Of every run, accepted and rejected together; ``None``: the solver's own bound.
 
-    Returns
-    -------
-    int
-        2 if all solvers refuse a scene, else 1 if solvers disagree.
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Scenes and solvers."""
+    shared.scene_argument(command, many=True)
+    command.add_argument(
+        "--solvers",
+        type=_solvers,
+        metavar="A,B",
+        help="these only, the reference among them; default: all",
+    )
+    command.add_argument("--out", metavar="DIR", help="write the report and every run there")
+    shared.run_options(command, max_steps=True)
 
-    Raises
-    ------
-    SceneError
-        If all solvers refuse a scene, as far as that is told without solving it, or the folder holds
-        results on another scene, of another command or another program.
-    """
-    loaded = load_taken(names, lambda case: [SOLVERS[name] for _, name in all_pairs([case], solvers)])
-    folder = None if out is None else output_folder(out)
-    if folder is not None and not fresh:
+
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Compare and print; 2 if all solvers refuse a scene, else 1 if solvers disagree."""
+    solvers, max_steps = options.solvers, options.max_steps
+    if not solvers:
+        arguments.usable()  # names those that cannot be loaded
+    loaded = shared.load_taken(
+        options.scenes, lambda case: [SOLVERS[name] for _, name in all_pairs([case], solvers)]
+    )
+    folder = None if options.out is None else output_folder(options.out)
+    if folder is not None and not options.fresh:
         check_report_unused(folder, REPORT, loaded)
     pairs = all_pairs(loaded, solvers)
-    store = Store(folder, fresh)
-    with telling_what_is_kept(folder, store), processes(min(jobs, len(pairs))) as executor:
+    store = Store(folder, options.fresh)
+    with shared.telling_what_is_kept(folder, store), processes(min(jobs, len(pairs))) as executor:
         progress = Progress("compare")
         progress.phase("runs")
         result = build(
@@ -73,8 +60,7 @@ def run(
         )
         refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
         for scene in refused:
-            reason = next(iter(scene.runs.values())).failure
-            print(f"crosscontact: error: {scene.case.name}: {reason}", file=sys.stderr)
+            shared.say(f"error: {scene.case.name}: {next(iter(scene.runs.values())).failure}")
         if len(refused) == len(result.scenes):
             return 2
         for scene in result.scenes:
@@ -85,5 +71,5 @@ def run(
                 write(result, folder, executor, writing)
             store.clear()
             print(f"written to {folder / 'index.html'}")
-    code = exit_code(result.failures)
+    code = shared.exit_code(result.failures)
     return 2 if refused else code

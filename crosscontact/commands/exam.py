@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 import os
-import sys
-from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from contact_scene import SceneError
 from contact_scene.errors import shown
+from crosscontact import arguments
+from crosscontact.commands import shared
 from validation.exam.answer_folder import listed_cases
 from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.judge import reference_runs
@@ -17,83 +19,91 @@ from validation.execution.files import output_folder
 from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.report.document import counted
+from validation.scenes import SUITES
 
 
-def export(folder: str, suite: str, with_reference: bool, jobs: int) -> int:
-    """Write the scenes of a suite.
+def _solvers(text: str) -> tuple[str, ...]:
+    names, known = tuple(dict.fromkeys(shared.comma_separated(text))), arguments.selectable()
+    unknown: list[Any] = [name for name in names if name not in known]
+    if unknown:
+        raise argparse.ArgumentTypeError(f"got {unknown[0]!r:.40}; allowed: of {', '.join(known)}")
+    return names
 
-    Parameters
-    ----------
-    folder, suite, with_reference
-        As of :func:`crosscontact.exam.export_exam`.
-    jobs : int
-        Processes.
 
-    Returns
-    -------
-    int
-        1 if the reference has no answer to a scene.
-    """
-    target, cases = output_folder(folder, "DIR"), exam_cases(suite)
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Its actions: export, answer, reproduce."""
+    actions = command.add_subparsers(dest="action", metavar="ACTION", required=True)
+    export = actions.add_parser("export", help="write a folder for each scene: TOML, JSON, a page in words")
+    export.add_argument("folder", metavar="DIR")
+    export.add_argument("--suite", choices=SUITES, default="quick")
+    export.add_argument(
+        "--with-reference",
+        action="store_true",
+        help="write the reference's trace and measures with their errors beside each scene",
+    )
+    shared.run_options(export, fresh=False)
+    answer = actions.add_parser("answer", help="answer an exported exam by registered solvers")
+    answer.add_argument("folder", metavar="DIR")
+    answer.add_argument("--solvers", type=_solvers, required=True, metavar="A,B", help="peers included")
+    answer.add_argument(
+        "--resolution",
+        type=shared.resolution,
+        nargs="+",
+        default=[None],
+        metavar="N",
+        help="one answer for each; default: the solver's choice",
+    )
+    shared.run_options(
+        answer, jobs="processes; default: 1, so that run times are not those of a busy machine", fresh=False
+    )
+    again = actions.add_parser("reproduce", help="compute a trace again from its header alone")
+    again.add_argument("file", metavar="FILE", help="such as DIR/SCENE/reference.csv")
+
+
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Export scenes, answer them, or reproduce a trace."""
+    if options.action == "export":
+        return _export(options, jobs)
+    return _answer(options) if options.action == "answer" else _reproduce(options.file)
+
+
+def _export(options: argparse.Namespace, jobs: int) -> int:
+    """Write the scenes of a suite; 1 if the reference has no answer to one."""
+    target, cases = output_folder(options.folder, "DIR"), exam_cases(options.suite)
     export_scenes(target, cases)
-    code = 0
-    if with_reference:
-        progress = Progress("exam export")
+    failures = []
+    if options.with_reference:
         try:
-            with processes(min(jobs, len(cases))) as executor:
+            with Progress("exam export") as progress, processes(min(jobs, len(cases))) as executor:
                 runs = reference_runs(cases, executor, progress=progress)
         except KeyboardInterrupt:
-            kept = f"{target} holds the scenes; answers of the reference are kept only when all are done"
-            print(f"crosscontact: {kept}", file=sys.stderr)
+            shared.say(
+                f"{target} holds the scenes; answers of the reference are kept only when all are done"
+            )
             raise
-        finally:
-            progress.close()
         export_reference(target, cases, runs)
-        for run in runs.values():
-            if not run.finished:
-                print(f"failed: {run.scene}: {run.ending}", file=sys.stderr)
-                code = 1
+        failures = [f"failed: {run.scene}: {run.ending}" for run in runs.values() if not run.finished]
+    code = shared.failed(failures)
     print(f"{counted(len(cases), 'scene')} in {target}: see {target / 'README.md'}")
     return code
 
 
-def answer(folder: str, solvers: Sequence[str], resolutions: Sequence[int | None], jobs: int) -> int:
-    """Answer an exported exam by registered solvers.
-
-    Parameters
-    ----------
-    folder : str
-        Of the exam.
-    solvers : sequence of str
-        Names.
-    resolutions : sequence of int or None
-        ``None``: the solver's choice.
-    jobs : int
-        Processes; run times are those of a quiet machine with one only.
-
-    Returns
-    -------
-    int
-        1 if a run broke down.
-    """
-    target = Path(folder)
+def _answer(options: argparse.Namespace) -> int:
+    """Answer an exported exam by registered solvers, by one process unless told; 1 if a run broke down."""
+    target = Path(options.folder)
     cases = listed_cases(target)
-    progress = Progress("exam answer")
     try:
-        with processes(jobs) as executor:
-            failed = answer_all(target, cases, solvers, resolutions, executor, progress)
+        with Progress("exam answer") as progress, processes(options.jobs or 1) as executor:
+            failed = answer_all(target, cases, options.solvers, options.resolution, executor, progress)
     except KeyboardInterrupt:
-        print("crosscontact: answers are kept only when all are done", file=sys.stderr)
+        shared.say("answers are kept only when all are done")
         raise
-    finally:
-        progress.close()
-    for run in failed:
-        print(f"failed: {run.scene}: {run.solver}: {run.failure or run.ending}", file=sys.stderr)
+    code = shared.failed([f"failed: {one.scene}: {one.solver}: {one.failure or one.ending}" for one in failed])
     print(f"written to {target / ANSWERS}")
-    return 1 if failed else 0
+    return code
 
 
-def again(file: str) -> int:
+def _reproduce(file: str) -> int:
     """Compute a trace again from its header alone; 1 if it is not the same bit for bit."""
     path = Path(file)
     if not os.path.isfile(path):
@@ -105,5 +115,4 @@ def again(file: str) -> int:
     differs = f"largest difference {found.largest:.2g}"
     if found.rows != found.rows_again:
         differs = f"{counted(found.rows_again, 'row')} instead of {found.rows}"
-    print(f"{path}: {differs}", file=sys.stderr)
-    return 1
+    return shared.failed([f"{path}: {differs}"])

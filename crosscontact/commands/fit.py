@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from pathlib import Path
 
 from contact_scene import SceneError
 from contact_scene.errors import shown
-from crosscontact import registry
-from crosscontact.commands.failures import warn
+from crosscontact import arguments
+from crosscontact.commands import shared
+from crosscontact.commands.shared import say
 from crosscontact.fitting import Fit, read_curves
 from validation import cases
 from validation.execution.files import output_folder
@@ -23,75 +22,60 @@ from validation.fits.fit_settings import FitSettings
 from validation.report.report_folder import check_kind
 from validation.report.write_fit import write_fit
 
-OPTIONS = (
-    "vary",
-    "tie",
-    "per_curve",
-    "free",
-    "prony",
-    "starts",
-    "seed",
-    "profile",
-    "resolution",
-    "max_steps",
-)
+SETTINGS = (
+    "vary", "tie", "per_curve", "free", "prony", "starts", "seed", "profile", "resolution", "max_steps",
+)  # fmt: skip
+"""Options that are settings of a fit as they are."""
 
 
-def settings_of(options: argparse.Namespace) -> FitSettings:
-    """What to fit and how, from the command line."""
-    chosen = {name: getattr(options, name) for name in OPTIONS}
-    if options.regularisation is not None:
-        chosen["regularisation"] = options.regularisation
-    solver = options.solver or registry.REFERENCE
-    if solver not in registry.names():
-        raise SceneError("--solver", f"got {shown(solver)}", f"one of {', '.join(registry.names())}")
-    check = None if options.check_solver == "none" else options.check_solver
-    if check is not None and check not in registry.names():
-        raise SceneError("--check-solver", f"got {shown(check)}", f"none, {', '.join(registry.names())}")
-    return FitSettings(**chosen, solver=solver, check_solver=check)
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Curves, first guess, what is fitted and how."""
+    command.add_argument("data", metavar="DATA", nargs="+", help="CSV files, or files that afmformats reads")
+    command.add_argument("scene", metavar="SCENE", help="the first guess: a TOML file or a built-in name")
+    for name, metavar, words in (
+        (
+            "--vary",
+            "PATH[=LOW:HIGH]",
+            "numbers of the scene, as adhesion.work or material.branches[0].time=0.1:10",
+        ),
+        ("--per-curve", "PATH", "the same, another value for each curve"),
+        ("--tie", "PATH=OTHER", "PATH keeps its ratio to OTHER"),
+        ("--free", "NAME", "of each curve: contact_point, baseline, drift, time_offset"),
+        ("--profile", "NAME", "profile likelihood of these, or all"),
+    ):
+        command.add_argument(name, nargs="+", default=[], metavar=metavar, help=words)
+    command.add_argument(
+        "--prony", nargs="+", type=float, default=[], metavar="TIME", help="moduli on these relaxation times"
+    )
+    command.add_argument(
+        "--regularisation",
+        type=float,
+        metavar="X",
+        help="weight of the bending of these moduli; default: 0.1",
+    )
+    command.add_argument("--starts", type=shared.count, default=3, metavar="N", help="default: %(default)s")
+    command.add_argument("--seed", type=int, default=0, metavar="N", help="of the starts that are drawn")
+    shared.solver_option(command, "default: the reference")
+    command.add_argument("--check-solver", default="bem", metavar="NAME", help="or none; default: bem")
+    command.add_argument("--resolution", type=shared.resolution, metavar="N", help="default: by the noise")
+    command.add_argument("--out", metavar="DIR", help="write page, fit.json, scene.toml and figure there")
+    shared.run_options(command, max_steps=True)
 
 
-def run(
-    data: list[str], name: str, settings: FitSettings, out: str | None, jobs: int, fresh: bool = False
-) -> int:
-    """Fit, print every parameter with its error, write what is asked for.
-
-    Parameters
-    ----------
-    data : list of str
-        Files of curves.
-    name : str
-        Scene file or name of a built-in scene: the first guess.
-    settings : FitSettings
-    out : str or None
-        Folder of the results; an interrupted fit goes on from there.
-    jobs : int
-        Processes.
-    fresh : bool
-        Whether runs of an interrupted fit are ignored, and foreign results replaced.
-
-    Returns
-    -------
-    int
-        1 if the search did not converge, or the model does not explain the data, else 0.
-
-    Raises
-    ------
-    SceneError
-        If data, scene or settings are no good.
-    KeyboardInterrupt
-        If interrupted; the best so far is written and printed before.
-    """
-    scene = cases.load(name).scene
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Print every parameter with its error; 1 if the search did not converge or the model does not explain
+    the data. The best of an interrupted search is printed and written too."""
+    settings = _settings(options)
+    scene = cases.load(options.scene).scene
     try:
-        curves = [curve for file in data for curve in read_curves(file)]
+        curves = [curve for file in options.data for curve in read_curves(file)]
     except ImportError as error:
         raise SceneError("", str(error), "a CSV file, or the extra") from None
-    folder = None if out is None else output_folder(out)
-    if folder is not None and not fresh:
+    folder = None if options.out is None else output_folder(options.out)
+    if folder is not None and not options.fresh:
         check_kind(folder, RESULT)
         check_folder(folder, question(curves, scene, settings), scene)
-    store = Store(folder, fresh)
+    store = Store(folder, options.fresh)
     try:
         with Progress("fit") as progress, processes(jobs) as executor:
             progress.phase("searching")
@@ -102,15 +86,28 @@ def run(
             if folder is not None:
                 write_fit(interrupted.result, folder)
         kept = "the same command goes on" if folder is not None else "without --out DIR nothing is kept"
-        print(f"crosscontact: interrupted: {kept}", file=sys.stderr)
+        say(f"interrupted: {kept}")
         raise
     print(Fit(result))
-    warn(result.warnings)
+    shared.warn(result.warnings)
     if folder is not None:
         write_fit(result, folder)
         store.clear()
-        print(f"written to {Path(folder) / 'index.html'}")
+        print(f"written to {folder / 'index.html'}")
     if not result.converged:
-        print(f"crosscontact: not finished: {result.ended}", file=sys.stderr)
+        say(f"not finished: {result.ended}")
         return 1
     return 0 if result.goodness.explained else 1
+
+
+def _settings(options: argparse.Namespace) -> FitSettings:
+    """What to fit and how."""
+    chosen = {name: getattr(options, name) for name in SETTINGS}
+    if options.regularisation is not None:
+        chosen["regularisation"] = options.regularisation
+    solver = options.solver or arguments.REFERENCE
+    arguments.check(solver, "--solver", arguments.names())
+    check = None if options.check_solver == "none" else options.check_solver
+    if check is not None and check not in arguments.names():
+        raise SceneError("--check-solver", f"got {shown(check)}", f"none, {', '.join(arguments.names())}")
+    return FitSettings(**chosen, solver=solver, check_solver=check)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from pathlib import Path
 
-from crosscontact.commands.interruption import telling_what_is_kept
+from crosscontact.commands import shared
 from validation.exam.answer_folder import read_folder
 from validation.exam.judge import judge_folder
 from validation.execution.files import output_folder
@@ -17,40 +18,27 @@ from validation.report.exam_report import lead, overview
 from validation.report.report_folder import EXAM, check_report_unused
 
 
-def run(folder: str, out: str | None, jobs: int, fresh: bool = False) -> int:
-    """Judge everything in a folder and print the verdicts.
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Folders of the answers and of the report."""
+    command.add_argument("folder", metavar="DIR", help="holds answers: SCENE/trace.csv at any depth")
+    command.add_argument("--out", metavar="REPORT", help="write page, Markdown, JSON and JUnit there")
+    shared.run_options(command)
 
-    Parameters
-    ----------
-    folder : str
-        With the answers.
-    out : str or None
-        Folder of the report, if one is to be written.
-    jobs : int
-        Processes.
-    fresh : bool
-        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
-        replaced.
 
-    Returns
-    -------
-    int
-        1 if an answer failed.
-    """
-    found = read_folder(Path(folder))
-    target = None if out is None else output_folder(out)
-    if target is not None and not fresh:
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Judge everything in a folder and print the verdicts; 1 if an answer failed."""
+    found = read_folder(Path(options.folder))
+    target = None if options.out is None else output_folder(options.out)
+    if target is not None and not options.fresh:
         check_report_unused(target, EXAM)
-    store, progress = Store(target, fresh), Progress("judge")
-    progress.phase("reference")
-    try:
-        with (
-            telling_what_is_kept(target, store),
-            processes(min(jobs, len(found.cases))) as executor,
-        ):
-            judgement = judge_folder(found, executor, store, progress)
-    finally:
-        progress.close()
+    store = Store(target, options.fresh)
+    with (
+        Progress("judge") as progress,
+        shared.telling_what_is_kept(target, store),
+        processes(min(jobs, len(found.cases))) as executor,
+    ):
+        progress.phase("reference")
+        judgement = judge_folder(found, executor, store, progress)
     print(terminal.text(overview(judgement)))
     print(lead(judgement).text)
     if target is not None:
@@ -58,7 +46,10 @@ def run(folder: str, out: str | None, jobs: int, fresh: bool = False) -> int:
         store.clear()
         print(f"written to {target / 'index.html'}")
     sys.stdout.flush()
-    failed = [check for check in judgement.checks if not check.passed]
-    for check in failed:
-        print(f"failed: {check.scene}: {check.solver}: {check.note}", file=sys.stderr)
-    return 1 if failed else 0
+    return shared.failed(
+        [
+            f"failed: {check.scene}: {check.solver}: {check.note}"
+            for check in judgement.checks
+            if not check.passed
+        ]
+    )

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from contact_scene import Material, SceneError
 from contact_scene.files import read_text
@@ -14,59 +13,50 @@ from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
 from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
 from contact_scene.scene import write_material
 from contact_scene.value_checks import one_of, positive
-from crosscontact.commands.failures import warn
-from crosscontact.tables import aligned
-from validation.drawing.export import png, svg_file
+from crosscontact.commands import shared
 from validation.drawing.material_figure import draw_fit, draw_series
-from validation.execution.files import output_folder, write_whole
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-DOTS_PER_INCH = 110
-"""Resolution of ``material.png``."""
+from validation.execution.files import output_folder
+from validation.report.terminal import aligned
 
 
-def run(
-    file: str,
-    out: str | None,
-    *,
-    format: str | None = None,
-    poisson: float = 0.5,
-    modulus: float | None = None,
-    tolerance: float | None = None,
-    plot: bool = False,
-) -> int:
-    """Read a Prony series, or fit one to measured moduli; print it, write and draw what is asked for.
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """File, how it is read, and what is written and drawn."""
+    command.add_argument(
+        "file",
+        metavar="FILE",
+        help="a series (pyvisco, RepTate, columns tau, E) or data (columns t, E or w, E', E'')",
+    )
+    command.add_argument("--format", metavar="NAME", help="of FILE; default: told by its columns")
+    command.add_argument("--poisson", type=float, default=0.5, metavar="NU", help="default: %(default)s")
+    command.add_argument(
+        "--modulus", type=float, metavar="E0", help="relaxed Young's modulus, where FILE has none"
+    )
+    command.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="X",
+        help="drop branches as long as the misfit (relative, root mean square) stays below X; of data that "
+        "scatter by more, as long as Schwarz' criterion prefers the shorter series; default: 0.001",
+    )
+    command.add_argument("--out", metavar="DIR", help="write material.toml, the table of a scene, there")
+    command.add_argument(
+        "--plot",
+        action="store_true",
+        help="draw material.png and material.svg, into --out or the current folder",
+    )
 
-    Parameters
-    ----------
-    file : str
-        In one of the formats of :mod:`contact_scene.readers`.
-    out : str or None
-        Folder of ``material.toml``, if it is to be written.
-    format : str or None
-        One of ``FORMATS``; ``None``: told by the columns.
-    poisson : float
-        Poisson's ratio, for the table and to turn shear moduli into Young's.
-    modulus : float or None
-        Relaxed Young's modulus, where the file has none.
-    tolerance : float or None
-        As of :func:`contact_scene.prony.fit_prony`; ``None``: ``TOLERANCE``.
-    plot : bool
-        Whether ``material.png`` and ``material.svg`` are drawn, into ``out`` or the current folder.
 
-    Returns
-    -------
-    int
-        1 if no series meets the data, or they do not determine it, else 0; bad input raises.
-    """
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Read a Prony series, or fit one to measured moduli; 1 if none meets the data, or they do not determine
+    it."""
+    file, poisson, modulus, tolerance = options.file, options.poisson, options.modulus, options.tolerance
     text = read_text(Path(file))
-    kind = format_of(text, file) if format is None else one_of(format, "--format", FORMATS)
+    given = options.format
+    kind = format_of(text, file) if given is None else one_of(given, "--format", FORMATS)
     if tolerance is not None and kind not in MEASURED:
         raise SceneError("--tolerance", f"given for a Prony series ({kind})", "with measured data only", file)
-    folder = None if out is None else output_folder(out)
-    drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
+    folder = None if options.out is None else output_folder(options.out)
+    drawn = (folder or output_folder(".", "--plot")) if options.plot else None
     fit: PronyFit | None = None
     material: Material | None = None
     doubts: list[str] = []
@@ -81,47 +71,28 @@ def run(
         lines = [f"{file}: Prony series ({kind}) of {len(material.branches)} branches"]
     print("\n".join([*lines, *_series_lines(material)]))
     if drawn is not None and fit is not None:
-        _draw(draw_fit(fit), drawn)
+        shared.draw(draw_fit(fit), drawn, "material")
     elif drawn is not None and material is not None:
-        _draw(draw_series(material), drawn)
+        shared.draw(draw_series(material), drawn, "material")
     if folder is not None:
         if material is None:
             allowed = "the relaxed Young's modulus, > 0"
             raise SceneError("--modulus", "is missing: the data show no relaxed modulus", allowed, file)
         write_material(material, folder / "material.toml", "\n".join([*lines, *doubts]))
         print(f"written to {folder / 'material.toml'}")
-    for doubt in doubts:
-        print(f"crosscontact: {file}: {doubt}", file=sys.stderr)
-    return 1 if doubts else 0
+    return shared.failed([f"crosscontact: {file}: {doubt}" for doubt in doubts])
 
 
 def _fit(
     text: str, file: str, kind: str, poisson: float, modulus: float | None, tolerance: float
 ) -> PronyFit:
-    """The series fitted to measured moduli.
-
-    Parameters
-    ----------
-    text, file : str
-        Contents and name of the file.
-    kind : str
-        One of ``MEASURED``.
-    poisson : float
-    modulus : float or None
-        Relaxed Young's modulus, if given.
-    tolerance : float
-        As of :func:`contact_scene.prony.fit_prony`.
-
-    Returns
-    -------
-    PronyFit
-    """
+    """The series fitted to measured moduli."""
     data = measured_data(text, file, kind)
     scale = young_over(data.shear, poisson)
     relaxed = None if modulus is None else positive(modulus, "--modulus") / scale
     least = scale * float((data.moduli if isinstance(data, RelaxationData) else data.storage).min())
     if modulus is not None and modulus > least:
-        warn([f"--modulus {modulus:g} is above the smallest Young's modulus of {file}, {least:g}"])
+        shared.warn([f"--modulus {modulus:g} is above the smallest Young's modulus of {file}, {least:g}"])
     try:
         return fit_prony(data, relaxed=relaxed, tolerance=tolerance)
     except SceneError as error:
@@ -180,10 +151,3 @@ def _series_lines(material: Material | None) -> list[str]:
         for number, branch in enumerate(material.branches, 1)
     ]
     return aligned(rows)
-
-
-def _draw(figure: Figure, folder: Path) -> None:
-    """``material.png`` and ``material.svg``."""
-    write_whole(folder / "material.png", png(figure, DOTS_PER_INCH))
-    write_whole(folder / "material.svg", svg_file(figure))
-    print(f"drawn in {folder / 'material.png'} and {folder / 'material.svg'}")

@@ -1,10 +1,18 @@
 """``crosscontact scenes``: the built-in scenes."""
 
+from __future__ import annotations
+
+import argparse
+
 from validation import scenes
 
 
-def run() -> int:
-    """Name, quick suite or not, and title of every built-in scene."""
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """It has none."""
+
+
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Print name, quick suite or not, and title of every built-in scene."""
     titles = scenes.titles()
     width = max(map(len, titles))
     quick = set(scenes.suite("quick"))

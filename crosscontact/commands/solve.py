@@ -1,87 +1,65 @@
-"""``crosscontact solve``: one solver on one scene."""
+"""``crosscontact solve``: one solver on one scene.
+
+An interrupted run ends with its present step and is written as far as it came; the same command begins anew.
+"""
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
+import argparse
 
 from contact_scene import OutcomeKind
-from crosscontact.commands.failures import warn
-from crosscontact.commands.interruption import drop_former
-from crosscontact.commands.refusals import check_taken
-from crosscontact.key_numbers import SCALES_IN_WORDS, key_numbers, table
-from crosscontact.result import Result
-from crosscontact.tables import aligned
+from crosscontact import arguments
+from crosscontact.commands import shared
+from crosscontact.commands.shared import say, warn
+from crosscontact.result import SCALES_IN_WORDS, Result, key_numbers
 from validation import cases, solvers
-from validation.drawing.export import png, svg_file
-from validation.execution.files import output_folder, write_whole
+from validation.execution.files import output_folder
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused, write_run
 from validation.execution.runs import Run
 from validation.execution.runs import run as run_solver
 from validation.execution.signals import GracefulStop
 from validation.measure.windows import load_steps_begun
-
-DOTS_PER_INCH = 110
-"""Resolution of ``force.png``."""
+from validation.report.terminal import aligned
 
 
-def run(
-    name: str,
-    solver: str,
-    resolution: int | None,
-    out: str | None,
-    *,
-    fresh: bool = False,
-    estimate: bool = False,
-    plot: bool = False,
-    max_steps: int | None = None,
-) -> int:
-    """Run a solver, print the key numbers, write what is asked for.
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Scene, solver, resolution, what is written and drawn."""
+    shared.scene_argument(command)
+    shared.solver_option(command, "default: the reference")
+    command.add_argument(
+        "--resolution",
+        type=shared.resolution,
+        metavar="N",
+        help="divisions per process zone (without adhesion: per hundredth of the largest contact radius), "
+        "N >= 4; default: the solver's choice",
+    )
+    command.add_argument("--out", metavar="DIR", help="write trace.csv, summary.json and scene.toml there")
+    command.add_argument(
+        "--estimate",
+        action="store_true",
+        help="estimate the errors, by a second, coarser run where the solver has no estimate of its own",
+    )
+    command.add_argument(
+        "--plot", action="store_true", help="draw force.png and force.svg, into --out or the current folder"
+    )
+    shared.run_options(command, jobs="", max_steps=True, keeps_runs=False)
 
-    An interrupted run ends with its present step and is written as far as it came; the same command begins
-    anew.
 
-    Parameters
-    ----------
-    name : str
-        Scene file or name of a built-in scene.
-    solver : str
-    resolution : int or None
-        Divisions per process zone; ``None``: the solver's choice.
-    out : str or None
-        Folder of the run, if it is to be written.
-    fresh : bool
-        Whether results of another scene or solver found there are replaced.
-    estimate : bool
-        Whether the errors are estimated.
-    plot : bool
-        Whether ``force.png`` and ``force.svg`` are drawn, into ``out`` or the current folder.
-    max_steps : int or None
-        Largest number of steps, accepted and rejected together; ``None``: the solver's own bound.
-
-    Returns
-    -------
-    int
-        2 if the solver refuses the scene, 1 if the run does not finish, else 0.
-
-    Raises
-    ------
-    SceneError
-        If the folder holds the results of another scene or solver, or the solver cannot take this scene.
-    KeyboardInterrupt
-        If the run was interrupted; what there is, is written and said before.
-    """
-    case, method = cases.load(name), solvers.solver(solver)
-    check_taken(name, case.scene, (method,), resolution)  # one line of a refusal, before anything is made
-    folder = None if out is None else output_folder(out)
-    if folder is not None and not fresh:
-        check_unused(folder, case.scene, solver=solver)
-    drop_former(folder)
-    drawn = (output_folder(".", "--plot") if folder is None else folder) if plot else None
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Run a solver, print the key numbers, write what is asked for; 2 if the solver refuses the scene."""
+    name = options.solver or arguments.REFERENCE
+    case, method = cases.load(options.scene), solvers.solver(name)
+    resolution, max_steps, estimate = options.resolution, options.max_steps, options.estimate
+    shared.check_taken(options.scene, case.scene, (method,), resolution)  # before anything is made
+    folder = None if options.out is None else output_folder(options.out)
+    if folder is not None and not options.fresh:
+        check_unused(folder, case.scene, solver=name)
+    shared.drop_former(folder)
+    drawn = (folder or output_folder(".", "--plot")) if options.plot else None
     said = solvers.scene_warnings(case.scene)
     warn(said)
-    with Progress(f"{case.name} {solver}") as progress:
+    with Progress(f"{case.name} {name}") as progress:
         progress.phase("set-up")
         after = "estimating the errors" if estimate else "measuring"
         steps = StepProgress(progress, after)
@@ -89,13 +67,13 @@ def run(
         try:
             with stop.handling_signals():
                 result = run_solver(
-                    case, solver, resolution, steps, estimate, monitor=stop.monitor, max_steps=max_steps
+                    case, name, resolution, steps, estimate, monitor=stop.monitor, max_steps=max_steps
                 )
         except KeyboardInterrupt:
-            print("crosscontact: nothing is kept of the run", file=sys.stderr)
+            say("nothing is kept of the run")
             raise
     if result.refused:
-        print(f"crosscontact: error: {result.failure}", file=sys.stderr)
+        say(f"error: {result.failure}")
         return 2
     try:
         if folder is not None:
@@ -105,7 +83,7 @@ def run(
     known = solvers.trace_warnings(case.scene, result.trace) if said and result.trace is not None else ()
     warn([one for one in result.warnings if one not in known])
     if drawn is not None and result.trace is not None:
-        _draw(Result(case.scene, result), drawn)
+        shared.draw(Result(case.scene, result).figure(), drawn, "force")
     if folder is not None:
         print(f"written to {folder}")
     return _ending(result, stop, estimate)
@@ -114,15 +92,14 @@ def run(
 def _ending(result: Run, stop: GracefulStop, estimate: bool) -> int:
     """Say what is unfinished; the exit code."""
     if stop.requested and not result.finished:
-        print("crosscontact: the run ends here; the same command begins it anew", file=sys.stderr)
+        say("the run ends here; the same command begins it anew")
         raise KeyboardInterrupt
     if not result.finished:
-        out_of_steps = result.trace is not None and result.trace.outcome.kind is OutcomeKind.STEP_BUDGET
-        hint = "; --max-steps N allows more" if out_of_steps else ""
-        print(f"crosscontact: not finished: {result.ending}{hint}", file=sys.stderr)
+        kind = None if result.trace is None else result.trace.outcome.kind
+        say(f"not finished: {result.ending}{shared.step_hint(kind)}")
         return 1
     if stop.requested and estimate and not result.errors:
-        print("crosscontact: the run is whole, its errors are not estimated", file=sys.stderr)
+        say("the run is whole, its errors are not estimated")
         raise KeyboardInterrupt
     return 0
 
@@ -136,14 +113,12 @@ def _without_errors(stop: GracefulStop, estimate: bool) -> str:
 
 def _print(case: cases.Case, result: Run, without_errors: str) -> None:
     print(f"{result.scene} by {result.solver}: {result.ending}")
-    steps = result.measures.get("counters.steps")
-    rows = table(key_numbers(case.scene, result.measures, result.errors))
-    more = [
-        ("steps", "-" if steps is None else format(steps, ".0f")),
-        ("wall_seconds", f"{result.wall_seconds:.3f}"),
-    ]
+    rows = key_numbers(case.scene, result.measures, result.errors)
     filler = ("",) * (len(rows[0]) - 2)
-    for line in aligned([*rows, *((*entry, *filler) for entry in more)]):
+    steps = result.measures.get("counters.steps")
+    rows.append(("steps", "-" if steps is None else format(steps, ".0f"), *filler))
+    rows.append(("wall_seconds", f"{result.wall_seconds:.3f}", *filler))
+    for line in aligned(rows):
         print(line)
     if result.errors:
         print(f"  errors are relative: {SCALES_IN_WORDS}")
@@ -153,11 +128,3 @@ def _print(case: cases.Case, result: Run, without_errors: str) -> None:
         begun, asked = load_steps_begun(case.scene.loading, result.trace), len(case.scene.loading.steps)
         if begun < asked:
             print(f"  contact is lost in load step {begun} of {asked}: what follows is not carried out")
-
-
-def _draw(result: Result, folder: Path) -> None:
-    """``force.png`` and ``force.svg``."""
-    figure = result.figure()
-    write_whole(folder / "force.png", png(figure, DOTS_PER_INCH))
-    write_whole(folder / "force.svg", svg_file(figure))
-    print(f"drawn in {folder / 'force.png'} and {folder / 'force.svg'}")

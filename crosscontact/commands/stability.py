@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
 from collections.abc import Collection
 from pathlib import Path
 
-from crosscontact.commands.interruption import telling_what_is_kept
+from crosscontact import arguments
+from crosscontact.commands import shared
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
 from validation.execution.store import Store
@@ -16,7 +17,7 @@ from validation.report.write import write_cells, write_matrix
 from validation.solvers import SOLVERS
 from validation.stability import runner
 from validation.stability.limits import limits
-from validation.stability.matrix import cases
+from validation.stability.matrix import AXES, cases
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell
 
@@ -24,39 +25,26 @@ WRITE_INTERVAL = 2.0
 """Seconds between two times that the cells so far are written."""
 
 
-def run(out: str | None, jobs: int, solver: str | None, only: str | None, fresh: bool = False) -> int:
-    """Run the matrix, print where each solver holds.
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Solver and axis, if not all."""
+    command.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and heat maps there")
+    shared.solver_option(command, "this one only; default: all")
+    command.add_argument(
+        "--only", choices=tuple(AXES), metavar="AXIS", help="this axis only: one of %(choices)s"
+    )
+    shared.run_options(command)
 
-    Parameters
-    ----------
-    out : str or None
-        Folder of the report, if one is to be written.
-    jobs : int
-        Processes.
-    solver : str or None
-        Name; ``None``: all solvers.
-    only : str or None
-        One of the axes of the matrix; ``None``: all.
-    fresh : bool
-        Whether runs stored by an earlier, interrupted command are ignored, and what the folder holds is
-        replaced.
 
-    Returns
-    -------
-    int
-        1 if a cell is silently wrong, not finite, crashed or hung.
-
-    Raises
-    ------
-    SceneError
-        If the folder holds results of another command or another program.
-    """
-    folder = None if out is None else output_folder(out)
-    if folder is not None and not fresh:
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Run the matrix, print where each solver holds; 1 if a cell is wrong, not finite, crashed or hung."""
+    if not options.solver:
+        arguments.usable()  # names those that cannot be loaded
+    folder = None if options.out is None else output_folder(options.out)
+    if folder is not None and not options.fresh:
         check_report_unused(folder, STABILITY)
-    store = Store(folder, fresh)
-    with telling_what_is_kept(folder, store):
-        matrix = compute(jobs, store, (solver,) if solver else SOLVERS, only, folder)
+    store = Store(folder, options.fresh)
+    with shared.telling_what_is_kept(folder, store):
+        matrix = compute(jobs, store, (options.solver,) if options.solver else SOLVERS, options.only, folder)
     for line in limits(matrix.cells):
         print(line)
     if folder is not None:
@@ -65,9 +53,7 @@ def run(out: str | None, jobs: int, solver: str | None, only: str | None, fresh:
             write_matrix(matrix, folder)
         store.clear()
         print(f"written to {folder / 'index.html'}")
-    for cell in matrix.faults:
-        print(f"failed: {cell.name}: {cell.verdict}", file=sys.stderr)
-    return 1 if matrix.faults else 0
+    return shared.failed([f"failed: {cell.name}: {cell.verdict}" for cell in matrix.faults])
 
 
 def compute(
@@ -77,28 +63,8 @@ def compute(
     only: str | None = None,
     folder: Path | None = None,
 ) -> StabilityMatrix:
-    """Run the matrix with progress.
-
-    Parameters
-    ----------
-    jobs : int
-        Processes.
-    store : Store or None
-        Finished runs that it holds are not repeated.
-    solvers : collection of str
-        Names.
-    only : str or None
-        One of the axes of the matrix; ``None``: all.
-    folder : Path or None
-        Where the cells so far are written every ``WRITE_INTERVAL``, if anywhere.
-
-    Returns
-    -------
-    StabilityMatrix
-    """
-    selected = cases(only)
-    progress, due = Progress("stability"), time.monotonic()
-    progress.phase("runs")
+    """Run the matrix with progress; the cells so far are written to ``folder``, if there is one."""
+    selected, due = cases(only), time.monotonic()
     total = len(selected) * len(solvers)
 
     def on_cell(cell: Cell, cells: list[Cell]) -> None:
@@ -110,7 +76,6 @@ def compute(
             write_cells(StabilityMatrix(tuple(cells), 0.0), folder, complete=False)
             due = time.monotonic() + WRITE_INTERVAL
 
-    try:
+    with Progress("stability") as progress:
+        progress.phase("runs")
         return runner.run(selected, jobs, solvers, on_cell, store=store)
-    finally:
-        progress.close()

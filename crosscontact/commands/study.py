@@ -1,71 +1,148 @@
-"""``crosscontact study``: refinement ladders and error against run time."""
+"""``crosscontact study``: refinement and error against run time, Poisson's ratio, or shorter process zones."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 
-from crosscontact.commands.interruption import telling_what_is_kept
-from crosscontact.commands.refusals import load_taken
+from contact_scene import SceneError
+from crosscontact import arguments
+from crosscontact.commands import shared
+from validation.cases import Case
 from validation.execution.files import output_folder
+from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.report import terminal
-from validation.report.report_folder import STUDY, check_report_unused
+from validation.report.report_folder import STUDY, check_report_unused, poisson_json, zones_json
+from validation.report.sections import poisson as poisson_section
+from validation.report.sections import zones as zones_section
 from validation.report.sections.study import short
-from validation.report.write import write_study
-from validation.solvers import solvers
+from validation.report.write import write_poisson, write_study, write_zones
+from validation.solvers import REFERENCE, SOLVERS, solvers
+from validation.studies import poisson, zones
+from validation.studies.poisson import compare_ratios
 from validation.studies.study import study
+from validation.studies.zones import zone_runs
+
+_bulk = shared.number(lambda value: 2.0 / 3.0 < value < 1e6, "a number above 2/3, below 1e6")
+_ratio = shared.number(lambda value: 2e-9 <= value <= 0.2, "a number from 2e-9 to 0.2")
 
 
-def run(
-    names: Sequence[str], out: str | None, jobs: int, fresh: bool = False, *, max_steps: int | None = None
-) -> int:
-    """Refine every solver on the given scenes.
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Scenes, and the study to make of them."""
+    shared.scene_argument(command, many=True)
+    command.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
+    command.add_argument(
+        "--poisson",
+        type=_bulk,
+        nargs="*",
+        metavar="K/G",
+        help="instead: elastic bulk of these ratios to the relaxed shear modulus (10 to 1000), against a "
+        "constant Poisson's ratio",
+    )
+    command.add_argument(
+        "--zones",
+        type=_ratio,
+        nargs="*",
+        metavar="RATIO",
+        help="instead: steps, points, time and error of every solver with process zones of these ratios to "
+        "the contact radius (5e-2 to 5e-9)",
+    )
+    shared.run_options(command, jobs="processes for what is not timed", max_steps=True)
 
-    Parameters
-    ----------
-    names : sequence of str
-        Scene files or names of built-in scenes.
-    out : str or None
-        Folder of the report, if one is to be written.
-    jobs : int
-        Processes for what is not timed.
-    fresh : bool
-        Whether levels stored by an earlier, interrupted command are ignored, and what the folder holds does
-        not matter.
-    max_steps : int or None
-        Of every run, accepted and rejected together; ``None``: the solver's own bound.
 
-    Returns
-    -------
-    int
-        1 if a level gave no answer.
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Make one of the studies of every solver; 1 if a run does not finish or solvers disagree."""
+    if options.poisson is not None and options.zones is not None:
+        raise SceneError("--zones", "given beside --poisson", "one of the two, each a study of its own")
+    arguments.usable()  # names those that cannot be loaded
+    if options.poisson is not None:
+        return _poisson(options, jobs)
+    return _refinement(options, jobs) if options.zones is None else _zones(options)
 
-    Raises
-    ------
-    SceneError
-        If all solvers refuse a scene, or the folder holds results on another scene, of another command or
-        another program.
-    """
-    loaded = load_taken(names, lambda case: solvers())
-    folder = None if out is None else output_folder(out)
-    if folder is not None and not fresh:
-        check_report_unused(folder, STUDY, loaded)
-    store = Store(folder, fresh)
-    with telling_what_is_kept(folder, store):
+
+@contextmanager
+def _prepared(
+    options: argparse.Namespace, files: dict[str, list[Case]]
+) -> Iterator[tuple[Path | None, Store]]:
+    """Folder and finished runs of a study, whose files of numbers, each on its scenes, may be written there."""
+    folder = None if options.out is None else output_folder(options.out)
+    if folder is not None and not options.fresh:
+        for name, cases in files.items():
+            check_report_unused(folder, name, cases)
+    store = Store(folder, options.fresh)
+    with shared.telling_what_is_kept(folder, store):
+        yield folder, store
+    store.clear()
+
+
+def _refinement(options: argparse.Namespace, jobs: int) -> int:
+    """Refine every solver on the given scenes."""
+    loaded = shared.load_taken(options.scenes, lambda case: solvers())
+    with _prepared(options, {STUDY: loaded}) as (folder, store):
         progress = Progress("study")
         progress.phase("runs")
-        result = study(loaded, jobs, progress, store, max_steps)
-    print(terminal.text(short(result)))
-    if folder is not None:
-        with Progress("study") as writing:
-            writing.phase("drawing and writing")
-            write_study(result, folder)
-        store.clear()
-        print(f"written to {folder / 'index.html'}")
-    for scene in result.scenes:
-        for ladder, level in scene.failed:
-            name = f"{scene.case.name}: {ladder.ladder.scheme}: {ladder.ladder.kind} {level.level.label}"
-            print(f"failed: {name}: {level.failure}", file=sys.stderr)
-    return 1 if any(scene.failed for scene in result.scenes) else 0
+        result = study(loaded, jobs, progress, store, options.max_steps)
+        print(terminal.text(short(result)))
+        if folder is not None:
+            with Progress("study") as writing:
+                writing.phase("drawing and writing")
+                write_study(result, folder)
+            print(f"written to {folder / 'index.html'}")
+    return shared.failed(
+        [
+            f"failed: {scene.case.name}: {ladder.ladder.scheme}: {ladder.ladder.kind} {level.level.label}: "
+            f"{level.failure}"
+            for scene in result.scenes
+            for ladder, level in scene.failed
+        ]
+    )
+
+
+def _poisson(options: argparse.Namespace, jobs: int) -> int:
+    """Compare an elastic bulk with a constant Poisson's ratio."""
+    loaded = shared.load_taken(options.scenes, lambda case: solvers())
+    ratios, failures = options.poisson or poisson.RATIOS, []
+    files = {poisson_json(case.name): [case] for case in loaded}
+    with _prepared(options, files) as (folder, store), processes(jobs) as executor:
+        for case in loaded:
+            with Progress(f"{case.name} poisson") as progress:
+                progress.phase("runs")
+                compared = compare_ratios(case, ratios, None, executor, progress, store, options.max_steps)
+            print(terminal.text(poisson_section.section(case.name, compared)))
+            if folder is not None:
+                print(f"written to {write_poisson(case, compared, folder)}")
+            for one in compared:
+                where = f"{case.name}: K/G = {one.ratio:g}"
+                unfinished = ((label, run) for label, run in one.runs.items() if not run.finished)
+                failures += [f"not finished: {where}: {label}: {run.ending}" for label, run in unfinished]
+                failures += [
+                    f"failed: {where}: {name}: beyond the error estimates" for name in one.disagreements
+                ]
+    return shared.failed(failures)
+
+
+def _zones(options: argparse.Namespace) -> int:
+    """Run every solver with shorter and shorter zones, one after the other, for their time is measured."""
+    loaded = shared.load_taken(options.scenes, lambda case: (SOLVERS[REFERENCE],))
+    ratios, asked = options.zones or zones.RATIOS, [one.name for one in solvers()]
+    files, failures = {zones_json(case.name): [case] for case in loaded}, []
+    with _prepared(options, files) as (folder, store):
+        for case in loaded:
+            with (
+                Progress(f"{case.name} zones") as progress,
+                processes(1, isolated=True, tasks_per_process=1) as executor,
+            ):
+                runs = zone_runs(case, asked, ratios, progress, executor, store, options.max_steps)
+            print(terminal.text(zones_section.section(case.name, runs)))
+            if folder is not None:
+                print(f"written to {write_zones(case, runs, folder)}")
+            failures += [
+                f"not finished: {case.name}: {one.solver}, zone {one.ratio:g} of the radius: {one.run.ending}"
+                for one in runs
+                if one.run is not None and not one.run.finished and not one.run.refused
+            ]
+    return shared.failed(failures)

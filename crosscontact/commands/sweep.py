@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import argparse
 import os
-import sys
 from pathlib import Path
 
 from contact_scene import SceneError
-from crosscontact import registry
-from crosscontact.tables import aligned
+from crosscontact import arguments
+from crosscontact.commands.shared import run_options, say
 from validation.execution.engines import own_engine
 from validation.execution.files import in_words
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress, duration
 from validation.execution.run_table import RunTable
 from validation.report.report_folder import SWEEP, check_kind
+from validation.report.terminal import aligned
 from validation.sweeps.dataset import FILE, check_installed, read_dataset
 from validation.sweeps.forecast import SweepForecast, forecast
 from validation.sweeps.plan import SweepPlan, plan_names, read_plan
@@ -24,77 +25,91 @@ from validation.sweeps.write import draw, endings, summary_rows, write_results
 
 ENDINGS = 5
 """Ways to end that are listed; the table has all."""
+WITH_PLAN = ("--out", "--jobs", "--dask", "--dry-run", "--fresh")
+"""Options that say how a plan is carried out."""
 
 
-def run(name: str, out: str | None, jobs: int, dask: str | None, dry_run: bool, fresh: bool) -> int:
-    """Carry out a plan.
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Plan, folder, and what carries the runs out."""
+    command.add_argument(
+        "plan",
+        metavar="PLAN",
+        nargs="?",
+        help="a TOML file or the name of a built-in plan; without: list those",
+    )
+    command.add_argument(
+        "--out", metavar="DIR", help="keep every run and write data set, table and figures there"
+    )
+    command.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        help="run on the workers of this Dask scheduler, or of a cluster of its own: local",
+    )
+    command.add_argument(
+        "--dry-run", action="store_true", help="say how many runs there are, how long they take, how large"
+    )
+    command.add_argument("--plot", metavar="DIR", help="draw the figures of an earlier sweep again")
+    run_options(command)
 
-    Parameters
-    ----------
-    name : str
-        A plan file or the name of a built-in plan.
-    out : str or None
-        Folder of the results; for a forecast not needed.
-    jobs : int
-        Processes, or workers of a Dask cluster of this command's own.
-    dask : str or None
-        Address of a Dask scheduler, or "local".
-    dry_run : bool
-        Whether to say only what there is to do.
-    fresh : bool
-        Whether stored runs are ignored, and a folder is taken that another kind of command has written to.
 
-    Returns
-    -------
-    int
-        1 if a run did not reach its end, else 0.
-
-    Raises
-    ------
-    SceneError
-        If the plan is wrong, nothing could be written, or the folder holds what another kind of command has
-        written.
-    """
-    plan = read_plan(name)
-    registry.usable()  # names those that cannot be loaded
-    if dry_run:
-        there = out is not None and os.path.isdir(out)
-        with RunTable(Path(str(out)) if there else None) as table:
-            _say(plan, forecast(plan, table), jobs)
+def run(options: argparse.Namespace, jobs: int) -> int:
+    """Carry out a plan, draw an earlier sweep again, or list the plans; 1 if a run did not reach its end."""
+    beside = [name for name in WITH_PLAN if getattr(options, name.strip("-").replace("-", "_"))]
+    if options.plot is not None:
+        if options.plan is not None or beside:
+            given = ", ".join(beside) or "PLAN"
+            raise SceneError("--plot", f"given beside {given}", "the folder of an earlier sweep, alone")
+        return _plot(options.plot)
+    if options.plan is None:
+        if beside:
+            raise SceneError("PLAN", f"is missing beside {', '.join(beside)}", "a file, or a built-in plan")
+        for name in plan_names():
+            plan = read_plan(name)
+            print(f"{name:16} {plan.count:6} runs  {plan.title}")
         return 0
-    if out is None:
+    plan = read_plan(options.plan)
+    arguments.usable()  # names those that cannot be loaded
+    if options.dry_run:
+        there = options.out is not None and os.path.isdir(options.out)
+        with RunTable(Path(options.out) if there else None) as table:
+            _say_forecast(plan, forecast(plan, table), jobs)
+        return 0
+    if options.out is None:
         raise SceneError("--out", "is missing", "a folder for the results, or --dry-run")
+    return _carry_out(plan, Path(options.plan).stem, Path(options.out), jobs, options)
+
+
+def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: argparse.Namespace) -> int:
     check_installed()
     check_writable(plan)
-    folder = Path(out)
-    if not fresh:
+    if not options.fresh:
         check_kind(folder, SWEEP)
-    with RunTable(folder, fresh) as table:
-        with Progress(f"sweep {Path(name).stem}") as progress, own_engine(jobs, dask) as engine:
+    with RunTable(folder, options.fresh) as table:
+        with Progress(f"sweep {name}") as progress, own_engine(jobs, options.dask) as engine:
             progress.phase("runs")
             try:
                 runs = carry_out(plan, table, engine, lambda share, text: progress(share, detail=text))
             except (KeyboardInterrupt, OSError):
-                print(f"crosscontact: kept in {folder}: the same command goes on", file=sys.stderr)
+                say(f"kept in {folder}: the same command goes on")
                 raise
-        with Progress(f"sweep {Path(name).stem}") as progress:
+        with Progress(f"sweep {name}") as progress:
             progress.phase("drawing and writing")
             data = write_results(plan, runs, folder)
             draw(data, folder)
         unfinished = sum(not runs.record(key).finished for key in runs.keys)
-    print(f"{plan.title or Path(name).stem}: {plan.count} runs of {plan.base.name} by {plan.solver}")
+    print(f"{plan.title or name}: {plan.count} runs of {plan.base.name} by {plan.solver}")
     for line in aligned(summary_rows(data)):
         print(line)
     for outcome, reason, count in endings(data)[:ENDINGS]:
         print(f"  {count} {outcome}: {reason}")
     print(f"written to {folder / FILE}")
     if unfinished:
-        print(f"crosscontact: {unfinished} of {plan.count} runs did not reach their end", file=sys.stderr)
+        say(f"{unfinished} of {plan.count} runs did not reach their end")
     return 1 if unfinished else 0
 
 
-def plot(folder: str) -> int:
-    """Draw the figures of a folder again; the exit code."""
+def _plot(folder: str) -> int:
+    """Draw the figures of a folder again."""
     with locked_folder(folder, "--plot") as out:
         data = read_dataset(out)
         drawn = draw(data, out)
@@ -104,16 +119,7 @@ def plot(folder: str) -> int:
     return 0
 
 
-def list_plans() -> int:
-    """Print the built-in plans; the exit code."""
-    for name in plan_names():
-        plan = read_plan(name)
-        print(f"{name:16} {plan.count:6} runs  {plan.title}")
-    return 0
-
-
-def _say(plan: SweepPlan, ahead: SweepForecast, jobs: int) -> None:
-    """A forecast, in words."""
+def _say_forecast(plan: SweepPlan, ahead: SweepForecast, jobs: int) -> None:
     missing = ahead.runs - ahead.stored
     source = f"measured on {ahead.measured} stored runs" if ahead.measured else "measured on the first"
     print(f"{ahead.runs} runs of {plan.base.name} by {plan.solver}, {ahead.stored} stored, {missing} to do")
