@@ -11,16 +11,16 @@ from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
 from contact_scene.run_control.options import whole_number
 from contact_scene.value_checks import NOT_NEGATIVE, function_or_none, number, several, true_or_false
-from crosscontact import registry, run_figure
-from crosscontact.limits import SMALLEST_RESOLUTION
-from crosscontact.result import Result
-from crosscontact.scene_argument import case_of
-from crosscontact.tables import aligned, cell, html_table
+from crosscontact import arguments, run_figure
+from crosscontact.arguments import case_of, checked_resolution
+from crosscontact.result import Result, html_table
 from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
 from validation.execution import runs
 from validation.measure.check import Check
+from validation.report.document import number as in_digits
+from validation.report.terminal import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,12 +40,12 @@ def scenes() -> dict[str, str]:
 
 def solvers() -> tuple[str, ...]:
     """Names of the solvers."""
-    return registry.names()
+    return arguments.names()
 
 
 def solve(
     scene: Scene | str | os.PathLike[str],
-    solver: str = registry.REFERENCE,
+    solver: str = arguments.REFERENCE,
     resolution: int | None = None,
     *,
     estimate_errors: bool = False,
@@ -88,9 +88,8 @@ def solve(
         If an argument is wrong or the solver does not take the scene (``UnsupportedScene``); one line.
     """
     case = case_of(scene)
-    registry.check(solver, "solver", registry.selectable())
-    if resolution is not None:
-        resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+    arguments.check(solver, "solver", arguments.selectable())
+    resolution = checked_resolution(resolution)
     if max_steps is not None:
         max_steps = whole_number(max_steps, "max_steps", 1)
     function_or_none(progress, "progress", "the share that is done")
@@ -138,12 +137,11 @@ def compare(
     SolverComparison
     """
     case = case_of(scene)
-    if resolution is not None:
-        resolution = whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+    resolution = checked_resolution(resolution)
     if max_steps is not None:
         max_steps = whole_number(max_steps, "max_steps", 1)
     true_or_false(estimate_errors, "estimate_errors")
-    names = registry.usable() if solvers is None else registry.chosen(solvers, "solvers")
+    names = arguments.usable() if solvers is None else arguments.chosen(solvers, "solvers")
     by_solver = {
         name: runs.run(case, name, resolution, estimate=estimate_errors, max_steps=max_steps)
         for name in names
@@ -187,7 +185,7 @@ class SolverComparison:
         if axes is None:
             axes = run_figure.new_axes(with_stage)
         panels = run_figure.checked_axes(axes, with_stage)
-        for result in sorted(self.results.values(), key=lambda result: result.solver != registry.REFERENCE):
+        for result in sorted(self.results.values(), key=lambda result: result.solver != arguments.REFERENCE):
             result.plot(panels)
         return panels
 
@@ -207,8 +205,8 @@ def _row(check: Check) -> tuple[str, ...]:
     return (
         check.solver,
         check.quantity,
-        cell(check.found),
-        f"{'' if check.relation == '=' else check.relation + ' '}{cell(check.expected)}",
+        in_digits(check.found),
+        f"{'' if check.relation == '=' else check.relation + ' '}{in_digits(check.expected)}",
         "-" if check.difference is None else f"{check.difference:+.1e}",
         "-" if check.limit is None else f"{check.limit:.1e}",
         "pass" if check.passed else "FAIL",

@@ -15,8 +15,6 @@ from contact_scene.value_checks import several
 from validation import cases
 from validation.solvers import PEERS, REFERENCE, SOLVERS
 
-
-
 SMALLEST_RESOLUTION = 4
 """Divisions per process zone (without adhesion: per hundredth of the largest contact radius); below it the
 stress beside the contact edge is not resolved."""

@@ -1,6 +1,6 @@
 """The command line: ``crosscontact scenes | solve | compare | study | fields | stability | report | ...``.
 
-The arguments are in ``arguments``, what a command does is in ``commands``, one file each. Exit codes: 0 all
+A command is a file of ``commands``. Exit codes: 0 all
 well; 1 a check failed or a run did not finish, interrupted ones included; 2 bad input, reported in one line.
 Nothing heavy is imported until a command needs it.
 """
@@ -55,6 +55,8 @@ class _Printable:
         self.unfiltered = unfiltered
 
     def write(self, text: str) -> int:
+        if text.replace("\n", "").replace("\t", "").isprintable():
+            return self.unfiltered.write(text)
         from contact_scene.errors import printable
 
         return self.unfiltered.write(printable(text))
@@ -66,11 +68,11 @@ class _Printable:
 def _run_to_its_end(arguments: list[str] | None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # figures are files; a notebook's backend may be missing here
     try:  # around the imports, too: an interruption in them is told as any other
-        from crosscontact.arguments import parser
+        from crosscontact.commands import parser
         from validation.execution.signals import interrupting
 
         with interrupting():
-            options = parser().parse_args(arguments)  # imports too, where an option asks for names
+            options = parser().parse_args(arguments)  # imports the command
             if options.command is None:
                 parser().print_help()
                 return 0
@@ -118,13 +120,13 @@ def _run(options: argparse.Namespace) -> int:
 
     keep_freed()
     jobs = getattr(options, "jobs", None) or _available_cores()
-    carry_out: Callable[[argparse.Namespace, int], int] = options.carry_out
+    run: Callable[[argparse.Namespace, int], int] = options.run
     if getattr(options, "out", None) is None or getattr(options, "dry_run", False):
-        return carry_out(options, jobs)
+        return run(options, jobs)
     from validation.execution.folder_lock import locked_folder
 
     with locked_folder(options.out):
-        return carry_out(options, jobs)
+        return run(options, jobs)
 
 
 def _available_cores() -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from contact_scene.value_checks import one_of, true_or_false
-from crosscontact.result import checked_path
+from crosscontact.arguments import checked_path
 from validation.exam.answer_folder import read_folder
 from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.judge import Judgement, judge_folder, reference_runs

@@ -12,13 +12,10 @@ from typing import TYPE_CHECKING
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
 from contact_scene.files import as_target
-from contact_scene.run_control.options import whole_number
 from contact_scene.value_checks import as_tuple, function_or_none, of_class
-from crosscontact import registry
-from crosscontact.limits import SMALLEST_RESOLUTION
-from crosscontact.result import checked_path
-from crosscontact.scene_argument import case_of
-from crosscontact.tables import aligned, html_table
+from crosscontact import arguments
+from crosscontact.arguments import case_of, checked_path, checked_resolution
+from crosscontact.result import html_table
 from validation.execution.files import output_folder
 from validation.execution.store import Store
 from validation.fits.afm_files import is_afm_file, read_file, write_afm
@@ -33,6 +30,7 @@ from validation.fits.synthetic import synthetic
 from validation.report.figures import fit_chart
 from validation.report.report_folder import check_kind
 from validation.report.sections.fit import lead, statements, table
+from validation.report.terminal import aligned
 from validation.report.write_fit import write_fit
 
 if TYPE_CHECKING:
@@ -119,7 +117,7 @@ def fit(
     starts: int = 3,
     seed: int = 0,
     profile: Sequence[str] = (),
-    solver: str = registry.REFERENCE,
+    solver: str = arguments.REFERENCE,
     resolution: int | None = None,
     check_solver: str | None = "bem",
     max_steps: int | None = None,
@@ -200,10 +198,10 @@ def fit(
 
 def _checked_resolution(solver: str, check_solver: str | None, resolution: int | None) -> int | None:
     """The resolution, checked after the solvers that it is for."""
-    registry.check(solver, "solver", registry.names())
+    arguments.check(solver, "solver", arguments.names())
     if check_solver is not None:
-        registry.check(check_solver, "check_solver", registry.names())
-    return None if resolution is None else whole_number(resolution, "resolution", SMALLEST_RESOLUTION)
+        arguments.check(check_solver, "check_solver", arguments.names())
+    return checked_resolution(resolution)
 
 
 def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import base64
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from html import escape
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contact_scene import Outcome, Scene
-from contact_scene.files import as_path
 from contact_scene.value_checks import of_class
 from crosscontact import run_figure
-from crosscontact.key_numbers import key_numbers, table
-from crosscontact.tables import aligned, html_table
+from crosscontact.arguments import checked_path
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
 from validation.execution.files import output_folder
 from validation.execution.run_folder import read_run, write_run
 from validation.execution.runs import Run
+from validation.measure.dimensionless import SYMBOLS, unit_sizes
+from validation.report.terminal import aligned
 
 if TYPE_CHECKING:
     import pandas
@@ -44,6 +43,28 @@ _UNITS = {
 """Kind of the unit of a column of the trace."""
 INK: dict[str, Any] = {"color": "#0a0a0a", "linestyle": "-", "linewidth": 1.5}
 """Line of a figure that shows this result alone: black, whichever solver it comes from."""
+
+KEY_MEASURES = {
+    "approach_force": "force",
+    "approach_radius": "length",
+    "peak_force": "force",
+    "peak_time": "time",
+    "pull_off_force": "force",
+    "pull_off_penetration": "length",
+    "pull_off_radius": "length",
+    "detachment_time": "time",
+    "detachment_penetration": "length",
+    "loop_energy": "energy",
+    "dissipated_energy": "energy",
+}
+"""Measures shown for every run, and the kind of their unit."""
+MACHINE_MEASURES = {"stage_at_detachment": "length", "instability_loss": "energy"}
+"""Those shown after them where the machine is a spring: the last is the energy lost at snaps."""
+
+SCALES_IN_WORDS = (
+    "penetrations to the largest of the run, losses at least to the largest energy, else to the value"
+)
+"""What an error estimate is relative to, in short; in full: ``validation.measure.scaling``."""
 
 
 @dataclass(frozen=True)
@@ -191,14 +212,14 @@ class Result:
         return figure
 
     def __repr__(self) -> str:
-        rows = table(key_numbers(self.scene, self.measures, self.errors))
+        rows = key_numbers(self.scene, self.measures, self.errors)
         return "\n".join([self._heading(), *aligned(rows), *(f"  warning: {text}" for text in self.warnings)])
 
     def _heading(self) -> str:
         return f"{self.name} by {self.solver}: {self.outcome.kind}: {self.outcome.reason}"
 
     def _repr_html_(self) -> str:
-        rows = table(key_numbers(self.scene, self.measures, self.errors))
+        rows = key_numbers(self.scene, self.measures, self.errors)
         in_words = [(name.replace("_", " "), *numbers) for name, *numbers in rows]
         picture = base64.b64encode(png(self.figure(), 80)).decode()
         return (
@@ -219,17 +240,6 @@ class Result:
         write_run(output_folder(checked_path(folder), "folder"), self.scene, self.run)
 
 
-def checked_path(given: str | os.PathLike[str], key: str = "folder") -> Path:
-    """A folder, or a file, as a path.
-
-    Raises
-    ------
-    SceneError
-        If it is none; an empty one, which would be the current folder, too.
-    """
-    return as_path(given, key, f"the path of a {'file' if key == 'path' else 'folder'}")
-
-
 def _unit(column: str) -> str:
     kind = _UNITS.get(column)
     return "scene units" if kind is None else f"{kind} in scene units"
@@ -237,6 +247,32 @@ def _unit(column: str) -> str:
 
 def _missing(package: str) -> ImportError:
     return ImportError(f"{package} is not installed: pip install 'crosscontact[data]'")
+
+
+def key_numbers(
+    scene: Scene, measures: Mapping[str, float | None], errors: Mapping[str, float]
+) -> list[tuple[str, ...]]:
+    """The key numbers of a run as rows under a head; columns in which there is nothing are left out."""
+    units, rows = unit_sizes(scene), [("", "in scene units", "dimensionless", "F/F_JKR", "error estimate")]
+    shown = KEY_MEASURES | (MACHINE_MEASURES if scene.loading.compliance > 0.0 else {})
+    for name, kind in shown.items():
+        value, jkr = measures.get(name), units.get("jkr-force") if kind == "force" else None
+        if value is None:
+            rows.append((name, "-", "", "", ""))
+            continue
+        scaled = f"{value / units[kind]:.6g} {SYMBOLS[kind]}" if kind in units else ""
+        error = f"{errors[name]:.1e}" if name in errors else ""
+        rows.append((name, f"{value:.8g}", scaled, "" if jkr is None else f"{value / jkr:.6g}", error))
+    filled = [column for column in range(len(rows[0])) if any(row[column] for row in rows[1:])]
+    return [tuple(row[column] for column in filled) for row in rows]
+
+
+def html_table(rows: Sequence[Sequence[str]]) -> str:
+    """The rows of a table as HTML; the first is its heading."""
+    head, *body = rows
+    cells = "".join(f"<th>{escape(name)}</th>" for name in head)
+    lines = "".join(f"<tr>{''.join(f'<td>{escape(text)}</td>' for text in row)}</tr>" for row in body)
+    return f"<table><thead><tr>{cells}</tr></thead><tbody>{lines}</tbody></table>"
 
 
 def load(folder: str | os.PathLike[str]) -> Result:

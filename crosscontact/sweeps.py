@@ -14,9 +14,8 @@ from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
 from contact_scene.run_control.options import whole_number
 from contact_scene.value_checks import function_or_none, one_of, positive
-from crosscontact import registry
-from crosscontact.result import checked_path
-from crosscontact.scene_argument import A_SCENE
+from crosscontact import arguments
+from crosscontact.arguments import A_SCENE, checked_path
 from validation.execution.engines import Engine, engine_of, own_engine
 from validation.execution.folder_lock import locked_folder
 from validation.execution.polled_jobs import JobQueue
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
 def sweep(
     scene: Scene | str | os.PathLike[str],
     values: Mapping[str | tuple[str, ...], Any],
-    solver: str = registry.REFERENCE,
+    solver: str = arguments.REFERENCE,
     resolution: int | None = None,
     *,
     design: str = "grid",

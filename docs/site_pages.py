@@ -31,7 +31,7 @@ from contact_scene.indenter import SHAPES  # noqa: E402
 from contact_scene.load_steps import STEPS  # noqa: E402
 from contact_scene.material_models import MODELS  # noqa: E402
 from contact_scene.temperature_shift import SHIFTS  # noqa: E402
-from crosscontact.arguments import parser  # noqa: E402
+from crosscontact.commands import parser  # noqa: E402
 from validation.cases import Case, load  # noqa: E402
 from validation.claims.claim import Finding  # noqa: E402
 from validation.compare.suite import SceneComparison  # noqa: E402

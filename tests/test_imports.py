@@ -21,7 +21,8 @@ PACKAGES = {
     "fem_solver": {"contact_scene"},
     "meshes": set(),
     "validation": {"contact_scene", "bem_solver", "fem_solver", "meshes"},
-    "crosscontact": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation"},
+    # The door imports the file of a command by its name.
+    "crosscontact": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation", COMPUTED},
     # What only the authors run; nothing imports it but its tests, and it is not installed.
     "benchmarks": {"contact_scene", "bem_solver", "fem_solver", "meshes", "validation", "crosscontact"},
 }
@@ -53,12 +54,7 @@ HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats"}
 HEAVY |= {"tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
-LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.arguments.shared_options", "crosscontact.cli"}
-LOADED_AT_FIRST_USE |= {
-    f"crosscontact.arguments.{command}"
-    for command in ("compare", "exam", "fields", "fit", "judge", "material", "report", "solve", "stability",
-                    "study", "sweep")
-}  # fmt: skip
+LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.cli", "crosscontact.commands"}
 # Single imports of that kind, each about as long as the rest of contact_scene: only scenes with a tabulated
 # indenter, a smooth loading table, a power-law material or measured moduli need them.
 DEFERRED = {

@@ -77,9 +77,7 @@ def _export(options: argparse.Namespace, jobs: int) -> int:
             with Progress("exam export") as progress, processes(min(jobs, len(cases))) as executor:
                 runs = reference_runs(cases, executor, progress=progress)
         except KeyboardInterrupt:
-            shared.say(
-                f"{target} holds the scenes; answers of the reference are kept only when all are done"
-            )
+            shared.say(f"{target} holds the scenes; answers of the reference are kept only when all are done")
             raise
         export_reference(target, cases, runs)
         failures = [f"failed: {run.scene}: {run.ending}" for run in runs.values() if not run.finished]
@@ -98,7 +96,9 @@ def _answer(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         shared.say("answers are kept only when all are done")
         raise
-    code = shared.failed([f"failed: {one.scene}: {one.solver}: {one.failure or one.ending}" for one in failed])
+    code = shared.failed(
+        [f"failed: {one.scene}: {one.solver}: {one.failure or one.ending}" for one in failed]
+    )
     print(f"written to {target / ANSWERS}")
     return code
 

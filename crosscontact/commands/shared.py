@@ -99,14 +99,14 @@ def run_options(
     fresh: bool = True,
     keeps_runs: bool = True,
 ) -> None:
-    """``--max-steps``, ``--jobs`` (with its help; empty: none), ``--fresh``: how runs are carried out and kept."""
+    """``--max-steps``, ``--jobs`` (its help; empty: none), ``--fresh``: how runs are carried out and kept."""
     if max_steps:
         command.add_argument(
             "--max-steps",
             type=count,
             metavar="N",
-            help="end a run after so many steps, accepted and rejected together; default: 200,000, or five "
-            "times as many as are expected",
+            help="end a run after so many steps, accepted and rejected together; default: 200,000, more for "
+            "many cycles",
         )
     if jobs:
         command.add_argument("--jobs", type=count, metavar="N", help=jobs)

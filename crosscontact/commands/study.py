@@ -1,4 +1,4 @@
-"""``crosscontact study``: refinement and error against run time, Poisson's ratio, or shorter process zones."""
+"""``crosscontact study``: refinement and run time, Poisson's ratio, or shorter process zones."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
 def _prepared(
     options: argparse.Namespace, files: dict[str, list[Case]]
 ) -> Iterator[tuple[Path | None, Store]]:
-    """Folder and finished runs of a study, whose files of numbers, each on its scenes, may be written there."""
+    """Folder and finished runs of a study; its files of numbers, each on its scenes, may be written there."""
     folder = None if options.out is None else output_folder(options.out)
     if folder is not None and not options.fresh:
         for name, cases in files.items():

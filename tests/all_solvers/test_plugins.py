@@ -6,17 +6,17 @@ import json
 import subprocess
 import sys
 import venv
-from importlib import import_module
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 from support.exam_answers import answer_of, case, hertz_run
+from support.report_commands import WORK
 from support.spring_solver import FunctionSolver, small_scene, spring
 
 import crosscontact as cc
 from contact_scene import SceneError
-from crosscontact import registry
+from crosscontact import arguments
 from crosscontact.cli import main
 from validation.cases import load
 from validation.compare.premises import of_case
@@ -98,13 +98,13 @@ def test_names_are_listed_without_loading(monkeypatch):
 
 
 def test_a_broken_one_is_named_and_the_rest_goes_on(found, capsys):
-    assert registry.usable() == ("bem", "fem", "reference", "plug-spring")
+    assert arguments.usable() == ("bem", "fem", "reference", "plug-spring")
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == len(BROKEN)
     for name, reason in BROKEN.items():
         (line,) = (line for line in lines if f'"{name}" of ' in line)
         assert reason in line
-    assert registry.usable() == ("bem", "fem", "reference", "plug-spring")
+    assert arguments.usable() == ("bem", "fem", "reference", "plug-spring")
     assert capsys.readouterr().err == ""
 
 
@@ -132,12 +132,15 @@ def test_commands_that_run_all_solvers_go_on_without_a_broken_one(
 ):
     name, *more = command.replace("SCENE", str(small_scene(tmp_path))).split()
     ran = []
-    monkeypatch.setattr(
-        import_module(f"crosscontact.commands.{name}"), "run", lambda *_, **__: ran.extend(SOLVERS) or 0
-    )
-    assert main([name, *more, "--out", str(tmp_path / "out")]) == 0
+
+    def stopped(*given, **more):
+        ran.extend(SOLVERS)
+        raise SceneError("", "the work has begun")
+
+    monkeypatch.setattr(f"crosscontact.commands.{WORK[command]}", stopped)
+    assert main([name, *more, "--jobs", "1", "--out", str(tmp_path / "out")]) == 2
     assert ran == ["bem", "fem", "reference", "plug-spring"]
-    lines = capsys.readouterr().err.splitlines()
+    *lines, _ = capsys.readouterr().err.splitlines()
     assert len(lines) == len(BROKEN)
     assert all(
         any(f'"{broken}" of ' in line and why in line for line in lines) for broken, why in BROKEN.items()
@@ -248,7 +251,7 @@ def test_a_package_in_a_fresh_environment(tmp_path):
     checks = {one["quantity"]: one for one in report["scenes"][0]["checks"] if one["solver"] == "hertz"}
     assert all(checks[name]["passed"] for name in ("outcome", "approach_force", "F(t), RMS", "loop_energy"))
     assert "Hertz, closed form" in (tmp_path / "report" / "index.html").read_text()
-    listed = "from crosscontact import registry; print(*registry.usable())"
+    listed = "from crosscontact import arguments; print(*arguments.usable())"
     run = subprocess.run(
         [str(python), "-c", listed], capture_output=True, text=True, cwd=tmp_path, timeout=100
     )
@@ -259,10 +262,12 @@ def test_a_package_in_a_fresh_environment(tmp_path):
 
 @pytest.mark.slow
 def test_peers_are_found_by_name_and_run_by_nobody_else():
-    assert set(PEERS) <= set(registry.selectable())
-    assert not set(PEERS) & {*registry.names(), *SOLVERS}
+    assert set(PEERS) <= set(arguments.selectable())
+    assert not set(PEERS) & {*arguments.names(), *SOLVERS}
     assert SOLVERS["tamaas"] is PEERS["tamaas"]
-    code = "import sys; from crosscontact import registry; print(*registry.selectable()); print(*sys.modules)"
+    code = (
+        "import sys; from crosscontact import arguments; print(*arguments.selectable()); print(*sys.modules)"
+    )
     run = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,

@@ -18,10 +18,10 @@ from support.spring_solver import SCENE, FunctionSolver, fake, named, small_scen
 
 import crosscontact
 from contact_scene import OutcomeKind, UnsupportedScene, read_scene
-from crosscontact import registry
-from crosscontact.arguments import parser
+from crosscontact import arguments
 from crosscontact.cli import main
-from crosscontact.key_numbers import SCALES_IN_WORDS
+from crosscontact.commands import parser
+from crosscontact.result import SCALES_IN_WORDS
 from validation import solvers
 from validation.execution import files
 from validation.scenes import SUITES, names
@@ -52,7 +52,7 @@ def fakes(monkeypatch):
     """Both solvers replaced; ``fakes(bem=..., reference=...)`` replaces them again."""
 
     def put(**factories):
-        for name in registry.names():
+        for name in arguments.names():
             monkeypatch.setitem(solvers.SOLVERS, name, named(name, factories.get(name, fake())))
 
     put()
@@ -78,7 +78,7 @@ def refused(capsys, *arguments: str) -> str:
 
 
 def test_names_agree():
-    assert tuple(solvers.SOLVERS) == registry.names()
+    assert tuple(solvers.SOLVERS) == arguments.names()
     for suite in SUITES:
         assert parser().parse_args(["report", "--suite", suite]).suite == suite
 
@@ -275,7 +275,7 @@ def test_interrupt_while_options_are_read_is_said_in_one_line(capsys, monkeypatc
     def interrupt():
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(registry, "selectable", interrupt)
+    monkeypatch.setattr(arguments, "selectable", interrupt)
     assert code_of("solve", "cycle-v0.1", "--solver", "bem") == 1
     assert capsys.readouterr().err == "crosscontact: interrupted\n"
 
@@ -304,7 +304,7 @@ def test_two_files_of_one_name_are_kept_apart(capsys, tmp_path, scene_file, fake
 
 def test_quick_questions_load_nothing_heavy():
     probe = (
-        "import sys; from crosscontact.arguments import parser; from crosscontact.cli import main;"
+        "import sys; from crosscontact.commands import parser; from crosscontact.cli import main;"
         "parser().format_help(); main(['scenes']);"
         "print(sorted({'numpy', 'scipy', 'matplotlib', 'skfem', 'gmsh', 'pyvista'} & set(sys.modules)))"
     )

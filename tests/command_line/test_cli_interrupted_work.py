@@ -12,7 +12,7 @@ from support.report_commands import WORK
 from support.spring_solver import FunctionSolver, named, small_scene, spring
 
 from crosscontact.cli import main
-from crosscontact.commands.interruption import telling_what_is_kept
+from crosscontact.commands.shared import telling_what_is_kept
 from validation import cases, solvers
 from validation.execution import task_execution
 from validation.execution.store import Store

@@ -64,7 +64,7 @@ def test_measured_relaxation_becomes_the_material_of_a_scene(tmp_path, capsys, r
 
 def test_every_branch_at_a_finer_tolerance(capsys, relaxation):
     assert code_of(relaxation, "--tolerance", "1e-6") == 0
-    assert "  branches                  3 " in capsys.readouterr().out
+    assert "  branches          3 " in capsys.readouterr().out
 
 
 def test_branches_of_scattered_data_are_dropped_as_the_help_says(tmp_path, capsys):

@@ -34,7 +34,6 @@ from contact_scene import Approach, SceneError, read_scene, scene_from_dict
 from contact_scene.indenter import SHAPES
 from contact_scene.load_steps import STEPS
 from contact_scene.material_models import MODELS
-from crosscontact import registry
 from crosscontact.cli import main
 from validation import solvers
 from validation.drawing import export
@@ -82,11 +81,11 @@ def by_modulus(scene, *given, **options):
 @pytest.fixture
 def _stand_ins(monkeypatch):
     stand_in = StudiedSolver(stoppable(by_modulus))
-    for name in registry.names():
+    for name in tuple(solvers.SOLVERS):
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, stand_in))
     for name, scheme in schemes.SCHEMES.items():
         monkeypatch.setitem(schemes.SCHEMES, name, dataclasses.replace(scheme, solver=stand_in))
-    monkeypatch.setattr("crosscontact.commands.zones.processes", lambda *given, **more: nullcontext())
+    monkeypatch.setattr("crosscontact.commands.study.processes", lambda *given, **more: nullcontext())
 
 
 @pytest.fixture
@@ -94,9 +93,9 @@ def quick_pictures(monkeypatch):
     """Figures are made, not rendered."""
     monkeypatch.setattr(pictures.export, "svg", lambda *given: "<svg></svg>")
     monkeypatch.setattr(export, "png", lambda *given: b"PNG")
-    for module in ("crosscontact.commands.solve", "validation.fields.figures.figure_set"):
+    for module in ("crosscontact.commands.shared", "validation.fields.figures.figure_set"):
         monkeypatch.setattr(f"{module}.png", lambda *given: b"PNG")
-    monkeypatch.setattr("crosscontact.commands.solve.svg_file", lambda *given: "<svg></svg>")
+    monkeypatch.setattr("crosscontact.commands.shared.svg_file", lambda *given: "<svg></svg>")
 
 
 def interrupted(row: Row, monkeypatch: pytest.MonkeyPatch) -> None:

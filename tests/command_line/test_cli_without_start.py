@@ -10,7 +10,7 @@ from support.spring_solver import SCENE
 
 from contact_scene import COLUMNS, OutcomeKind, read_scene
 from contact_scene.trace import read_columns
-from crosscontact import registry
+from crosscontact import arguments
 from crosscontact.cli import main
 from validation.cases import Case
 from validation.exam.own_answers import answer_all
@@ -40,7 +40,7 @@ def says(capsys):
     return run
 
 
-@pytest.mark.parametrize("solver", registry.names())
+@pytest.mark.parametrize("solver", arguments.names())
 def test_solve_keeps_how_it_ended(says, above, tmp_path, solver):
     """A trace without rows counted as no trace: the files said "failed", and not why."""
     folder = tmp_path / "o"

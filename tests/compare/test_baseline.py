@@ -10,7 +10,7 @@ import xml.etree.ElementTree as tree
 import pytest
 from support.spring_solver import fake, named
 
-from crosscontact import registry
+from crosscontact import arguments
 from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
@@ -33,7 +33,7 @@ def reported(monkeypatch, tmp_path):
     )  # drawn elsewhere
 
     def report(name: str, *more: str, **factories):
-        for solver in registry.names():
+        for solver in arguments.names():
             monkeypatch.setitem(solvers.SOLVERS, solver, named(solver, factories.get(solver, fake())))
         folder = tmp_path / name
         # without estimates: a fake is the same at any resolution, hence says it is exact
@@ -112,7 +112,7 @@ def test_junit_holds_the_verdicts(reported):
     failed = {name for (_, name), case in cases.items() if case.find("failure") is not None}
     source = f"(baseline {first / 'report.json'})"
     assert f"pull_off_force {source}" in failed
-    assert {classname for classname, _ in cases} == {f"{NAME}.{name}" for name in registry.names()}
+    assert {classname for classname, _ in cases} == {f"{NAME}.{name}" for name in arguments.names()}
     assert (f"{NAME}.reference", f"all values {source}") in cases
     assert suite.get("failures") == str(len(failed))
 

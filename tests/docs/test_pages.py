@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from contact_scene import OutcomeKind, read_scene, scene_from_dict
-from crosscontact import registry
-from crosscontact.arguments import parser
+from crosscontact import arguments
 from crosscontact.cli import main
+from crosscontact.commands import parser
 from validation import solvers
 
 ROOT = Path(__file__).parents[2]
@@ -55,7 +55,7 @@ def test_scene_in_the_reference_is_a_scene():
 @pytest.mark.parametrize("page", TEXTS, ids=_name)
 def test_commands_are_commands(page, monkeypatch):
     if "add-a-solver" in page.name:  # its solver is that of a package that the reader writes
-        monkeypatch.setattr(registry, "selectable", lambda: (*solvers.SOLVERS, "hertz"))
+        monkeypatch.setattr(arguments, "selectable", lambda: (*solvers.SOLVERS, "hertz"))
     spans = re.findall(r"`crosscontact (\w+ [^`]+)`", TEXTS[page])
     spans += re.findall(r"^crosscontact (\w+ [^\n\\#]+)$", TEXTS[page], re.MULTILINE)  # of any block
     for command in [*_commands(TEXTS[page]), *map(shlex.split, spans)]:

@@ -194,7 +194,7 @@ def test_a_fresh_report_takes_nothing_over(tmp_path, scene_file, monkeypatch):
 
 @pytest.mark.parametrize("command", ["report", "compare", "solve", "study"])
 def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, command):
-    monkeypatch.setattr(f"crosscontact.commands.{command}.run", lambda *given, **more: pytest.fail("it ran"))
+    monkeypatch.setattr(f"crosscontact.commands.{command}.run", lambda *given: pytest.fail("it ran"))
     given = {"report": [], "solve": [scene_file, "--solver", "bem"]}.get(command, [scene_file])
     with folder_lock.locked_folder(tmp_path):
         assert main([command, *given, "--out", str(tmp_path)]) == 2

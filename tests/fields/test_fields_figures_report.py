@@ -16,7 +16,7 @@ from support.spring_solver import fake, named
 from support.synthetic_fields import SCENE, states, surfaces, trace
 from support.unlaid_figures import without_layout
 
-from crosscontact import registry
+from crosscontact import arguments
 from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
@@ -118,7 +118,7 @@ def test_report_draws_fields_only_when_asked(monkeypatch, tmp_path):
 @pytest.mark.exhaustive
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
 def test_section_fits_a_phone(section, monkeypatch, tmp_path):
-    for name in registry.names():
+    for name in arguments.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
     own = tmp_path / "small.toml"
     own.write_text(SMALL)

@@ -10,7 +10,7 @@ from support.spring_solver import SCENE, FunctionSolver, fake, named
 from support.spring_solver import spring as spring_solve
 
 from contact_scene import Counters, Force, ForceRamp, Hold, Loading, Outcome, OutcomeKind, Ramp, Trace
-from crosscontact import registry
+from crosscontact import arguments
 from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
@@ -358,7 +358,7 @@ def test_agreement_is_within_the_estimates_capped_by_the_tolerance(difference, m
 
 def test_compare_prints_estimates_and_names_a_disagreement(capsys, tmp_path, monkeypatch):
     """A fake gives the same answer at any resolution, hence claims to be exact: a small difference counts."""
-    for name in registry.names():
+    for name in arguments.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
     scene = tmp_path / "small.toml"
     scene.write_text(SCENE)
@@ -383,7 +383,7 @@ def test_compare_prints_estimates_and_names_a_disagreement(capsys, tmp_path, mon
 def test_real_solvers_estimate_what_they_miss():
     """Static states, against the reference: true differences lie within the estimates."""
     case = load("relaxed-equilibrium")
-    found = {solver: run(case, solver, estimate=True) for solver in registry.names()}
+    found = {solver: run(case, solver, estimate=True) for solver in arguments.names()}
     checks = [check for check in check_case(case, found) if check.quantity == "start_radius"]
     judged = [check for check in checks if check.source == "front tracking"]
     assert {check.solver for check in judged} == {"bem", "fem"}

@@ -13,7 +13,7 @@ from support.spring_solver import SCENE, FunctionSolver, fake, named
 from support.unlaid_figures import without_layout
 
 from contact_scene import OutcomeKind
-from crosscontact import registry
+from crosscontact import arguments
 from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
@@ -36,7 +36,7 @@ def built(tmp_path_factory):
     own = folder / "a<b>&c.toml"
     own.write_text(SCENE.replace("A small scene", "A <small> & odd scene"))
     with pytest.MonkeyPatch.context() as patch:
-        for name in registry.names():
+        for name in arguments.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
         report = build("quick", [load(str(own)), load("cycle-v0.1")], None, Progress("test"))
     with without_layout():
@@ -184,7 +184,7 @@ def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
 
 
 def test_no_curve_at_all(tmp_path, monkeypatch):
-    for name in registry.names():
+    for name in arguments.names():
         monkeypatch.setitem(solvers.SOLVERS, name, FunctionSolver(refuse, name))
     report = build("quick", [load("cycle-v0.1")], None, Progress("test"))
     write(report, tmp_path)
@@ -202,7 +202,7 @@ def test_every_scene_says_what_was_left_out_and_where_the_time_went(built):
         "fem: no closure was evaluated, no history was carried, no solution" in s["left_out"] for s in scenes
     )
     spent = text.rpartition("Where the time went")[2].partition("</section>")[0]
-    assert spent.count("<tr>") == 1 + len(registry.names()) + 1 + len(report.runs) == 11
+    assert spent.count("<tr>") == 1 + len(arguments.names()) + 1 + len(report.runs) == 11
     assert "cycle-v0.1 by fem" in spent
 
 
@@ -216,7 +216,7 @@ def test_what_makes_a_run_doubtful_stands_with_its_scene(built):
 
 def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatch):
     """A fake gives the same answer at any resolution: it estimates no error, and a difference counts."""
-    for name in registry.names():
+    for name in arguments.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake(1.001 if name == "bem" else 1.0)))
     found = {}
     for estimate in (True, False):
@@ -228,7 +228,7 @@ def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatc
 
 
 def test_report_command(tmp_path, monkeypatch, capsys):
-    for name in registry.names():
+    for name in arguments.names():
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
     monkeypatch.setattr("validation.scenes.suite", lambda suite: ["relaxed-equilibrium"])
     assert main(["report", "--out", str(tmp_path / "r"), "--jobs", "1"]) == 1

@@ -6,7 +6,7 @@ import pytest
 from support.browser import CHROMIUM, NAMES, measure_page, measure_pages
 from support.spring_solver import fake, named
 
-from crosscontact import registry
+from crosscontact import arguments
 from validation import solvers
 from validation.cases import load
 from validation.execution.progress import Progress
@@ -27,7 +27,7 @@ WIDTHS = [375, 1280]
 def page(tmp_path_factory):
     folder = tmp_path_factory.mktemp("page")
     with pytest.MonkeyPatch.context() as patch:
-        for name in registry.names():
+        for name in arguments.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
         write(build("quick", [load("cycle-v0.1")], None, Progress("test")), folder)
     return (folder / "index.html").read_text()
@@ -59,7 +59,7 @@ def test_failures_stand_above_the_overview_and_name_the_solvers(page):
         overview.index(text) for text in ("Not passed", "closest to its limit", "how it works")
     )
     assert failures < scenes < methods
-    assert all(f"<td>{name}</td>" in overview[methods:] for name in registry.names())
+    assert all(f"<td>{name}</td>" in overview[methods:] for name in arguments.names())
     assert '<details class="section" id="scene-' not in page  # what failed is open
 
 

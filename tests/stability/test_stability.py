@@ -11,7 +11,7 @@ import pytest
 from support import scripted_solver as fakes
 
 from contact_scene import OutcomeKind, Scene, SceneError
-from crosscontact.arguments import parser
+from crosscontact.commands import parser
 from validation.execution.processes import WorkerProcesses
 from validation.execution.run_tasks import run_tasks
 from validation.execution.store import Store

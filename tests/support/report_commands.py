@@ -3,8 +3,8 @@
 WORK = {
     "compare SCENE": "compare.build",
     "study SCENE": "study.study",
-    "study SCENE --poisson 10": "poisson.compare_ratios",
-    "study SCENE --zones 0.01": "zones.zone_runs",
+    "study SCENE --poisson 10": "study.compare_ratios",
+    "study SCENE --zones 0.01": "study.zone_runs",
     "stability": "stability.compute",
     "report": "report.build",
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from validation.report.document import Bullets, DataTable, Figures, Paragraph, Part
 
 INDENT = "  "
@@ -25,15 +27,21 @@ def lines(part: Part) -> list[str]:
     return [part.title, *(line for one in part.parts for line in lines(one))]
 
 
-def _table(table: DataTable) -> list[str]:
-    rows = [table.head, *(tuple(map(str, row)) for row in table.rows)]
-    kinds = table.columns
-    widths = [max(len(row[column]) for row in rows) for column in range(len(kinds))]
-    aligned = []
-    for row in rows:
-        cells = [
+def aligned(rows: Sequence[Sequence[str]], kinds: Sequence[str] = ()) -> list[str]:
+    """Rows in aligned columns, those of the kind "number" to the right."""
+    columns = list(zip(*rows, strict=True))
+    widths = [max(map(len, column)) for column in columns]
+    kinds = kinds or ["text"] * len(columns)
+    return [
+        INDENT
+        + "  ".join(
             cell.rjust(width) if kind == "number" else cell.ljust(width)
             for cell, width, kind in zip(row, widths, kinds, strict=True)
-        ]
-        aligned.append((INDENT + "  ".join(cells)).rstrip())
-    return ([table.caption] if table.caption else []) + aligned
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def _table(table: DataTable) -> list[str]:
+    rows = [table.head, *(tuple(map(str, row)) for row in table.rows)]
+    return ([table.caption] if table.caption else []) + aligned(rows, table.columns)
