@@ -87,7 +87,7 @@ class StoredRun:
     columns: Columns | None = None
 
 
-def _is_foreign(error: sqlite3.Error) -> bool:
+def _is_foreign(error: Exception) -> bool:
     """Whether a file is damaged or another program's, rather than a disk full or failing."""
     foreign = (sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
     return getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF in foreign
