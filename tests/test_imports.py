@@ -49,7 +49,7 @@ ROOMS = {
 }
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.
-HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
+HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "vtkmodules", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
 HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats"}
 HEAVY |= {"tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
