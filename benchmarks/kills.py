@@ -53,7 +53,7 @@ name = "rate"
 key = "loading.steps.1.rate"
 geomspace = [0.02, 0.5, 40]
 """
-OF_TIME = ("seconds", "environment", "memory")
+OF_TIME = ("seconds", "environment", "memory", "repeats")
 """Parts of the names of numbers that no two runs share."""
 
 
