@@ -85,8 +85,9 @@ def outcome_of_loss(
     depth, touching = np.asarray(penetration, float), np.flatnonzero(np.asarray(contact_radius, float) > 0.0)
     if is_adhesive or outcome.kind is not OutcomeKind.DETACHED or not touching.size:
         return outcome
-    lost = float(depth[touching[-1] :].min())
-    if lost < float(depth.max()) or lost <= _SURFACE * float(np.abs(depth).max()):
+    last = int(touching[-1])
+    lost = float(depth[last:].min())
+    if lost < float(depth[: last + 1].max()) or lost <= _SURFACE * float(np.abs(depth).max()):
         return outcome
     reason = f"without adhesion, contact was lost at the largest penetration so far, {lost:.6g}"
     return Outcome(OutcomeKind.BREAKDOWN, reason, outcome.time)

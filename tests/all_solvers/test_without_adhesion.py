@@ -244,7 +244,8 @@ def test_every_solver_asks_whether_the_contact_it_lost_can_have_been_lost(solver
 @pytest.mark.parametrize(
     ("penetration", "radius", "kind"),
     [
-        ([0.0, 1e-15], [0.0, 1e-8], OutcomeKind.BREAKDOWN),  # in the first steps of a press
+        ([0.0, 1e-15, 2e-15], [0.0, 1e-8, 0.0], OutcomeKind.BREAKDOWN),  # in the first steps of a press
+        ([0.0, 1.0, 2.0, 2.0], [0.0, 0.3, 0.0, 0.0], OutcomeKind.BREAKDOWN),  # later in it
         ([0.0, 1.0, 1.0], [0.0, 0.3, 0.0], OutcomeKind.BREAKDOWN),  # in a hold
         ([-1.0, 0.2, 0.1, 0.3], [0.0, 0.2, 0.1, 0.2], OutcomeKind.BREAKDOWN),  # pressed in again
         ([0.0, 1.0, 0.9, 0.9], [0.0, 0.3, 0.1, 0.0], OutcomeKind.DETACHED),  # a surface that recovers slowly
