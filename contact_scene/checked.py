@@ -19,7 +19,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
 from contact_scene.errors import SceneError, shown
-from contact_scene.files import read_pairs
+from contact_scene.tables import read_pairs
 from contact_scene.value_checks import (
     Range,
     as_tuple,

@@ -22,7 +22,7 @@ from contact_scene.indenter import SHAPES, Indenter
 from contact_scene.loading import Loading
 from contact_scene.machine import Machine
 from contact_scene.material import Material
-from contact_scene.material_table import material_of
+from contact_scene.material_file import material_of
 from contact_scene.value_checks import a_string, of_class
 
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_scene import Material, SceneError, read_scene, scene_from_dict
-from contact_scene.pyvisco import read_pyvisco
+from contact_scene.readers import read_pyvisco
 
 # A fit in the time domain: E_0 = 20 MPa, a fifth of it is left at the end.
 TIME = """i,tau_i,alpha_i,E_0,E_i
@@ -114,7 +114,7 @@ def test_scene_file_names_the_table_beside_it(tmp_path):
         ("f,E_stor,E_loss\nHz,MPa,MPa\n1,2,3\n", "columns"),  # a master curve, not coefficients
         ("tau_i,E_i\ns,MPa\n1,2\n", "columns"),
         ("tau_i,alpha_i,tau_i\n1,0.5,1\n", "columns"),
-        ("i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,MPa\n", "tau_i"),
+        ("i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,MPa\n", "no rows of numbers"),
         (TIME.replace("100.0", "0"), "tau_i, line 5"),
         (TIME.replace("100.0", "-1"), "tau_i, line 5"),
         (TIME.replace("100.0", "nan"), "tau_i, line 5"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import crosscontact as cc
-from contact_scene.units import bracketed, kind_of_unit
+from contact_scene.tables import bracketed, kind_of_unit, read_pairs
 
 MATERIAL = {"modulus": 1.0, "poisson": 0.3}
 LOADING = {"start": "relaxed", "penetration": 0.01}
@@ -88,7 +88,7 @@ REFUSED = [
         material("pyvisco"),
         "i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,Pa",
         PYVISCO,
-        "modulus in Pa, but modulus in MPa",
+        "modulus in Pa, but instantaneous modulus in MPa",
     ),
     (material("pyvisco"), "i,tau_i,alpha_i,E_0,E_i\n-,m,-,MPa,MPa", PYVISCO, "relaxation time in m; allowed"),
     (curve, "time [um],penetration,force", THREE, "time in um; allowed: a unit of time"),
@@ -136,6 +136,62 @@ def test_units_that_contradict_a_column_or_each_other_are_refused(tmp_path, read
 def test_plain_names_and_units_that_can_be_the_scenes_are_taken(tmp_path, read, header, rows):
     (tmp_path / "x.csv").write_text(f"{header}\n{rows}")
     assert read(tmp_path)
+
+
+def of_pairs(path):
+    return read_pairs(path, ("time", "penetration"), ("force",))
+
+
+def of_branches(path):
+    branches = cc.read_material(path, modulus=1.0, format="branches").branches
+    return [branch.time for branch in branches], [branch.modulus for branch in branches]
+
+
+def of_moduli(path):
+    data = cc.read_measured(path)
+    return data.times, data.moduli
+
+
+def of_shifts(path):
+    table = cc.read_shift_factors(path)
+    return table.temperatures, table.log10_factors
+
+
+HEADS = ["{0}\n{1}\n", "# {0}\n", "\ufeff# of a rig\n\n{0}\n", "a rig of ours: name\n// {0}\n// {1}\n"]
+
+
+@pytest.mark.parametrize(
+    ("end", "remark"),  # rows without remarks are read at once, those with one by one
+    [("\n", ""), ("\r\n", "% a remark, of 3 words\n"), ("\r", "")],
+)
+@pytest.mark.parametrize("sign", [",", ";", "\t", " "])
+@pytest.mark.parametrize("head", HEADS)
+@pytest.mark.parametrize(
+    ("read", "names", "units"),
+    [
+        (of_pairs, ("time", "penetration"), ("s", "mm")),
+        (of_branches, ("tau", "E"), ("s", "MPa")),
+        (of_moduli, ("t", "E"), ("s", "MPa")),
+        (of_shifts, ("T", "log_aT"), ("K", "-")),
+    ],
+)
+def test_a_table_is_read_the_same_in_any_signs_ends_of_lines_and_heads(
+    tmp_path, read, names, units, head, sign, end, remark
+):
+    first, second = (0.5, 1.0, 2.0, 4.0), (8.0, 4.0, 2.5, 1.25)
+    rows = [sign.join(map(repr, row)) + "\n" for row in zip(first, second, strict=True)]
+    text = head.format(sign.join(names), sign.join(units)) + remark.join(rows)
+    (tmp_path / "x.csv").write_bytes(text.replace("\n", end).encode())
+    assert tuple(map(tuple, read(tmp_path / "x.csv"))) == (first, second)
+
+
+@pytest.mark.parametrize("text", ["(", "a[ ", "=", "a=", " #", "\t", "w ("])
+def test_the_time_for_a_line_grows_with_its_length_only(tmp_path, text):
+    """With its square a file of 10 MB that a scene names would never end: this test would not either."""
+    (tmp_path / "x.csv").write_text(f"{40_000 * text}\n0,0,0\n")
+    for read in (of_pairs, of_moduli, of_shifts):
+        with pytest.raises(cc.SceneError):
+            read(tmp_path / "x.csv")
 
 
 def test_kinds_of_units():

@@ -19,8 +19,8 @@ import numpy as np
 
 from contact_scene import COLUMNS, Counters, Event, Outcome, OutcomeKind, SceneError, Trace
 from contact_scene.errors import shown
-from contact_scene.files import read_rows, read_text
-from contact_scene.separators import check_head, is_number
+from contact_scene.files import read_text
+from contact_scene.tables import is_number, read_table
 from contact_scene.trace import Array
 from contact_scene.value_checks import SMALLEST, Range, finite, not_negative
 from validation.execution.files import from_json
@@ -197,32 +197,21 @@ def _problem(text: str | None) -> dict[str, Any] | None:
 
 def _columns(text: str, file: str) -> tuple[dict[str, Array], list[str]]:
     """Columns by name, and the names of those that are none of a trace."""
-    (line, names), *body = read_rows(text, file)
-    head = f"line {line}"
-    check_head(line, names, COLUMNS, file)
-    for name in names:
-        if any(sign in name for sign in "[(/"):
+    table = read_table(text, file, COLUMNS, f"time and at least one of {', '.join(COLUMNS[1:])}")
+    for name, unit in zip(table.names, table.units, strict=True):
+        if unit or "/" in name:
             allowed = "columns in the units of the scene, without a unit in their names"
-            raise SceneError(head, f"column {shown(name)} states a unit", allowed)
-        if name in COLUMNS and names.count(name) > 1:
-            raise SceneError(head, f"two columns {name}", "each column once")
-    known = [name for name in names if name in COLUMNS]
-    if "time" not in known or len(known) < 2:
-        allowed = f"time and at least one of {', '.join(COLUMNS[1:])}"
-        raise SceneError(head, f"columns {shown(','.join(names))}", allowed)
-    if not 1 <= len(body) <= MOST_ROWS:
-        raise SceneError("", f"has {len(body)} rows", f"1 to {MOST_ROWS} rows below the columns")
-    ranges = [RANGES.get(name, finite) for name in names]
-    table = np.empty((len(body), len(names)))
-    for index, (line, cells) in enumerate(body):
-        if len(cells) != len(names):
-            raise SceneError(f"line {line}", f"has {len(cells)} cells", f"{len(names)}, as the head")
-        for place, (cell, check) in enumerate(zip(cells, ranges, strict=True)):
-            table[index, place] = check(_value(cell), f"line {line}, {names[place]}")
-    columns = {name: table[:, names.index(name)] for name in known}
+            raise SceneError(f"line {table.named_in}", f"column {shown(name)} states a unit", allowed)
+    places = table.places(*(("time", other) for other in COLUMNS[1:]))
+    values = [
+        table.column(at, RANGES.get(kind, finite), f"column {at + 1}") for at, kind in enumerate(table.kinds)
+    ]
+    columns = {name: values[at] for name, at in places.items()}
+    if (rows := columns["time"].size) > MOST_ROWS:
+        raise SceneError("", f"has {rows} rows", f"1 to {MOST_ROWS} rows below the columns")
     back = np.flatnonzero(np.diff(columns["time"]) < 0.0)
     if back.size:
         before, after = columns["time"][back[0] : back[0] + 2]
-        key = f"line {body[back[0] + 1][0]}, time"
+        key = f"time, line {table.rows[back[0] + 1][0]}"
         raise SceneError(key, f"runs backwards ({before:g} -> {after:g})", "times that never fall")
-    return columns, [name for name in names if name not in COLUMNS]
+    return columns, [name for name, kind in zip(table.names, table.kinds, strict=True) if not kind]
