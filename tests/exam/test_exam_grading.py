@@ -167,7 +167,7 @@ def test_verdicts(judged):
     assert verdicts["good"].verdict in ("passed at 1e-4", "passed at 1e-5")
     assert [one.answer.header.resolution for one in verdicts["good"].answers] == ["12", "400"]
     assert "the other sign" in verdicts["off"].reason
-    assert "line 3, force: " in verdicts["broken"].reason
+    assert "force, line 3: " in verdicts["broken"].reason
     assert [check.passed for check in judged[0].checks] == [False, True, False]
 
 

@@ -165,9 +165,9 @@ def test_such_a_table_needs_no_afmformats(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("time;penetration;force\n0;0;0\n", "line 1: cells are separated by semicolons"),
-        ("time,penetration,force\n0,0,x\n", "line 2, force: got 'x'"),
-        ("weight,depth\n1,2\n", "no column time; allowed: a header: time"),
+        ("time;penetration;force\n0;0;0\n", "1 rows; allowed: at least 20"),
+        ("time,penetration,force\n0,0,x\n", "force, line 2: got 'x'"),
+        ("weight,depth\n1,2\n", "columns: got 'weight,depth'; allowed: a header: time"),
         ("", "the file is empty"),
         ("0 1 2\n1 2 3\n", "does not state its sensitivity and spring constant; allowed: "),
     ],
