@@ -71,6 +71,7 @@ def test_the_time_of_the_largest_force_is_compared_where_it_is_one():
     cycles = Loading("relaxed", 0.0, (Oscillate(0.1, 1.0, 2.0),))
     assert not is_located("peak_time", trace(time, depth, [0, 5, 1, 3, 0]), cycles)
     assert not is_located("peak_force", trace(time, depth, [0, 5, 1, 3, 0]), cycles)
+    assert is_located("peak_cycle_loss", trace(time, depth, [0, 5, 1, 3, 0]), cycles)
 
 
 def test_cycle():

@@ -89,7 +89,7 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     -------
     bool
     """
-    if name.startswith("peak_") and has_smooth_crests(loading):
+    if name in ("peak_force", "peak_time") and has_smooth_crests(loading):
         return False
     if name == "peak_time":
         return _stands_alone(trace)
