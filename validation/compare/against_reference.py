@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
 
@@ -14,13 +14,13 @@ from validation.cases import Case
 from validation.compare.checks import check_run, declined
 from validation.execution.runs import Run
 from validation.measure.approach import has_smooth_crests, is_located
-from validation.measure.check import Check, agreement_limit, disagreement
+from validation.measure.check import Check, agreement_limit
+from validation.measure.difference import Difference, of_curves, of_movements, of_numbers
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.error_estimate import MOVEMENT
-from validation.measure.movement_norms import movement_distance
-from validation.measure.norms import distance, parting_time
+from validation.measure.norms import parting_time
 from validation.measure.observables import Observables
-from validation.measure.scaling import column_of, scale
+from validation.measure.scaling import column_of
 from validation.measure.windows import windows
 from validation.solvers import REFERENCE
 
@@ -96,19 +96,8 @@ def against_reference(case: Case, result: Run, base: Run) -> list[Check]:
     """Differences from the reference, each beside its limit.
 
     Where both runs estimate their errors, the limit is the sum of the two estimates, at most the scene's
-    tolerance; otherwise it is the tolerance. What differences are relative to is stated in
-    :mod:`validation.measure.scaling`. Both runs have to end in the same way, and a run must not give what the
-    reference does not: no detachment, no pull-off force where there is none.
-
-    Parameters
-    ----------
-    case : Case
-    result, base : Run
-        Of a solver and of the reference.
-
-    Returns
-    -------
-    list of Check
+    tolerance; otherwise it is the tolerance. Both runs have to end in the same way, and a run must not give
+    what the reference does not: no detachment, no pull-off force where there is none.
     """
     if result.trace is None or base.trace is None:
         missing = "no run" if result.trace is None else "no reference run"
@@ -118,8 +107,8 @@ def against_reference(case: Case, result: Run, base: Run) -> list[Check]:
         return [ending]
     return [
         ending,
-        *_scalars(case, result, base, base.curves),
-        *_curves(case, result, result.curves, base, base.curves),
+        *_numbers(case, result, base, base.curves),
+        *_curves(case, result, base, base.curves),
     ]
 
 
@@ -129,48 +118,56 @@ def _ending(case: Case, result: Run, trace: Trace, base: Trace) -> Check:
     return Check(case.name, result.solver, "outcome", SOURCE, expected, found, expected == found, note=note)
 
 
-def _scalars(case: Case, result: Run, base: Run, trace: Trace) -> list[Check]:
+def _numbers(case: Case, result: Run, base: Run, trace: Trace) -> Iterator[Check]:
     known = unit_sizes(case.scene)
-    checks = []
-    for name, unit in SCALARS.items():
-        tolerance = case.tolerance(result.solver, name)
-        if tolerance is None or not _comparable(case, result.solver, name, trace):
+    names = [name for name in SCALARS if _comparable(case, result.solver, name, trace)]
+    for one in of_numbers(result, base, names):
+        name, unit = one.quantity, SCALARS[one.quantity]
+        tolerance, size = case.tolerance(result.solver, name), known.get(unit, 1.0)
+        values = (run.measures.get(name) for run in (base, result))
+        expected, found = (None if value is None else value / size for value in values)
+        if tolerance is None:
             continue
-        expected, measured = base.measures.get(name), result.measures.get(name)
-        size = known.get(unit, 1.0)
-        estimates = result.errors.get(name), base.errors.get(name)
-        shown = None if measured is None else measured / size
-        if expected is None:
-            if measured is not None and name in Observables().as_dict():
-                note = "the reference gives none"
-                checks.append(
-                    Check(case.name, result.solver, name, SOURCE, None, shown, False, unit, note=note)
-                )
-            continue
-        difference = None if measured is None else _ratio(measured - expected, scale(name, expected, trace))
-        note = disagreement(difference, tolerance, *estimates)
-        if note and measured is not None:
-            most = agreement_limit(tolerance, *estimates)
-            parted = _parting(result, trace, column_of(name), most)
-            note = ", ".join(filter(None, (note, parted)))
-        checks.append(
-            Check(
-                case.name,
-                result.solver,
-                name,
-                SOURCE,
-                expected / size,
-                shown,
-                not note,
-                unit if unit in known else "",
-                difference,
-                tolerance,
-                note=note,
-                estimate=estimates[0],
-                base_estimate=estimates[1],
-            )
-        )
-    return checks
+        if expected is not None:
+            shown = (expected, found, unit if unit in known else "")
+            yield _check(case, result, trace, one, name, tolerance, column_of(name), *shown)
+        elif name in Observables().as_dict():
+            yield Check(case.name, result.solver, name, SOURCE, None, found, False, unit, note=one.missing)
+
+
+def _curves(case: Case, result: Run, base: Run, trace: Trace) -> Iterator[Check]:
+    """Curves relative to their size, and relative to their excursion in the worst load step or cycle."""
+    spans = windows(case.scene.loading, trace)
+    differences = (*of_curves(result, base, spans), *of_movements(result, base, spans))
+    found = {one.quantity: one for one in differences}
+    for column, name in CURVES.items():
+        for kind, norm, key in (("curves", "RMS", column), ("movement", "movement", column + MOVEMENT)):
+            one, tolerance = found.get(key), case.tolerance(result.solver, kind)
+            if one is not None and tolerance is not None:
+                rms, parts = None if one.missing else one.error, column if kind == "curves" else None
+                yield _check(case, result, trace, one, f"{name}, {norm}", tolerance, parts, 0.0, rms)
+
+
+def _check(
+    case: Case,
+    result: Run,
+    base: Trace,
+    one: Difference,
+    name: str,
+    tolerance: float,
+    column: str | None,
+    expected: float,
+    found: float | None,
+    unit: str = "",
+) -> Check:
+    """The check of a difference, whose note says why it fails, where, and when the ``column`` parts."""
+    reason, difference = one.disagreement(tolerance), None if one.missing else one.error
+    given = case.name, result.solver, name, SOURCE, expected, found, not reason, unit, difference, tolerance
+    parted = ""
+    if reason and column is not None and not one.missing:
+        parted = _parting(result, base, column, agreement_limit(tolerance, one.own, one.known_to))
+    note = ", ".join(filter(None, (reason, one.note, parted)))
+    return Check(*given, note=note, estimate=one.own, base_estimate=one.known_to)
 
 
 def _comparable(case: Case, solver: str, name: str, trace: Trace) -> bool:
@@ -191,48 +188,6 @@ def _comes_back(tension: Array, tolerance: float) -> bool:
     return int(np.count_nonzero(np.diff(high.astype(int), prepend=0) == 1)) > 1
 
 
-def _curves(case: Case, result: Run, trace: Trace, base: Run, base_trace: Trace) -> list[Check]:
-    """Curves relative to their size, and relative to their excursion in the worst load step or cycle."""
-    checks = []
-    spans = windows(case.scene.loading, base_trace)
-    for column, name in CURVES.items():
-        apart = distance(trace, base_trace, column, spans)
-        moved = movement_distance(trace, base_trace, spans, column)
-        largest = "" if apart is None else f"largest {apart.largest:.2g} at t = {apart.at:.4g}"
-        worst = "" if moved is None else f"worst from t = {moved.begin:.4g} to {moved.end:.4g}"
-        for norm, kind, key, found, where in (
-            ("RMS", "curves", column, apart, largest),
-            ("movement", "movement", column + MOVEMENT, moved, worst),
-        ):
-            tolerance = case.tolerance(result.solver, kind)
-            if tolerance is None or (kind == "movement" and not len(spans)):
-                continue
-            rms = None if found is None else found.rms
-            estimates = result.errors.get(key), base.errors.get(key)
-            reason = disagreement(rms, tolerance, *estimates) if found else "no common interval of time"
-            parted = ""
-            if reason and kind == "curves":
-                parted = _parting(result, base_trace, column, agreement_limit(tolerance, *estimates))
-            checks.append(
-                Check(
-                    case.name,
-                    result.solver,
-                    f"{name}, {norm}",
-                    SOURCE,
-                    0.0,
-                    rms,
-                    not reason,
-                    "",
-                    rms,
-                    tolerance,
-                    note=", ".join(filter(None, (reason, where, parted))),
-                    estimate=estimates[0],
-                    base_estimate=estimates[1],
-                )
-            )
-    return checks
-
-
 def _parting(result: Run, base: Trace, column: str, limit: float) -> str:
     """When the curves part by more than the limit, in words; empty if they never do.
 
@@ -241,9 +196,3 @@ def _parting(result: Run, base: Trace, column: str, limit: float) -> str:
     column = column if column in base.columns() else "external_work"
     parted = None if result.trace is None else parting_time(result.trace, base, limit, column)
     return "" if parted is None else f"parts at t = {parted:.4g}"
-
-
-def _ratio(difference: float, size: float) -> float:
-    if size > 0.0:
-        return difference / size
-    return 0.0 if difference == 0.0 else math.copysign(math.inf, difference)

@@ -108,7 +108,7 @@ def grade(answer: Answer, scene: Scene, base: Run) -> Grade:
     if cycle_times(scene.loading):  # curves relative to their excursion in the worst cycle or load step
         for one in of_movements(here, there, windows(scene.loading, reference)):
             column = one.quantity.removesuffix(MOVEMENT)
-            if column in given:
+            if column in given and not one.missing:
                 found.append(replace(one, quantity=f"{column}, movement"))
     found += _ending(given, trace, reference)
     left = balance_error(given, in_contact(trace), scene)
@@ -185,13 +185,13 @@ def _numbers(run: Run, base: Run, scene: Scene, given: set[str]) -> Iterator[Dif
     for one in of_numbers(run, base, base.measures):
         name = one.quantity
         needed = next((columns for begin, columns in NEEDED.items() if name.startswith(begin)), None)
-        if needed is None or not needed | ({column_of(name)} - {""}) <= given:
+        if base.measures[name] is None or needed is None or not needed | ({column_of(name)} - {""}) <= given:
             continue
         after = lost and name.startswith("final")
         vanishes = name in VANISHING and not scene.is_adhesive
         outcome_says_so = run.measures.get(name) is None and name.startswith("detachment")
         if not (after or vanishes or outcome_says_so) and is_located(name, base.trace, scene.loading):
-            yield replace(one, known_to=one.known_to or 0.0)
+            yield replace(one, note=one.missing)
 
 
 def _ending(given: set[str], trace: Trace, reference: Trace) -> Iterator[Difference]:

@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from contact_scene import COLUMNS, Material, Trace
+from validation.execution.runs import Run
+from validation.measure.difference import of_curves, of_numbers
 from validation.measure.norms import distance
 from validation.measure.observables import observe
-from validation.measure.scaling import Magnitudes, column_of
 from validation.stability.case import EquivalentScene, ReferenceRuns, Value
 
 CURVE = "force, RMS"
@@ -27,36 +28,12 @@ def against_values(trace: Trace, values: tuple[Value, ...]) -> dict[str, float]:
 
 
 def against_trace(trace: Trace, reference: Trace, observables: ReferenceRuns) -> dict[str, float]:
-    """Relative difference of every observable of two runs; ``CURVE`` is the whole curve ``F(t)``.
-
-    What it is relative to is stated in :mod:`validation.measure.scaling`, but for those ``of_largest``.
-
-    Parameters
-    ----------
-    trace, reference : Trace
-    observables : ReferenceRuns
-        Names the observables, and those ``of_largest``.
-
-    Returns
-    -------
-    dict of str to float
-        By observable; ``MISSING`` where only one run has it.
-    """
-    measured, expected = observe(trace).as_dict(), observe(reference).as_dict()
-    errors = {}
-    largest = Magnitudes.of_trace(reference)
-    for name in observables.names:
-        if name == CURVE:
-            apart = distance(trace, reference)
-            errors[name] = MISSING if apart is None else apart.rms
-            continue
-        value = expected[name]
-        if value is None:
-            errors[name] = 0.0 if measured[name] is None else MISSING
-        else:
-            of_largest = name in observables.of_largest
-            unit = largest.columns[column_of(name)] if of_largest else largest.scale(name, value)
-            errors[name] = _relative(measured[name], value, unit)
+    """Relative difference of every observable of two runs, ``MISSING`` where only one has it."""
+    runs = [Run("", one.solver, one, measures=dict(observe(one).as_dict())) for one in (trace, reference)]
+    numbers = of_numbers(*runs, observables.names, observables.of_largest)
+    errors = dict.fromkeys(observables.names, 0.0) | {one.quantity: abs(one.error) for one in numbers}
+    if CURVE in errors:
+        errors[CURVE] = next(one.error for one in of_curves(*runs) if one.quantity == "force")
     return errors
 
 

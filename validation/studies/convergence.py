@@ -6,6 +6,7 @@ that failed keeps its place.
 
 from __future__ import annotations
 
+import math
 import time
 import traceback
 from collections.abc import Callable
@@ -15,8 +16,10 @@ import numpy as np
 
 from contact_scene import Scene, Trace
 from validation.cases import Case
+from validation.execution.runs import Run
 from validation.measure.approach import is_located
 from validation.measure.cycles import cycle_times
+from validation.measure.difference import of_numbers
 from validation.measure.norms import distance
 from validation.measure.scalars import measure
 from validation.measure.scaling import Magnitudes
@@ -201,29 +204,13 @@ def _timed(call: Callable[[], Trace], repeats: int) -> tuple[list[float], list[f
 def errors_against(
     trace: Trace, values: dict[str, float | None], reference: Trace, scene: Scene
 ) -> dict[str, float]:
-    """Relative errors of scalars and curves, as far as they apply.
-
-    Parameters
-    ----------
-    trace : Trace
-    values : dict of str to float or None
-        Its scalars by name.
-    reference : Trace
-        Run that errors are measured against.
-    scene : Scene
-
-    Returns
-    -------
-    dict of str to float
-        Signed errors of scalars over their :func:`scales`, norms of the curves (:data:`NORMS`).
-    """
-    exact = measure(reference, scene, 0.0)
-    size = scales(reference, scene)
-    errors = {
-        name: (value - expected) / size[name]
-        for name, value in values.items()
-        if value is not None and (expected := exact.get(name)) is not None and name in size
-    }
+    """Signed relative errors of the scalars of a run, and norms of its curves (:data:`NORMS`)."""
+    runs = (
+        Run("", "", trace, measures=values),
+        Run("", "", reference, measures=measure(reference, scene, 0.0)),
+    )
+    located = [name for name in SCALARS if is_located(name, reference, scene.loading)]
+    errors = {one.quantity: one.error for one in of_numbers(*runs, located) if math.isfinite(one.error)}
     force, radius = distance(trace, reference, "force"), distance(trace, reference, "contact_radius")
     if force is not None and radius is not None:
         norms = (force.rms, force.mean, force.largest, radius.rms)

@@ -24,7 +24,7 @@ from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
 from validation.execution.tasks import TaskEnding
-from validation.measure.scaling import scale
+from validation.measure.difference import of_numbers
 from validation.solvers import REFERENCE, SOLVERS
 
 RATIOS = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 5e-9)
@@ -209,26 +209,8 @@ def _measured(function: Callable[..., Run], *arguments: Any) -> MeasuredRun:
 
 
 def relative_errors(result: Run, finer: Run, names: Iterable[str] = OBSERVED) -> dict[str, float]:
-    """Signed relative errors of observables against a finer run; those that one lacks are left out.
-
-    Parameters
-    ----------
-    result, finer : Run
-    names : iterable of str
-        Observables.
-
-    Returns
-    -------
-    dict of str to float
-    """
-    errors = {}
-    for name in names:
-        value, expected = result.measures.get(name), finer.measures.get(name)
-        if value is not None and expected is not None and finer.trace is not None:
-            size = scale(name, expected, finer.trace)
-            if size > 0.0:
-                errors[name] = (value - expected) / size
-    return errors
+    """Signed relative errors of observables against a finer run; those that one lacks are left out."""
+    return {one.quantity: one.error for one in of_numbers(result, finer, names) if math.isfinite(one.error)}
 
 
 def growth(runs: Iterable[ZoneRun], quantity: str) -> float | None:
