@@ -29,11 +29,13 @@ def against_values(trace: Trace, values: tuple[Value, ...]) -> dict[str, float]:
 
 def against_trace(trace: Trace, reference: Trace, observables: ReferenceRuns) -> dict[str, float]:
     """Relative difference of every observable of two runs, ``MISSING`` where only one has it."""
-    runs = [Run("", one.solver, one, measures=dict(observe(one).as_dict())) for one in (trace, reference)]
-    numbers = of_numbers(*runs, observables.names, observables.of_largest)
+    run, base = (
+        Run("", one.solver, one, measures=dict(observe(one).as_dict())) for one in (trace, reference)
+    )
+    numbers = of_numbers(run, base, observables.names, observables.of_largest)
     errors = dict.fromkeys(observables.names, 0.0) | {one.quantity: abs(one.error) for one in numbers}
     if CURVE in errors:
-        errors[CURVE] = next(one.error for one in of_curves(*runs) if one.quantity == "force")
+        errors[CURVE] = next(one.error for one in of_curves(run, base) if one.quantity == "force")
     return errors
 
 
