@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -101,25 +100,3 @@ def test_a_distribution_that_replaces_a_package_is_told_as_damage(tmp_path, in_p
     assert f"crosscontact: the installation is damaged: {replaced} " in last
     assert "pip uninstall validation" in last
     assert bool(before) == (command[0] == "-c")  # Python's own traceback; none on the command line
-
-
-@pytest.mark.benchmark
-def test_seconds_of_the_import(tmp_path):
-    code = "import time; begin = time.perf_counter(); import crosscontact; print(time.perf_counter() - begin)"
-    seconds = min(float(python(code, tmp_path).stdout) for _ in range(5))
-    assert seconds < 0.15
-
-
-@pytest.mark.benchmark
-def test_a_solver_called_from_python_keeps_to_one_thread(tmp_path, monkeypatch):
-    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        monkeypatch.delenv(variable, raising=False)
-    code = (
-        "import time, bem_solver, crosscontact as cc\n"
-        "scene, begin, spent = cc.builtin('cycle-v0.02'), time.perf_counter(), time.process_time()\n"
-        "bem_solver.solve(scene)\n"
-        "print((time.process_time() - spent) / (time.perf_counter() - begin))"
-    )
-    begin = time.perf_counter()
-    assert float(python(code, tmp_path).stdout) < 1.2
-    assert time.perf_counter() - begin < 60.0

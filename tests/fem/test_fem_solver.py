@@ -479,19 +479,3 @@ def test_separate_relaxation_runs_a_whole_cycle_on_any_domain():
     assert loop(traces[0]) == pytest.approx(loop(traces[1]), rel=1e-3)
     # glassier in shear than in bulk: not the cycle of a constant Poisson's ratio
     assert abs(wide / 4.300 - 1.0) > 1e-2
-
-
-@pytest.mark.benchmark
-@pytest.mark.parametrize(("divisions", "seconds"), [(10, 6.0), (2, 1.0)])
-def test_time_and_memory_of_set_up_and_cycle(divisions, seconds):
-    import resource
-    import time
-
-    best = np.inf
-    for _ in range(3):
-        began = time.process_time()
-        fresh = half_space(fit(0.0, 0.26, ZONE, divisions))
-        solve(cycle_scene(0.02), fresh)
-        best = min(best, time.process_time() - began)
-    assert best < seconds
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1_500_000

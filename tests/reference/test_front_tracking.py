@@ -1,7 +1,6 @@
 """Front tracking against the check values of the model, its own convergence, and energy."""
 
 import math
-import time
 from dataclasses import replace
 from functools import cache
 
@@ -452,21 +451,3 @@ def test_sweep_loses_most_at_one_over_the_relaxation_time() -> None:
     best = int(np.argmax(losses))
     assert frequency[best] == pytest.approx(1.0, abs=0.1)
     assert losses[best] == pytest.approx(3.17e-11, rel=5e-3)
-
-
-def _seconds(scene: Scene) -> float:
-    """Processor time on one core: independent of what else the machine is doing, as far as that goes."""
-    began = time.process_time()
-    solve(scene)
-    return time.process_time() - began
-
-
-@pytest.mark.benchmark
-@pytest.mark.parametrize("speed", [0.002, 0.02, 0.1])
-def test_a_cycle_takes_a_second(speed: float) -> None:
-    assert min(_seconds(cycle(speed)) for _ in range(3)) <= 1.0
-
-
-@pytest.mark.benchmark
-def test_a_hundred_cycles_take_twenty_seconds() -> None:
-    assert _seconds(_sweep(460.0)) <= 20.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -223,12 +222,3 @@ def test_loss_modulus_from_the_relaxation_modulus():
     t, dt = (middle + half * nodes).ravel(), (half * weights).ravel()
     loss = w * float(dt @ ((sample.relaxation_modulus(t) - sample.modulus) * np.cos(w * t)))
     assert float(sample.loss_modulus(w)) == pytest.approx(loss, rel=1e-10)
-
-
-@pytest.mark.benchmark
-@either
-def test_spectrum_of_sixty_branches_takes_milliseconds(creep_of):
-    sample = decades(60)
-    start = time.perf_counter()
-    assert len(creep_of(sample).times) == 60
-    assert time.perf_counter() - start < 0.02
