@@ -49,25 +49,8 @@ A_BOUND = "a bound `to`: the greatest penetration, or position of the stage, of 
 def bounded_approaches(
     loading: Loading, material: Material, indenter: Indenter, adhesion: Adhesion | None
 ) -> Loading:
-    """The loading with a bound in every approach that has none.
-
-    Parameters
-    ----------
-    loading : Loading
-    material : Material
-    indenter : Indenter
-    adhesion : Adhesion or None
-        With the zone it has at rest.
-
-    Returns
-    -------
-    Loading
-
-    Raises
-    ------
-    SceneError
-        Where no bound can be stated.
-    """
+    """The loading with a bound in every approach that has none; ``adhesion`` with its zone at rest. A
+    SceneError where no bound can be stated."""
     if not any(isinstance(step, Approach) for step in loading.steps):
         return loading
     steps: list[Step] = []

@@ -18,25 +18,8 @@ TOO_LARGE = 10_000_000
 
 
 def as_path(given: Any, key: str = "path", allowed: str = "the path of a file") -> Path:
-    """What names a file or a folder, as a path.
-
-    Parameters
-    ----------
-    given : Any
-    key : str
-        Name of the argument, for the error.
-    allowed : str
-        What it may be, in words.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    SceneError
-        If it is none; an empty one, which would be the current folder, too.
-    """
+    """What names a file or a folder, as a path; an empty name, which would be the current folder, is an
+    error."""
     of_class(given, key, (str, os.PathLike), allowed)
     if not os.fspath(given):
         raise SceneError(key, "is empty", allowed)
@@ -44,13 +27,7 @@ def as_path(given: Any, key: str = "path", allowed: str = "the path of a file") 
 
 
 def as_target(given: Any) -> Path:
-    """What names a regular file that is there or can be made, as a path.
-
-    Raises
-    ------
-    SceneError
-        If it is no path, that of a folder or a device, or in a folder that is not there or not to be written.
-    """
+    """What names a regular file that is there or can be made, as a path; anything else is an error."""
     target, problem = as_path(given, "path"), ""
     try:
         target.stat()
@@ -76,13 +53,7 @@ def _is_no_file(target: Path) -> bool:
 
 
 def read_text(file: Path, most: int = TOO_LARGE) -> str:
-    """The text of a regular UTF-8 file of at most ``most`` bytes, line ends as ``\\n``.
-
-    Raises
-    ------
-    SceneError
-        One line naming the file and the reason.
-    """
+    """The text of a regular UTF-8 file of at most ``most`` bytes, line ends as ``\\n``."""
     name = str(file)
     try:
         if file.exists() and not file.is_file():  # never wait on a pipe or read a device without end
@@ -137,15 +108,6 @@ def remove_partial(target: Path) -> None:
 
 
 def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second: Iterable[float]) -> None:
-    """Write two columns of numbers with all their digits, under a header.
-
-    Parameters
-    ----------
-    path : Path
-    names : sequence of str
-        Of the two columns.
-    first, second : iterable of float
-        Of the same length.
-    """
+    """Write two columns of numbers with all their digits, under a header."""
     rows = [",".join(names)] + [f"{a!r},{b!r}" for a, b in zip(first, second, strict=True)]
     write_whole(path, "\n".join(rows) + "\n")

@@ -85,19 +85,10 @@ class Loading(Checked):
     ) -> Iterator[tuple[Step, Segment]]:
         """The load steps with their control laws, as far as they are known before a run.
 
-        Parameters
-        ----------
-        state : callable(Step) -> (float, float), optional
-            Estimated penetration and force from which a load step starts, called when it is reached. Default:
-            what the loading prescribes; what is neither prescribed nor a level that ends a step is unknown,
-            nan, and so are the times that depend on it.
-        own_time : bool
-            Every load step begins at time 0 instead of at the end of the one before.
-
-        Yields
-        ------
-        step : Step
-        segment : Segment
+        ``state`` is asked for an estimated penetration and force from which a load step starts, when it is
+        reached. Without it they are what the loading prescribes; what is neither prescribed nor a level that
+        ends a step is unknown, nan, and so are the times that depend on it. With ``own_time`` every load step
+        begins at time 0 instead of at the end of the one before.
         """
         time, force = 0.0, math.nan
         known = self.compliance == 0.0 or self.start_control == "stage"

@@ -58,21 +58,11 @@ class Rows(Protocol):
 def machine_columns(columns: Rows, machine: Machine, events: Sequence[Event]) -> dict[str, Array]:
     """Columns that follow from the machine, and the external work as that of the stage.
 
-    Parameters
-    ----------
-    columns : mapping of str to ndarray (n,)
-        Columns of a trace; its external work that of the indenter, ``int F dD``, a straight line in force and
-        penetration where the edge moves at once.
-    machine : Machine
-    events : sequence of Event
-        Instabilities, each of which starts from a row or, at the time of a row, next to it.
-
-    Returns
-    -------
-    dict of str to ndarray (n,)
-        ``stage`` (D + F/k), ``machine_energy`` (F^2/(2 k)), ``instability_loss`` (lost so far in
-        instabilities, at constant stage and within no time; part of the dissipated energy) and
-        ``external_work``.
+    ``columns`` are those of a trace, its external work that of the indenter, ``int F dD``, a straight line in
+    force and penetration where the edge moves at once. Each of the ``events`` starts from a row or, at the
+    time of a row, next to it. Returned are ``stage`` (D + F/k), ``machine_energy`` (F^2/(2 k)),
+    ``instability_loss`` (lost so far in instabilities, at constant stage and within no time; part of the
+    dissipated energy) and ``external_work``.
     """
     force, compliance = columns["force"], machine.compliance
     energy = 0.5 * compliance * force**2

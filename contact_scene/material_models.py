@@ -81,13 +81,7 @@ class PowerLawRelaxation(Checked):
             raise SceneError("range", f"got {list(self.range)}", "two times, first < last")
 
     def series(self) -> tuple[float, tuple[Branch, ...]]:
-        """Relaxed modulus and branches, ascending in time.
-
-        Raises
-        ------
-        SceneError
-            If a modulus or a time comes out larger or smaller than a scene may hold.
-        """
+        """Relaxed modulus and branches, ascending in time."""
         n, first, last = self.exponent, *self.range
         spacing = spacing_of(n, 0.5 * self.error)
         log_fastest = math.log(first) - math.log(_fastest_rate(n, 0.25 * self.error))

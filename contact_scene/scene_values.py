@@ -18,13 +18,7 @@ _PART = re.compile(r"([A-Za-z_]\w*)((?:\[\d+\])*)")
 
 
 def value_at(scene: Scene, path: str) -> float:
-    """The number at a path.
-
-    Raises
-    ------
-    SceneError
-        If there is none.
-    """
+    """The number at a path."""
     at: Any = scene
     passed = ""
     for key in _keys(path):
@@ -36,13 +30,7 @@ def value_at(scene: Scene, path: str) -> float:
 
 
 def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with other numbers at some paths.
-
-    Raises
-    ------
-    SceneError
-        If a path names no number of the scene, or the scene does not take the value.
-    """
+    """The scene with other numbers at some paths."""
     tree: dict[str | int, Any] = {}
     for path, value in values.items():
         value_at(scene, path)

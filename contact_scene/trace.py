@@ -202,13 +202,7 @@ def write_trace(trace: Trace, path: str | os.PathLike[str]) -> None:
 
 
 def read_columns(path: str | os.PathLike[str]) -> dict[str, Array]:
-    """Read the columns of a ``trace.csv`` back.
-
-    Raises
-    ------
-    ValueError
-        If one of ``COLUMNS`` is missing, or a row is not one number per column.
-    """
+    """Read the columns of a ``trace.csv`` back; a ValueError if it is none."""
     with Path(path).open(newline="", encoding="utf-8") as stream:
         header, *rows = list(csv.reader(stream)) or [[]]
     missing = [name for name in COLUMNS if name not in header]

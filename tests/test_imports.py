@@ -61,7 +61,7 @@ DEFERRED = {
     ("contact_scene.load_steps", "scipy.interpolate"),
     ("contact_scene.indenter", "scipy.interpolate"),
     ("contact_scene.material_models", "scipy.special"),
-    ("contact_scene.series_design", "scipy.optimize"),
+    ("contact_scene.prony", "scipy.optimize"),
 }
 
 # Readers that carry out what a file says. Between live processes bytes are pickled, and none of them lie on a

@@ -14,20 +14,7 @@ _EQUAL_TENSION = 1e-9
 
 
 def budget_outcome(counters: Counters, max_steps: int, time: float) -> Outcome | None:
-    """The outcome of a run whose budget of trial steps is used up; ``None`` while there is some left.
-
-    Parameters
-    ----------
-    counters : Counters
-        Accepted and rejected steps count.
-    max_steps : int
-    time : float
-        Which the run has come to.
-
-    Returns
-    -------
-    Outcome or None
-    """
+    """The outcome of a run whose budget of trial steps is used up; ``None`` while there is some left."""
     if counters.steps + counters.rejected_steps < max_steps:
         return None
     return Outcome(OutcomeKind.STEP_BUDGET, f"{max_steps} steps were not enough", time)
@@ -36,18 +23,8 @@ def budget_outcome(counters: Counters, max_steps: int, time: float) -> Outcome |
 def below_zone_outcome(force: ArrayLike, time: float) -> Outcome:
     """The outcome of a run whose contact has shrunk to the length of its process zone, where the model ends.
 
-    Parameters
-    ----------
-    force : array_like, shape (n,)
-        Force of all rows, positive in compression.
-    time : float
-        Where the run ends.
-
-    Returns
-    -------
-    Outcome
-        ``past_extremum`` where the largest tension lies before the last row; that with which a run begins and
-        which only falls is no extremum.
+    ``past_extremum`` where the largest tension lies before the last row; that with which a run begins and
+    which only falls is no extremum.
     """
     tension = -np.asarray(force, float)
     rises = np.flatnonzero(np.diff(tension) > 0.0)
@@ -68,19 +45,7 @@ def outcome_of_loss(
 
         q = E(t) w + int_0^t [-E'(t - s)] (w - D(s)) ds > 0
 
-    with any relaxation modulus, and a load that bears is not lost.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        As the solver tells it.
-    is_adhesive : bool
-    penetration, contact_radius : array_like, shape (n,)
-        Of all rows; those after the loss have no radius.
-
-    Returns
-    -------
-    Outcome
+    with any relaxation modulus, and a load that bears is not lost. Rows after the loss have no radius.
     """
     depth, touching = np.asarray(penetration, float), np.flatnonzero(np.asarray(contact_radius, float) > 0.0)
     if is_adhesive or outcome.kind is not OutcomeKind.DETACHED or not touching.size:

@@ -31,15 +31,10 @@ def stops_within(segment: Segment, requested: Collection[float]) -> tuple[Stop, 
 
 @dataclass
 class LoadingCursor:
-    """Position of a run in its loading.
+    """Position of a run in its loading: ``step`` load steps are done.
 
-    Attributes
-    ----------
-    step : int
-        Load steps that are done.
-    trigger_side : float or None
-        Side of the level of its trigger, if any, on which the present load step is (see ``trigger.passed``);
-        ``None`` before it begins.
+    ``trigger_side`` is the side of the level of its trigger, if any, on which the present load step is (see
+    ``segment.passed``); ``None`` before it begins.
     """
 
     step: int = 0
@@ -53,17 +48,6 @@ class LoadingCursor:
         """Whether a state has reached the level that ends the present load step.
 
         The first state asked about is that from which the load step begins.
-
-        Parameters
-        ----------
-        segment : Segment
-            The present load step.
-        penetration, force, radius : float
-            Of the state.
-
-        Returns
-        -------
-        bool
         """
         if segment.trigger is None:
             return False
@@ -85,20 +69,6 @@ class LoadingCursor:
         self.step, self.trigger_side = self.step + 1, None
 
     def share(self, loading: Loading, segment: Segment, time: float) -> float:
-        """Share of the loading that is done.
-
-        Parameters
-        ----------
-        loading : Loading
-        segment : Segment
-            Of the present load step.
-        time : float
-            Within it.
-
-        Returns
-        -------
-        float
-            0 to 1.
-        """
+        """Share of the loading that is done, 0 to 1, at a time within the present load step."""
         length = segment.end - segment.start
         return (self.step + ((time - segment.start) / length if length > 0.0 else 1.0)) / len(loading.steps)

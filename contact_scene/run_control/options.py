@@ -12,25 +12,7 @@ MAX_STEPS = 200_000
 
 
 def whole_number(value: int, key: str, least: int) -> int:
-    """An option that counts something.
-
-    Parameters
-    ----------
-    value : int
-    key : str
-        Of the option, for the message.
-    least : int
-        Smallest number allowed.
-
-    Returns
-    -------
-    int
-
-    Raises
-    ------
-    SceneError
-        If it is not a whole number, or less than ``least``.
-    """
+    """An option that counts something, ``least`` or more."""
     allowed = f"a whole number >= {least}"
     number(value, key, allowed, low=least)
     if value != int(value):
@@ -39,21 +21,5 @@ def whole_number(value: int, key: str, least: int) -> int:
 
 
 def moments(times: Collection[float], key: str) -> tuple[float, ...]:
-    """An option of requested times.
-
-    Parameters
-    ----------
-    times : collection of float
-    key : str
-        Of the option, for the message.
-
-    Returns
-    -------
-    tuple of float
-
-    Raises
-    ------
-    SceneError
-        If one of them is not a finite number.
-    """
+    """An option of requested times."""
     return tuple(number(time, key, "finite times") for time in times)

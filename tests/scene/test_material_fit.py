@@ -12,8 +12,7 @@ from scipy.special import gamma
 
 from contact_scene import Branch, Material, SceneError
 from contact_scene.measured_moduli import DynamicData, RelaxationData
-from contact_scene.prony import PER_DECADE, fit_prony
-from contact_scene.series_design import MOST_ROWS, SeriesDesign
+from contact_scene.prony import MOST_ROWS, PER_DECADE, SeriesDesign, fit_prony
 
 TIMES = np.geomspace(1e-3, 1e3, 61)
 KNOWN = Material(1.0, 0.5, (Branch(5.0, 0.0123), Branch(2.0, 0.9), Branch(1.0, 33.0)))
