@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere, Sweep, Trace
 from validation.measure.observables import observe
-from validation.reference import Options, solve
+from validation.reference.tracking import Options, solve
 from validation.studies.extrapolation import fitted_slope
 
 WORK = math.pi * 1.6e-4

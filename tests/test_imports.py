@@ -52,17 +52,15 @@ ROOMS = {
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "vtkmodules", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
 HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats"}
 HEAVY |= {"tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
+# Packages that a function may import because a run that does not call it would load them for nothing: each
+# part of SciPy takes longer than a small scene; a bar is drawn on a terminal only; what is known about
+# installed packages is read by the parser of e-mail.
+LARGE = {"scipy", "rich", "importlib"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.cli", "crosscontact.commands"}
-# Single imports of that kind, each about as long as the rest of contact_scene: only scenes with a tabulated
-# indenter, a smooth loading table, a power-law material or measured moduli need them.
-DEFERRED = {
-    ("contact_scene.load_steps", "scipy.interpolate"),
-    ("contact_scene.indenter", "scipy.interpolate"),
-    ("contact_scene.material_models", "scipy.special"),
-    ("contact_scene.prony", "scipy.optimize"),
-}
+# A solver is loaded where it is looked up.
+LOADED_AT_FIRST_USE |= {"validation.solvers.registry"}
 
 # Readers that carry out what a file says. Between live processes bytes are pickled, and none of them lie on a
 # disk.
@@ -117,8 +115,7 @@ def deferred_without_need(graph: ImportGraph) -> list[str]:
         for one in graph.imports
         if one.deferred
         and one.importer not in LOADED_AT_FIRST_USE
-        and (one.importer, one.module) not in DEFERRED
-        and one.module.split(".")[0] not in HEAVY
+        and one.module.split(".")[0] not in HEAVY | LARGE
         and one.module not in loading
     ]
 
@@ -157,8 +154,6 @@ def test_imports_inside_validation_run_upwards():
 
 def test_every_layer_and_every_deferred_import_exists():
     assert {room(module) for module in project().modules} - {""} == set(ROOMS)
-    seen = {(one.importer, one.module) for one in project().imports}
-    assert seen >= DEFERRED
     assert project().modules >= LOADED_AT_FIRST_USE
 
 

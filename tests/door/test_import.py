@@ -14,6 +14,7 @@ import crosscontact as cc
 from crosscontact.shadowing import PACKAGES
 
 ROOT = Path(__file__).parents[2]
+EVIDENCE = ("claims", "compare", "exam", "fields", "fits", "stability", "studies", "sweeps")
 HEAVY = ("numpy", "scipy", "skfem", "gmsh", "pyvista", "matplotlib", "pandas", "xarray", "meshio")
 
 
@@ -42,6 +43,18 @@ def test_solving_draws_and_tabulates_only_when_asked_and_other_files_of_a_user_h
         (tmp_path / f"{name}.py").write_text("raise SystemExit('imported')")
     statement = "import crosscontact as cc; cc.Scene; cc.solve('relaxed-equilibrium').measures"
     assert not loaded_by(statement, tmp_path) & {"skfem", "gmsh", "pyvista", "matplotlib", "pandas", "xarray"}
+
+
+def test_a_run_loads_its_solver_and_nothing_that_it_does_not_call(tmp_path):
+    statement = "from crosscontact.cli import main; assert main(['solve', 'elastic-relaxed']) == 0"
+    code = f"import sys\n{statement}\nprint('loaded', *sys.modules)"
+    ended = python(code, tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    loaded = set(ended.stdout.partition("loaded ")[2].split())
+    unused = {"scipy", "rich", "pebble", "multiprocessing", "asyncio", "email", "bem_solver", "fem_solver"}
+    unused |= {"meshes", *(f"validation.{one}" for one in EVIDENCE), *HEAVY} - {"numpy"}
+    assert "validation.reference.tracking.solver" in loaded
+    assert sorted(loaded & unused) == []
 
 
 def test_every_name_is_there():

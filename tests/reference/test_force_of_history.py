@@ -19,9 +19,10 @@ from contact_scene import (
     Sphere,
     Trace,
 )
-from validation.reference import Options, lee_radok, prony_integrals, sneddon, solve
+from validation.reference import lee_radok, prony_integrals, sneddon
 from validation.reference.force_of_history import force_of_history
 from validation.reference.ting import Ting
+from validation.reference.tracking import Options, solve
 
 CLOSE = Material(0.75, 0.5, (Branch(3.0, 1.0), Branch(3.75, 1.05)))
 

@@ -32,9 +32,8 @@ from validation.measure.error_estimate import from_own
 from validation.measure.observables import Observables, observe
 from validation.measure.scalars import measure
 from validation.measure.scaling import scale
-from validation.reference import Options, solve
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.tracking import problem
+from validation.reference.tracking import Options, problem, solve
 from validation.reference.tracking.energy import branch_power
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.recorder import Recorder

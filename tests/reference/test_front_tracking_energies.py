@@ -10,8 +10,7 @@ import pytest
 from contact_scene import Adhesion, Branch, Loading, Material, Oscillate, PowerLaw, Scene, Trace
 from validation.cases import load
 from validation.measure.observables import observe
-from validation.reference import Options, solve
-from validation.reference.tracking import hermite
+from validation.reference.tracking import Options, hermite, solve
 from validation.reference.tracking.row_integrals import integrals
 
 PERIODS, FREQUENCY = 2.8, 60.0

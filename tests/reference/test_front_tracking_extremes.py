@@ -34,10 +34,11 @@ from contact_scene import (
 )
 from contact_scene.errors import SceneError
 from validation.cases import load
-from validation.reference import Options, prony_integrals, sneddon, solve
+from validation.reference import prony_integrals, sneddon
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.force_of_history import force_of_history
 from validation.reference.ting import Ting
+from validation.reference.tracking import Options, solve
 
 COARSE = Options(resolution=4)
 

@@ -27,10 +27,10 @@ from contact_scene import (
     Table,
     TabulatedProfile,
 )
-from validation.reference import Options, sneddon, solve
+from validation.reference import sneddon
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-from validation.reference.tracking import load_jump
+from validation.reference.tracking import Options, load_jump, solve
 from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.root import rising_root
 from validation.reference.tracking.step_outcome import StepOutcome

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from support.paper_scenes import ZONE, cycle
 
 from validation.measure.observables import observe
-from validation.reference import Options, solve
+from validation.reference.tracking import Options, solve
 from validation.reference.tracking.edge_path import PathOverRadius, path_over_radius
 from validation.reference.tracking.limit_point_search import LimitPointSearch, expected_limit_point
 from validation.reference.tracking.node_placement import NodePlacement

@@ -34,9 +34,9 @@ from contact_scene import (
     UnsupportedScene,
 )
 from validation.measure.observables import observe
-from validation.reference import Options, solve
 from validation.reference.creep_compliance import creep_compliance
 from validation.reference.ting import Ting
+from validation.reference.tracking import Options, solve
 
 PUNCH = FlatPunch(0.2)
 COARSE = Options(resolution=4)

@@ -33,10 +33,10 @@ from contact_scene import (
 )
 from validation.cases import load
 from validation.measure.observables import observe
-from validation.reference import Options, solve, steady_crack
+from validation.reference import steady_crack
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
-from validation.reference.tracking import edge_path, problem, surface_step
+from validation.reference.tracking import Options, edge_path, problem, solve, surface_step
 
 SLOW = pytest.mark.slow
 DEFAULT_ERROR = 1e-5

@@ -7,8 +7,8 @@ from support.paper_scenes import ELASTIC, ONE, WORK
 from contact_scene import Adhesion, Loading, OutcomeKind, Ramp, Scene, Sphere, Table, Trace
 from contact_scene.material import Material
 from contact_scene.segment import Step
-from validation.reference import Options, solve
 from validation.reference.finite_zone import FiniteZone
+from validation.reference.tracking import Options, solve
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.closure import EdgeFields, closure_integral
 

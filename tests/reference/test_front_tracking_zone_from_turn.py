@@ -11,7 +11,7 @@ from numpy.polynomial import Polynomial
 from support.paper_scenes import ZONE, cycle
 
 from contact_scene import Adhesion, Force, Hold, Loading, Oscillate, Ramp
-from validation.reference import Options, solve
+from validation.reference.tracking import Options, solve
 from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.edge_path import path_family
 from validation.reference.tracking.recorder import Recorder

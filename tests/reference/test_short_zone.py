@@ -17,12 +17,12 @@ from contact_scene import Scene, Trace
 from validation.cases import load
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import observe
-from validation.reference import Options, solve
 from validation.reference.jkr import JKR
 from validation.reference.prony_integrals import relaxation_integral
 from validation.reference.separate_bulk import equivalent_material
 from validation.reference.short_zone import ShortZone, ShortZoneRun
 from validation.reference.short_zone_dead_load import DeadLoad, dead_load
+from validation.reference.tracking import Options, solve
 
 SLOW = pytest.mark.slow
 SOURCE = "equation of motion of the edge of a short zone"

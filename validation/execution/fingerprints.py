@@ -8,7 +8,6 @@ import platform
 import sys
 from dataclasses import fields, is_dataclass
 from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +53,8 @@ def _compared(kind: type) -> tuple[str, ...]:
 @cache
 def version() -> str:
     """Hash of the sources that make the numbers, and of the packages they compute with."""
+    from importlib import metadata
+
     digest = hashlib.sha256()
     root = Path(__file__).parents[2]
     for package in OWN_PACKAGES:

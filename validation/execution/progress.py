@@ -6,18 +6,18 @@ a thread tells that it goes on, and for how long it has.
 
 from __future__ import annotations
 
+import os
 import sys
 import threading
 import time
 from contextlib import suppress
 from types import TracebackType
-from typing import TextIO
-
-from rich.console import Console
-from rich.progress import BarColumn, TaskProgressColumn, TextColumn
-from rich.progress import Progress as RichProgress
+from typing import TYPE_CHECKING, TextIO
 
 from contact_scene.errors import printable
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
 
 WIDTH = 30
 """Characters of a full bar."""
@@ -50,22 +50,12 @@ class Progress:
         # The bar steers a terminal itself, past what keeps other text from doing so.
         self._stream: TextIO = getattr(sys.stderr, "unfiltered", sys.stderr) if stream is None else stream
         self._label = printable(label)
-        console = Console(file=self._stream, highlight=False)
-        self._terminal = console.is_terminal and not console.is_dumb_terminal
+        self._bar = _bar(self._stream)
         self._shown = self._began = time.monotonic()
         self._tenth = 0
         self._fraction, self._detail = 0.0, ""
-        columns = (TextColumn("{task.description}", markup=False), BarColumn(WIDTH), TaskProgressColumn())
-        self._bar = RichProgress(
-            *columns,
-            TextColumn("{task.fields[text]}", markup=False),
-            console=console,
-            auto_refresh=False,
-            transient=True,
-            redirect_stdout=False,
-            redirect_stderr=False,
-        )
-        self._task = self._bar.add_task(label, total=1.0, text="")
+        if self._bar is not None:
+            self._bar.add_task(label, total=1.0, text="")
         self._phase = ""
         self._lock = threading.RLock()
         self._closed = threading.Event()
@@ -76,7 +66,8 @@ class Progress:
         with self._lock:
             self._phase, self._tenth, self._fraction, self._detail = name, 0, 0.0, ""
             self._began = self._shown = time.monotonic()
-            self._bar.update(self._task, description=self._name, completed=0.0, text="")
+            if self._bar is not None:
+                self._bar.update(self._bar.task_ids[0], description=self._name, completed=0.0, text="")
         if self._watch is None:
             self._watch = threading.Thread(target=self._keep_telling, daemon=True)
             self._watch.start()
@@ -88,9 +79,9 @@ class Progress:
                 detail = time_left(self._fraction, self._began) if self._phase else ""
             self._detail = detail
             now = time.monotonic()
-            if self._terminal:
+            if self._bar is not None:
                 if text or now - self._shown >= REDRAW:
-                    self._redraw(text or detail, now)
+                    self._redraw(self._bar, text or detail, now)
             elif text:
                 self._write(text, now)
             elif int(10 * self._fraction) > self._tenth and now - self._shown >= 1.0:
@@ -102,9 +93,9 @@ class Progress:
         with self._lock:
             now = time.monotonic()
             lasted = now - self._began
-            if self._terminal:
+            if self._bar is not None:
                 if now - self._shown >= 1.0:
-                    self._redraw(self._detail or f"{lasted:.0f} s", now)
+                    self._redraw(self._bar, self._detail or f"{lasted:.0f} s", now)
             elif now - self._shown >= max(SILENCE, SILENT_SHARE * lasted):
                 self._write(f"{self._state}, after {duration(lasted)}", now)
 
@@ -112,7 +103,7 @@ class Progress:
         """Remove the bar."""
         self._closed.set()
         with self._lock:
-            if self._terminal:
+            if self._bar is not None:
                 with suppress(*GONE):
                     self._bar.stop()
 
@@ -137,17 +128,37 @@ class Progress:
         while not self._closed.wait(1.0):
             self.tell()
 
-    def _redraw(self, text: str, now: float) -> None:
+    def _redraw(self, bar: Bar, text: str, now: float) -> None:
         self._shown = now
         with suppress(*GONE):
-            self._bar.start()
-            self._bar.update(self._task, completed=self._fraction, text=text[:TEXT], refresh=True)
+            bar.start()
+            bar.update(bar.task_ids[0], completed=self._fraction, text=text[:TEXT], refresh=True)
 
     def _write(self, text: str, now: float) -> None:
         self._shown = now
         with suppress(*GONE):
             self._stream.write(f"{self._name}: {text}\n")
             self._stream.flush()
+
+
+def _bar(stream: TextIO) -> Bar | None:
+    """A bar of one line, where a terminal can draw it again."""
+    if not stream.isatty() or os.environ.get("TERM", "").lower() in ("dumb", "unknown"):
+        return None
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(WIDTH),
+        TaskProgressColumn(),
+        TextColumn("{task.fields[text]}", markup=False),
+        console=Console(file=stream, highlight=False),
+        auto_refresh=False,
+        transient=True,
+        redirect_stdout=False,
+        redirect_stderr=False,
+    )
 
 
 class StepProgress:

@@ -16,7 +16,7 @@ from contact_scene import RunMonitor, SceneError, Trace
 from contact_scene.run_control.early_outcomes import outcome_of_loss
 from validation import solvers
 from validation.cases import Case
-from validation.execution.task_execution import one_line
+from validation.execution.tasks import one_line
 from validation.measure import error_estimate
 from validation.measure.cycles import cycle_times
 from validation.measure.falling_loss import fall_warnings

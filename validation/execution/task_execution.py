@@ -20,7 +20,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from validation.execution.processes import WorkerProcesses
-from validation.execution.tasks import Task, TaskEnding, TaskResult
+from validation.execution.tasks import Task, TaskEnding, TaskResult, one_line
 from validation.execution.told_shares import ShareTeller, ToldShares
 
 OUTSTANDING = 512
@@ -155,11 +155,6 @@ def execute(
     except Exception as error:
         value, failure, details, ending = None, one_line(error), traceback.format_exc(), TaskEnding.RAISED
     return value, failure, details, time.perf_counter() - began, False, ending
-
-
-def one_line(error: Exception) -> str:
-    """An exception in one line."""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}".rstrip(": ")
 
 
 def _collected(task: Task, future: Future[Any]) -> TaskResult:

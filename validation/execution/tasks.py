@@ -76,3 +76,8 @@ class TaskResult:
     seconds: float = 0.0
     stored: bool = False
     ending: TaskEnding = TaskEnding.ANSWERED
+
+
+def one_line(error: Exception) -> str:
+    """An exception in one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}".rstrip(": ")

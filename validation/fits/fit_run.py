@@ -9,7 +9,7 @@ import numpy as np
 
 from contact_scene import OutcomeKind, Scene, SceneError
 from validation import solvers
-from validation.execution.task_execution import one_line
+from validation.execution.tasks import one_line
 from validation.fits.measured_curve import Array
 from validation.measure.row_interpolation import RowCurve
 

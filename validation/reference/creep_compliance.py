@@ -30,7 +30,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg.lapack import dgejsv
 
 from contact_scene import Branch, Material
 
@@ -163,6 +162,8 @@ def _rank_one_update(poles: Array, strengths: Array) -> tuple[Array, Array, Arra
 
 def _eigenvalues(poles: Array, strengths: Array) -> Array:
     """Ascending eigenvalues: squared singular values of the factor, by preconditioned Jacobi rotations."""
+    from scipy.linalg.lapack import dgejsv
+
     unit = float(poles[-1])
     factor = np.vstack((np.diag(np.sqrt(poles / unit)), np.sqrt(strengths / unit)))
     values, _, _, scales, _, info = dgejsv(factor, joba=2, jobu=3, jobv=3, jobr=0, jobp=0)

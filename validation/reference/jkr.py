@@ -19,7 +19,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from contact_scene import Indenter, UnsupportedScene
 from validation.reference import sneddon
@@ -134,6 +133,8 @@ class JKR:
     @staticmethod
     def _largest(curve: Callable[[float], Array], target: float, low: float) -> float:
         """Root of ``curve(a) = target`` on the rising branch that starts at ``low``."""
+        from scipy.optimize import brentq
+
         least = float(curve(low))
         if target < least:
             raise NoEquilibrium(f"no equilibrium at {target:g}, the least possible is {least:g}")

@@ -18,8 +18,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from contact_scene import Adhesion, PowerRate
 
@@ -41,6 +39,8 @@ def opening_speed(adhesion: Adhesion, release_rate: float) -> float:
     low, high = math.log(rate.speeds[0]), math.log(rate.speeds[-1])
     if release_rate <= rate.works[0]:
         return rate.speeds[0] * (release_rate - adhesion.work) / (rate.works[0] - adhesion.work)
+    from scipy.optimize import brentq
+
     return math.exp(
         brentq(lambda x: adhesion.opening(math.exp(x)) - release_rate, low, high, xtol=1e-15, rtol=1e-15)
     )
@@ -71,6 +71,8 @@ class RatedEdge:
         -------
         float
         """
+
+        from scipy.optimize import brentq
 
         def lack(time: float) -> float:
             return self.release_rate(radius, penetration - rate * time) - self.adhesion.work
@@ -103,6 +105,8 @@ class RatedEdge:
         ndarray, shape (n,)
             NaN after the contact has shrunk to ``smallest``.
         """
+        from scipy.integrate import solve_ivp
+
         start = self.departure(radius, penetration, rate)
 
         def speed(time: float, state: Array) -> list[float]:

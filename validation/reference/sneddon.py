@@ -13,12 +13,11 @@ sphere ``x^2/R``, cone ``(pi/2) x cot(alpha)``. Signs: ``D``, ``F``, pressure po
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
-from scipy.special import gamma, hyp2f1
 
 from contact_scene import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 
@@ -39,7 +38,8 @@ def power_law(indenter: Indenter) -> tuple[float, float] | None:
 
 def shape_factor(exponent: float) -> float:
     """``k_n = (sqrt(pi)/2) n Gamma(n/2)/Gamma((n+1)/2)``."""
-    return float(0.5 * np.sqrt(np.pi) * exponent * gamma(0.5 * exponent) / gamma(0.5 * (exponent + 1.0)))
+    gammas = math.gamma(0.5 * exponent) / math.gamma(0.5 * (exponent + 1.0))
+    return 0.5 * math.sqrt(math.pi) * exponent * gammas
 
 
 def depth(indenter: Indenter, x: ArrayLike) -> Array:
@@ -90,6 +90,8 @@ def contact_radius(indenter: Indenter, penetration: float) -> float:
 
 def radius_at(rising: Callable[[float], float], target: float) -> float:
     """The radius at which a quantity that rises from 0 at the centre reaches ``target >= 0``."""
+    from scipy.optimize import brentq
+
     high = 1.0
     while rising(high) < target:
         high *= 2.0
@@ -183,6 +185,8 @@ def pressure(indenter: Indenter, r: ArrayLike, contact_radius: float, plane_modu
     ndarray
         Pressure, of the shape of ``r``.
     """
+    from scipy.special import hyp2f1
+
     law = power_law(indenter)
     if law is None:
         raise ValueError(f"no closed form for the pressure under a {indenter.shape}")

@@ -1,7 +1,6 @@
-"""The solvers by name, one object each; scikit-fem and gmsh are imported when the finite elements run."""
+"""The solvers by name, one object each, loaded where it is looked up."""
 
-from validation.solvers.base import Solver
-from validation.solvers.front_tracking import REFERENCE
+from validation.solvers.base import REFERENCE, Solver
 from validation.solvers.model_range import out_of_range, scene_warnings, trace_warnings
 from validation.solvers.peers import PEERS
 from validation.solvers.registry import SOLVERS, register, solver, solvers, unregister

@@ -16,6 +16,8 @@ from contact_scene.run_control.options import MAX_STEPS
 from validation.solvers.model_range import cycle_count, interval_count, out_of_range
 from validation.solvers.run_options import RunOptions
 
+REFERENCE = "reference"
+"""Name of the solver that the others are compared with."""
 SKIPPED_WORK: Mapping[str, str] = {
     "closure_evaluations": "no closure was evaluated",
     "history_updates": "no history was carried",

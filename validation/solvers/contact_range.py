@@ -7,11 +7,11 @@ hence the largest area) at the largest penetration, or under the largest force, 
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from contact_scene import ForceRamp, Indenter, Scene, SceneError, Step, Table, TabulatedProfile
 from validation.reference import sneddon
@@ -20,6 +20,10 @@ SPARE = 1.02
 """Factor on the largest contact radius of a sharp edge, which a finite process zone exceeds by less."""
 DECADES = np.geomspace(1e-62, 1e62, 4961)
 """Radii between which the largest contact radius is searched, in any unit of length."""
+SEARCHED = 33
+"""Radii that an interval is divided by, as often as it takes: eight times from ``DECADES`` on."""
+RADIUS_TOLERANCE = 1e-13
+"""Error of a contact radius, relative: of the order of the rounding of the loads it is told by."""
 LARGEST_FLOAT = float(np.finfo(float).max)
 TABLE_RANGE = 1e-9, 1e6
 """The same for a tabulated profile, whose transform takes long, relative to its last radius."""
@@ -36,6 +40,16 @@ def _searched(indenter: Indenter) -> NDArray[np.float64]:
         return DECADES
     least, most = TABLE_RANGE[0] * indenter.radii[-1], TABLE_RANGE[1] * indenter.radii[-1]
     return DECADES[(least < DECADES) & (most > DECADES)]
+
+
+def _outermost(spare: Callable[[ArrayLike], NDArray[np.float64]], inner: float, outer: float) -> float:
+    """The outermost radius between two, of which the inner has some to spare and the outer none."""
+    while outer - inner > RADIUS_TOLERANCE * outer:
+        radii = np.geomspace(inner, outer, SEARCHED)
+        held = np.flatnonzero(spare(radii[1:-1]) > 0.0)
+        last = int(held[-1]) + 1 if held.size else 0
+        inner, outer = radii[last : last + 2]
+    return float(outer)
 
 
 @lru_cache(maxsize=64)
@@ -69,8 +83,7 @@ def largest_contact_radius(scene: Scene) -> float:
         if held.size and held[-1] + 1 == radii.size:
             return SPARE * float(radii[-1])
         if held.size:
-            ends = radii[held[-1]], radii[held[-1] + 1]
-            return SPARE * float(brentq(spare_load, *ends, (reach,), xtol=1e-300, rtol=1e-13))
+            return SPARE * _outermost(partial(spare_load, reach=reach), *radii[held[-1] : held[-1] + 2])
     raise SceneError("loading", "never brings a contact about", "a penetration or force that touches")
 
 
@@ -102,8 +115,7 @@ def start_radius(scene: Scene) -> float:
     below = np.flatnonzero(excess(radii) <= 0.0)
     if below.size == 0 or below[-1] + 1 == radii.size:
         return 0.0
-    ends = radii[below[-1]], radii[below[-1] + 1]
-    return float(brentq(excess, *ends, xtol=1e-300, rtol=1e-13))
+    return _outermost(lambda radius: -excess(radius), *radii[below[-1] : below[-1] + 2])
 
 
 def _largest_load(scene: Scene) -> tuple[float, float, float]:

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from contact_scene import Scene, Trace, UnsupportedScene
-from validation.reference import Options, refusal, solve
+from validation.reference.tracking import Options, refusal, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
-from validation.solvers.base import Solver
+from validation.solvers.base import REFERENCE, Solver
 from validation.solvers.run_options import RunOptions
-
-REFERENCE = "reference"
 
 
 @dataclass(frozen=True)

@@ -2,39 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, MutableMapping
-from importlib.metadata import EntryPoint
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from typing import TYPE_CHECKING
 
-from validation.solvers import plugins
-from validation.solvers.base import Solver
-from validation.solvers.boundary_elements import BoundaryElements
-from validation.solvers.finite_elements import FiniteElements
-from validation.solvers.front_tracking import FrontTracking
+from validation.solvers.base import REFERENCE, Solver
 from validation.solvers.peers import PEERS
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
 
 class SolverRegistry(MutableMapping[str, Solver]):
     """Solvers by name.
 
-    Those of other packages are listed with the built-in ones and loaded where they are looked up. Peers are
-    found by name and not listed: they run where somebody asks for them.
+    A solver is loaded where it is looked up. Those of other packages are listed with the built-in ones. Peers
+    are found by name and not listed: they run where somebody asks for them.
     """
 
-    def __init__(self, *built_in: Solver) -> None:
-        self._solvers = {method.name: method for method in built_in}
+    def __init__(self, built_in: Mapping[str, Callable[[], Solver]]) -> None:
+        self._built_in = dict(built_in)
+        self._solvers: dict[str, Solver] = {}
         self._found: dict[str, EntryPoint] | None = None
 
     @property
     def _plugins(self) -> dict[str, EntryPoint]:
         """Entry points that are not loaded; a name that is taken counts as built-in."""
         if self._found is None:
-            taken = {*self._solvers, *PEERS}
+            from validation.solvers import plugins
+
+            taken = {*self._built_in, *self._solvers, *PEERS}
             self._found = {name: one for name, one in plugins.discovered().items() if name not in taken}
         return self._found
 
     def __getitem__(self, name: str) -> Solver:
         method = self._solvers.get(name) or PEERS.get(name)
-        if method is None:
+        if method is None and name in self._built_in:
+            method = self._solvers[name] = self._built_in[name]()
+        elif method is None:
+            from validation.solvers import plugins
+
             method = self._solvers[name] = plugins.load(self._plugins[name])
         return method
 
@@ -42,16 +48,17 @@ class SolverRegistry(MutableMapping[str, Solver]):
         self._solvers[name] = method
 
     def __delitem__(self, name: str) -> None:
-        del self._solvers[name]
+        if self._built_in.pop(name, None) is None or name in self._solvers:
+            del self._solvers[name]
 
     def __contains__(self, name: object) -> bool:
-        return name in self._solvers or name in PEERS or name in self._plugins
+        return name in self._built_in or name in self._solvers or name in PEERS or name in self._plugins
 
     def __iter__(self) -> Iterator[str]:
-        return iter(dict.fromkeys((*self._solvers, *self._plugins)))
+        return iter(dict.fromkeys((*self._built_in, *self._solvers, *self._plugins)))
 
     def __len__(self) -> int:
-        return len({*self._solvers, *self._plugins})
+        return len(tuple(iter(self)))
 
     def load_all(self) -> list[str]:
         """Load the solvers of other packages; those that cannot be are no longer listed.
@@ -61,6 +68,8 @@ class SolverRegistry(MutableMapping[str, Solver]):
         list of str
             A line for each of these.
         """
+        from validation.solvers import plugins
+
         told = []
         for name in list(self._plugins):
             try:
@@ -74,10 +83,32 @@ class SolverRegistry(MutableMapping[str, Solver]):
         """Version of a solver that is no part of this program; else empty."""
         if name in PEERS:
             return PEERS[name].version
-        return plugins.version(self._plugins[name]) if name in self._plugins else ""
+        if name not in self._plugins:
+            return ""
+        from validation.solvers import plugins
+
+        return plugins.version(self._plugins[name])
 
 
-SOLVERS = SolverRegistry(BoundaryElements(), FiniteElements(), FrontTracking())
+def _bem() -> Solver:
+    from validation.solvers.boundary_elements import BoundaryElements
+
+    return BoundaryElements()
+
+
+def _fem() -> Solver:
+    from validation.solvers.finite_elements import FiniteElements
+
+    return FiniteElements()
+
+
+def _reference() -> Solver:
+    from validation.solvers.front_tracking import FrontTracking
+
+    return FrontTracking()
+
+
+SOLVERS = SolverRegistry({"bem": _bem, "fem": _fem, REFERENCE: _reference})
 
 
 def register(method: Solver) -> None:

@@ -17,8 +17,7 @@ from validation.execution.processes import processes
 from validation.execution.progress import Progress
 from validation.execution.run_tasks import run_tasks
 from validation.execution.store import Store
-from validation.execution.task_execution import one_line
-from validation.execution.tasks import Task, TaskResult
+from validation.execution.tasks import Task, TaskResult, one_line
 from validation.solvers import REFERENCE
 from validation.studies.convergence import (
     REPEATS,

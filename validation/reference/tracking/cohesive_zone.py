@@ -14,7 +14,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from validation.reference.tracking import hermite
 from validation.reference.tracking.abel import Transform
@@ -49,6 +48,8 @@ def zone_at(edge: EdgeFields, stress: float, relaxed: float, transform: Transfor
     float
         Between ``least`` and the contact radius.
     """
+    from scipy.optimize import brentq
+
     radius = float(edge.inside[-1])
     slopes = hermite.slopes(edge.inside, edge.memory)
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from contact_scene import Scene, TabulatedProfile
 from contact_scene.errors import SceneError
@@ -132,6 +131,8 @@ def _outermost(residual: Callable[[float], float], lowest: float, highest: float
     for radius in radii[1:]:
         value = residual(radius)
         if 0.0 < at_above < min(value, at_before):
+            from scipy.optimize import minimize_scalar
+
             nearby = (radius, before)
             dip = minimize_scalar(residual, bounds=nearby, method="bounded", options={"xatol": 1e-8 * radius})
             if dip.fun <= 0.0:

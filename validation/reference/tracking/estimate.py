@@ -19,7 +19,6 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
@@ -88,6 +87,8 @@ def _work_apart(fine: Columns, coarse: Columns) -> float:
 
 def _curve_distance(fine: Columns, coarse: Columns, name: str) -> float:
     """Largest distance of a row of the finer run from the polygon of the other, over nearby sides."""
+    from scipy.spatial import KDTree
+
     scale, span = float(np.abs(fine[name]).max()) or 1.0, float(np.ptp(fine["time"])) or 1.0
     time, value = fine["time"] / span, fine[name] / scale
     corner_time, corner = coarse["time"] / span, coarse[name] / scale

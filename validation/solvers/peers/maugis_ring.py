@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
 
 from contact_scene import Scene, Trace
 from validation.solvers.peers.elastic_retraction import ElasticRetraction, radii, retraction, stated
@@ -29,6 +28,8 @@ class MaugisRing(ElasticRetraction):
         return 5
 
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
+        from scipy.optimize import brentq
+
         sphere, modulus, work = stated(scene)
         equilibrium = self.formulas().load_and_displacement
         unit = (np.pi * work * (4.0 * modulus / 3.0) ** 2 / sphere) ** (1.0 / 3.0)

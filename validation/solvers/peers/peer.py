@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import metadata
 from importlib.util import find_spec
 from typing import Any, ClassVar
 
@@ -39,6 +38,8 @@ class Peer(Solver):
     @property
     def version(self) -> str:
         """Version of the package; empty where it is not installed."""
+        from importlib import metadata
+
         try:
             return metadata.version(self.distribution)
         except metadata.PackageNotFoundError:
