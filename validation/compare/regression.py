@@ -30,6 +30,7 @@ from validation.cases import Case
 from validation.compare.premises import changes
 from validation.execution.files import from_json
 from validation.measure.check import Check
+from validation.measure.difference import relative
 from validation.measure.scaling import Magnitudes
 
 ROUND_OFF = 1e-10
@@ -216,8 +217,7 @@ def _observables(case: Case, solver: str, old: Run, new: Run) -> Iterator[Move]:
         if not (_is_number(first) and _is_number(second)):
             yield Move(case.name, solver, name, first, second, None, tolerance, beyond=second is None)
             continue
-        scale = largest.scale(name, first)
-        change = (second - first) / scale if scale > 0.0 else math.copysign(math.inf, second - first)
+        change = relative(second - first, largest.scale(name, first))
         if first != second and abs(change) > ROUND_OFF:
             beyond = tolerance is not None and abs(change) > tolerance
             yield Move(case.name, solver, name, first, second, change, tolerance, beyond)

@@ -75,10 +75,11 @@ BALANCE, OUTCOME, COVERED = "energy balance", "outcome", "time covered"
 
 @dataclass(frozen=True)
 class Grade:
-    """All differences of an answer, the decade they reach, and what is told of its columns."""
+    """An answer, its differences, the decade they reach, and remarks on its columns; none if unreadable."""
 
-    differences: tuple[Difference, ...]
-    decade: int
+    answer: Answer
+    differences: tuple[Difference, ...] = ()
+    decade: int = 0
     remarks: tuple[str, ...] = ()
 
     @property
@@ -114,7 +115,7 @@ def grade(answer: Answer, scene: Scene, base: Run) -> Grade:
     left = balance_error(given, in_contact(trace), scene)
     if left is not None:
         found.append(Difference(BALANCE, left))
-    return Grade(tuple(found), decade(found, base), tuple(one.note for one in curves if one.note))
+    return Grade(answer, tuple(found), decade(found, base), tuple(one.note for one in curves if one.note))
 
 
 def counted(one: Difference) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -9,7 +10,6 @@ from enum import StrEnum
 
 from contact_scene import Scene
 from validation.cases import Case
-from validation.exam.answer import Answer
 from validation.exam.answer_folder import AnswerFolder
 from validation.exam.grading import COARSEST, Grade, counted, grade
 from validation.exam.griffith_limit import GriffithTrack, tracks
@@ -36,25 +36,6 @@ class VerdictKind(StrEnum):
 
 
 @dataclass(frozen=True)
-class GradedAnswer:
-    """An answer and its grade; ``None`` where it cannot be read."""
-
-    answer: Answer
-    grade: Grade | None
-
-    @property
-    def decade(self) -> int:
-        """Decade of accuracy reached; 0 if none."""
-        return 0 if self.grade is None else self.grade.decade
-
-    @property
-    def error(self) -> float:
-        """What the worst difference counts; infinite where there is no grade."""
-        worst = None if self.grade is None else self.grade.worst
-        return float("inf") if self.grade is None else 0.0 if worst is None else counted(worst)
-
-
-@dataclass(frozen=True)
 class CodeOnScene:
     """A code on a scene: its answers, the best one last, and the verdict on them.
 
@@ -64,12 +45,12 @@ class CodeOnScene:
     code: str
     scene: str
     kind: VerdictKind
-    answers: tuple[GradedAnswer, ...] = ()
+    answers: tuple[Grade, ...] = ()
     reason: str = ""
     track: GriffithTrack | None = None
 
     @property
-    def best(self) -> GradedAnswer | None:
+    def best(self) -> Grade | None:
         """The most accurate answer."""
         return self.answers[-1] if self.answers else None
 
@@ -160,7 +141,7 @@ def reference_resolution(scene: Scene) -> int:
 
 def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> CodeOnScene:
     graded = [
-        GradedAnswer(one, None if one.problem or base is None else grade(one, case.scene, base))
+        Grade(one) if one.problem or base is None else grade(one, case.scene, base)
         for one in folder.answers
         if one.header.code == code and one.header.scene == case.name
     ]
@@ -168,7 +149,7 @@ def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> C
     if not graded:
         reason = folder.declined.get((code, case.name))
         return bare if reason is None else replace(bare, kind=VerdictKind.DECLINED, reason=reason)
-    graded.sort(key=lambda one: (one.decade, -one.error))
+    graded.sort(key=_accuracy)
     track = tracks([one.answer for one in graded], case)
     whole = replace(bare, answers=tuple(graded), track=track)
     if graded[-1].decade >= COARSEST:
@@ -179,13 +160,16 @@ def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> C
     return replace(whole, kind=VerdictKind.FAILED, reason="; ".join(why))
 
 
-def _why(best: GradedAnswer) -> list[str]:
+def _accuracy(one: Grade) -> tuple[int, float]:
+    error = math.inf if one.answer.problem else 0.0
+    return one.decade, -error if one.worst is None else -counted(one.worst)
+
+
+def _why(best: Grade) -> list[str]:
     """Why the best answer does not pass: what is told of its columns, and its worst difference."""
-    if best.grade is None:
-        return [best.answer.problem]
-    worst, told = best.grade.worst, list(best.grade.remarks)
+    worst, told = best.worst, list(best.remarks)
     if worst is None:
-        return ["the answer has no column that can be compared"]
-    size = f": off by {abs(worst.error):.2g}" if abs(worst.error) < float("inf") else ""
+        return [best.answer.problem or "the answer has no column that can be compared"]
+    size = f": off by {abs(worst.error):.2g}" if math.isfinite(worst.error) else ""
     note = f" ({worst.note})" if worst.note and worst.note not in told else ""
     return [*told, f"{worst.quantity}{size}{note}"]

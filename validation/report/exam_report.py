@@ -12,8 +12,8 @@ import numpy as np
 from validation.drawing import export
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
-from validation.exam.grading import BALANCE, counted
-from validation.exam.judge import CodeOnScene, GradedAnswer, Judgement, SceneJudgement
+from validation.exam.grading import BALANCE, Grade, counted
+from validation.exam.judge import CodeOnScene, Judgement, SceneJudgement
 from validation.exam.tags import tags
 from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
@@ -115,35 +115,28 @@ def _anchor(scene: SceneJudgement) -> str:
     return f"exam-scene-{valid_id(scene.case.name)}"
 
 
-def _titled(graded: GradedAnswer) -> str:
-    header = graded.answer.header
+def _titled(grade: Grade) -> str:
+    header = grade.answer.header
     return f"All differences: {header.code}{f', resolution {header.resolution}' if header.resolution else ''}"
 
 
-def _row(graded: GradedAnswer) -> Record:
-    header, grade = graded.answer.header, graded.grade
-    worst = None if grade is None else grade.worst
-    reached = VerdictCell(f"1e-{graded.decade}" if graded.decade else "none", None)
-
-    def error(quantity: str) -> str:
-        return formatted(None if grade is None else grade.error(quantity), ".1e")
-
+def _row(grade: Grade) -> Record:
+    header, worst = grade.answer.header, grade.worst
+    reached = VerdictCell(f"1e-{grade.decade}" if grade.decade else "none", None)
+    errors = {"F(t)": "force, curve", "a(t)": "contact_radius, curve", "energy balance": BALANCE}
     return {
         "code": header.label,
         "resolution": header.resolution or ABSENT,
         "seconds": formatted(header.seconds, ".3g"),
-        "F(t)": error("force, curve"),
-        "a(t)": error("contact_radius, curve"),
-        "energy balance": error(BALANCE),
+        **{title: formatted(grade.error(quantity), ".1e") for title, quantity in errors.items()},
         "worst": ABSENT if worst is None else f"{plain(worst.quantity)}: {abs(worst.error):.1e}",
-        "decade": VerdictCell("cannot be read", False) if grade is None else reached,
-        "told": "; ".join(grade.remarks) if grade is not None and grade.remarks else ABSENT,
+        "decade": VerdictCell("cannot be read", False) if grade.answer.problem else reached,
+        "told": "; ".join(grade.remarks) or ABSENT,
         "author": header.author or ABSENT,
     }
 
 
-def _differences(graded: GradedAnswer) -> DataTable:
-    found = () if graded.grade is None else graded.grade.differences
+def _differences(grade: Grade) -> DataTable:
     return DataTable.of(
         {
             "quantity": plain(one.quantity),
@@ -152,7 +145,7 @@ def _differences(graded: GradedAnswer) -> DataTable:
             "counts as": f"{counted(one):.1e}",
             "note": one.note or ABSENT,
         }
-        for one in sorted(found, key=lambda one: -counted(one))
+        for one in sorted(grade.differences, key=lambda one: -counted(one))
     )
 
 
@@ -195,12 +188,8 @@ def _drawn(scene: SceneJudgement) -> Drawing | None:
 
 def _points(one: CodeOnScene, quantity: str) -> list[tuple[float, float, bool]]:
     """Seconds, error and whether it passed, of every answer that states its run time, fastest first."""
-    found = []
-    for answer, grade in ((graded.answer, graded.grade) for graded in one.answers):
-        error, seconds = None if grade is None else grade.error(quantity), answer.header.seconds
-        if grade is not None and error is not None and seconds is not None and LEAST < error < float("inf"):
-            found.append((seconds, error, grade.passed))
-    return sorted(found)
+    found = ((grade.answer.header.seconds, grade.error(quantity), grade.passed) for grade in one.answers)
+    return sorted((x, y, good) for x, y, good in found if x and y and LEAST < y < float("inf"))
 
 
 def data(judgement: Judgement) -> dict[str, Any]:
@@ -222,29 +211,23 @@ def data(judgement: Judgement) -> dict[str, Any]:
 
 def _verdict(one: CodeOnScene) -> dict[str, Any]:
     return {
-        "code": one.code,
-        "verdict": one.verdict,
-        "kind": str(one.kind),
-        "passed": one.passed,
-        "reason": one.reason,
+        **{name: getattr(one, name) for name in ("code", "verdict", "kind", "passed", "reason")},
         "griffith_limit": None if one.track is None else asdict(one.track),
-        "answers": [_answer(graded) for graded in one.answers],
+        "answers": [_answer(grade) for grade in one.answers],
     }
 
 
-def _answer(graded: GradedAnswer) -> dict[str, Any]:
-    grade = graded.grade
-    stated = {name: value for name, value in vars(graded.answer.header).items() if name != "problem"}
-    found = [
-        {"quantity": one.quantity, "error": one.error, "known_to": one.known_to or 0.0, "note": one.note}
-        for one in (() if grade is None else grade.differences)
-    ]
+def _answer(grade: Grade) -> dict[str, Any]:
+    stated = {name: value for name, value in vars(grade.answer.header).items() if name != "problem"}
     return stated | {
-        "file": graded.answer.file,
-        "decade": graded.decade,
-        "unreadable": graded.answer.problem or None,
-        "told": [] if grade is None else list(grade.remarks),
-        "differences": found,
+        "file": grade.answer.file,
+        "decade": grade.decade,
+        "unreadable": grade.answer.problem or None,
+        "told": grade.remarks,
+        "differences": [
+            {"quantity": one.quantity, "error": one.error, "known_to": one.known_to or 0.0, "note": one.note}
+            for one in grade.differences
+        ],
     }
 
 

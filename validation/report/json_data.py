@@ -197,5 +197,5 @@ def _assumption(one: CompressibilityComparison, label: str, run: Run) -> Data:
         "cpu_seconds": run.cpu_seconds,
         "observables": {name: run.measures.get(name) for name in OBSERVED},
         "error_estimates": {name: run.errors.get(name) for name in names},
-        "differences": {name: None if d is None else d.value for name, d in differences.items()},
+        "differences": {name: None if d is None else d.error for name, d in differences.items()},
     }

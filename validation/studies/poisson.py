@@ -24,8 +24,8 @@ from validation.execution.runs import Run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
 from validation.execution.task_progress import TellProgress
-from validation.measure.norms import CURVES, distance
-from validation.measure.scaling import scale
+from validation.measure.difference import Difference, of_curves, of_numbers
+from validation.measure.norms import CURVES
 from validation.solvers import REFERENCE
 from validation.solvers.finite_elements import FiniteElements
 from validation.studies import poisson_material as materials
@@ -40,20 +40,6 @@ ASSUMPTIONS = {
     "tension": materials.tension,
     "incompressible": materials.incompressible,
 }
-
-
-@dataclass(frozen=True)
-class RunDifference:
-    """Relative difference of one run from the reference on the surface modulus; error estimates of both."""
-
-    value: float
-    estimate: float | None = None
-    base_estimate: float | None = None
-
-    @property
-    def explained(self) -> bool:
-        """Whether the error estimates account for it."""
-        return abs(self.value) <= (self.estimate or 0.0) + (self.base_estimate or 0.0)
 
 
 @dataclass(frozen=True)
@@ -80,26 +66,18 @@ class CompressibilityComparison:
         """Whether every run reached its end."""
         return all(result.finished for result in self.runs.values())
 
-    def difference(self, name: str, observable: str) -> RunDifference | None:
+    def difference(self, name: str, observable: str) -> Difference | None:
         """Of a run by name, in an observable or (root mean square over time) a column of the trace."""
         result, base = self.runs[name], self.runs[SURFACE]
-        if result.curves is None or base.curves is None:
-            return None
-        estimates = result.errors.get(observable), base.errors.get(observable)
-        if observable in CURVES:
-            apart = distance(result.curves, base.curves, observable)
-            return None if apart is None else RunDifference(apart.rms, *estimates)
-        value, expected = result.measures.get(observable), base.measures.get(observable)
-        if value is None or expected is None:
-            return None
-        relative_to = scale(observable, expected, base.curves)
-        return RunDifference((value - expected) / relative_to if relative_to > 0.0 else 0.0, *estimates)
+        found = (*of_curves(result, base), *of_numbers(result, base, OBSERVED))
+        return next((one for one in found if one.quantity == observable and not one.missing), None)
 
     @property
     def disagreements(self) -> list[str]:
         """Observables in which the full path is not where the surface modulus says, beyond the estimates."""
-        differences = {name: self.difference(FULL, name) for name in (*OBSERVED, *CURVES)}
-        return [name for name, one in differences.items() if one is not None and not one.explained]
+        differences = (self.difference(FULL, name) for name in (*OBSERVED, *CURVES))
+        known = [(one, (one.own or 0.0) + (one.known_to or 0.0)) for one in differences if one is not None]
+        return [one.quantity for one, estimates in known if abs(one.error) > estimates]
 
 
 def ratio_runs(case: Case, ratio: float) -> dict[str, tuple[Case, str]]:

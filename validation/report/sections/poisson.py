@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from validation.measure.difference import Difference
 from validation.measure.norms import CURVES
 from validation.report.document import ABSENT, DataTable, Paragraph, Section, formatted, plain
 from validation.report.sections.checks import estimates
-from validation.studies.poisson import (
-    ASSUMPTIONS,
-    FULL,
-    OBSERVED,
-    CompressibilityComparison,
-    RunDifference,
-)
+from validation.studies.poisson import ASSUMPTIONS, FULL, OBSERVED, CompressibilityComparison
 
 NOTES = """\
 full − E*(t): ν(t) by the finite elements against the reference on E*(t), the one modulus the surface feels;
@@ -39,9 +34,9 @@ def _rows(one: CompressibilityComparison) -> Iterator[dict[str, str]]:
             "ν(∞)": f"{one.final:.4f}",
             "quantity": plain(name) + (" (curve)" if name in CURVES else ""),
             "full − E*(t)": _relative(full),
-            "estimates": ABSENT if full is None else estimates(full.estimate, full.base_estimate),
+            "estimates": ABSENT if full is None else estimates(full.own, full.known_to),
         } | {assumption: _relative(one.difference(assumption, name)) for assumption in ASSUMPTIONS}
 
 
-def _relative(difference: RunDifference | None) -> str:
-    return formatted(None if difference is None else difference.value, "+.1e")
+def _relative(difference: Difference | None) -> str:
+    return formatted(None if difference is None else difference.error, "+.1e")
