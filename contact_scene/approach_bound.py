@@ -37,7 +37,7 @@ from dataclasses import replace
 from contact_scene.adhesion import Adhesion
 from contact_scene.errors import SceneError
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere
-from contact_scene.load_steps import Approach, Table
+from contact_scene.load_steps import Approach
 from contact_scene.loading import Loading
 from contact_scene.material import Material
 from contact_scene.segment import Step
@@ -86,9 +86,7 @@ def _farthest(step: Step, before: float) -> float:
     segment = step.segment(0.0, before, 0.0)
     if segment.control != "penetration":
         return math.inf
-    sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
-    highest = max(step.values) if isinstance(step, Table) else segment.value(segment.end)
-    return max(before, highest, before + abs(getattr(step, "amplitude", 0.0)) + sinking)
+    return max(before, segment.value(segment.end), step.largest(segment))
 
 
 def _start_force(loading: Loading, material: Material, indenter: Indenter, key: str) -> float:

@@ -125,6 +125,16 @@ class Oscillate(Step, Checked):
 
         return Segment("penetration", time, time + self.duration, value, rate, linear=False)
 
+    def largest(self, segment: Segment) -> float:
+        sinking = max(-self.drift, 0.0) * self.duration
+        return segment.value(segment.start) + abs(self.amplitude) + sinking
+
+    def cycles_by(self, elapsed: float) -> float:
+        return self.angular_frequency * min(elapsed, self.duration) / (2.0 * math.pi)
+
+    def time_of_cycle(self, number: float) -> float:
+        return number * (2.0 * math.pi / self.angular_frequency)
+
 
 @dataclass(frozen=True)
 class Sweep(Step, Checked):
@@ -145,6 +155,15 @@ class Sweep(Step, Checked):
             return self.amplitude * self.chirp * t * math.cos(0.5 * self.chirp * t * t)
 
         return Segment("penetration", time, time + self.duration, value, rate, linear=False)
+
+    def largest(self, segment: Segment) -> float:
+        return segment.value(segment.start) + abs(self.amplitude)
+
+    def cycles_by(self, elapsed: float) -> float:
+        return self.chirp * min(elapsed, self.duration) ** 2 / (4.0 * math.pi)
+
+    def time_of_cycle(self, number: float) -> float:
+        return math.sqrt(4.0 * math.pi * number / self.chirp)
 
 
 @dataclass(frozen=True)
@@ -208,6 +227,9 @@ class Table(Step, Tabulated):
             return (values[i + 1] - values[i]) / (at[i + 1] - at[i])
 
         return Segment(self.quantity, time, at[-1], value, rate, kinks=tuple(at[1:-1]))
+
+    def largest(self, segment: Segment) -> float:
+        return max(self.values)
 
 
 def _cubic(at: list[float], values: list[float]) -> tuple[Callable[[float], float], Callable[[float], float]]:

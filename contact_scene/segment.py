@@ -114,3 +114,21 @@ class Step:
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         """The control law of this step, which starts at ``time`` from a penetration and a force."""
         raise AssertionError("defined by every kind of step")
+
+    def largest(self, segment: Segment) -> float:
+        """At least the largest value that its control law prescribes."""
+        return max(segment.value(segment.start), segment.value(segment.end))
+
+    def cycles_by(self, elapsed: float) -> float:
+        """Cycles done when a time has passed since its start, the last not whole; 0 of what is no cycle."""
+        return 0.0
+
+    def time_of_cycle(self, number: float) -> float:
+        """Time from its start at which a number of cycles is done."""
+        raise AssertionError("defined by every kind of step that has cycles")
+
+    def cycle_times(self, elapsed: float) -> tuple[float, ...]:
+        """Times from its start at which it has done 0, 1, 2, ... whole cycles, until a time has passed."""
+        done = self.cycles_by(elapsed)
+        whole = math.floor(done * (1.0 + 1e-12)) if done > 0.0 else -1
+        return tuple(self.time_of_cycle(number) for number in range(whole + 1))

@@ -27,11 +27,11 @@ from contact_scene import (
 )
 from validation import scenes
 from validation.cases import load
-from validation.measure.cycles import cycle_times
 from validation.measure.error_estimate import from_own
 from validation.measure.observables import Observables, observe
 from validation.measure.scalars import measure
 from validation.measure.scaling import scale
+from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.tracking import Options, problem, solve
 from validation.reference.tracking.energy import branch_power

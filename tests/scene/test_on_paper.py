@@ -27,9 +27,9 @@ from contact_scene import (
     TabulatedProfile,
 )
 from contact_scene.adhesion import Adhesion
-from validation.measure.cycles import cycle_times
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import observe
+from validation.measure.windows import cycle_times
 from validation.solvers import SOLVERS
 from validation.studies.poisson_material import on_the_surface
 

@@ -18,10 +18,10 @@ from validation import solvers
 from validation.cases import Case
 from validation.execution.tasks import one_line
 from validation.measure import error_estimate
-from validation.measure.cycles import cycle_times
 from validation.measure.falling_loss import fall_warnings
 from validation.measure.scalars import measure
 from validation.measure.small_swings import swing_warnings
+from validation.measure.windows import cycle_times
 
 
 @dataclass(frozen=True)

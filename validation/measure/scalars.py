@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from contact_scene import Scene, Trace
 from validation.measure.cycle_losses import cycle_losses
-from validation.measure.cycles import cycle_times
 from validation.measure.falling_loss import largest_fall
 from validation.measure.observables import at_last_contact, observe
+from validation.measure.windows import cycle_times
 
 
 def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Loading, Oscillate, Step, Sweep, Trace
+from contact_scene import Loading, Step, Trace
 from contact_scene.segment import Segment
+from validation.solvers.model_range import MOST_CYCLES
 
 Array = NDArray[np.float64]
 
@@ -37,7 +39,7 @@ def windows(loading: Loading, trace: Trace) -> Array:
     spans = [(float(trace.time[0]), last)]
     for step, _, begin, end in _load_steps(loading, trace):
         spans.append((begin, end))
-        spans += _cycles(step, begin, min(end, last))
+        spans += pairwise(begin + time for time in step.cycle_times(min(end, last) - begin))
     covered = [(begin, min(end, last)) for begin, end in spans if begin < min(end, last)]
     return np.array(covered, float).reshape(-1, 2)
 
@@ -113,19 +115,19 @@ def _end(segment: Segment, trace: Trace, begin: float) -> float:
     return float(trace.time[rows[1 + reached[0]]]) if reached.size else end
 
 
-def _cycles(step: Step, start: float, last: float) -> list[tuple[float, float]]:
-    """Whole cycles of an oscillation or sweep before the end of the run, or of the load step."""
-    if isinstance(step, Oscillate):
-        count = step.angular_frequency * step.duration / (2.0 * math.pi)
-        reached = step.angular_frequency * (last - start) / (2.0 * math.pi)
-    elif isinstance(step, Sweep):
-        count = 0.5 * step.chirp * step.duration**2 / (2.0 * math.pi)
-        reached = 0.5 * step.chirp * (last - start) ** 2 / (2.0 * math.pi)
-    else:
-        return []
-    whole = np.arange(math.floor(min(count, reached) * (1.0 + 1e-12)) + 1.0)
-    if isinstance(step, Oscillate):
-        ends = start + whole * (2.0 * math.pi / step.angular_frequency)
-    else:
-        ends = start + np.sqrt(4.0 * math.pi * whole / step.chirp)
-    return list(zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True))
+def cycle_times(loading: Loading) -> tuple[float, ...]:
+    """Times of phase 0, 2 pi, 4 pi, ... of the first oscillation or sweep; empty without one.
+
+    Empty too where there are more than any solver takes, ``MOST_CYCLES``: their times could not be held.
+
+    Steps before it must be controlled by penetration and end at a time, not at a level: otherwise its start
+    is known only after the run.
+    """
+    for step, segment in loading.segments():
+        if segment.control != "penetration" or not math.isfinite(segment.start):
+            return ()
+        cycles = step.cycles_by(math.inf)
+        if cycles > 0.0:
+            times = step.cycle_times(math.inf) if cycles <= MOST_CYCLES else ()
+            return tuple(segment.start + time for time in times)
+    return ()

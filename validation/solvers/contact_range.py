@@ -13,7 +13,7 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene import ForceRamp, Indenter, Scene, SceneError, Step, Table, TabulatedProfile
+from contact_scene import ForceRamp, Indenter, Scene, SceneError, Step, TabulatedProfile
 from validation.reference import sneddon
 
 SPARE = 1.02
@@ -142,27 +142,24 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
 
     for step, segment in scene.loading.segments(state, own_time=True):  # when a level is reached is not known
         values = [segment.value(at) for at in (segment.start, *segment.kinks, segment.end)]
-        if isinstance(step, Table):
-            values[1:1] = step.values
+        largest = max(*values, step.largest(segment))
         before, trigger = segment.control, segment.trigger
         if segment.control == "force":
-            force, depth = values[-1], _deepest_under(scene, max(values))
-            strongest, told = max(strongest, *values), force
+            force, depth = values[-1], _deepest_under(scene, largest)
+            strongest, told = max(strongest, largest), force
             continue
-        sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
-        values.append(values[0] + abs(getattr(step, "amplitude", 0.0)) + sinking)
         awaited = trigger.level if trigger is not None and trigger.quantity == "force" else math.nan
-        if awaited >= told and values[0] < max(values):
+        if awaited >= told and values[0] < largest:
             force = told = awaited  # which is reached before the end of the ramp
             strongest, depth = max(strongest, force), max(depth, _deepest_under(scene, force))
             continue
         told = -math.inf
         if segment.control == "stage":
-            farthest = max(farthest, *values)
-            force = (values[-2] - depth) / compliance
+            farthest = max(farthest, largest)
+            force = (values[-1] - depth) / compliance
         else:
-            depth = values[-2]
-            deepest = max(deepest, *values)
+            depth = values[-1]
+            deepest = max(deepest, largest)
     return deepest, strongest, farthest
 
 

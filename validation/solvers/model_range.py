@@ -15,13 +15,11 @@ from dataclasses import replace
 import numpy as np
 
 from contact_scene import (
-    Oscillate,
     OutcomeKind,
     Ramp,
     Scene,
     SceneError,
     Sphere,
-    Sweep,
     TabulatedProfile,
     Trace,
 )
@@ -56,13 +54,7 @@ for a sphere at half its radius, where the paraboloid is 7 % lower than the sphe
 
 def cycle_count(scene: Scene) -> float:
     """Cycles of all oscillations and sweeps of a loading."""
-    cycles = 0.0
-    for step in scene.loading.steps:
-        if isinstance(step, Oscillate):
-            cycles += step.angular_frequency * step.duration / (2.0 * math.pi)
-        elif isinstance(step, Sweep):
-            cycles += step.chirp * step.duration**2 / (4.0 * math.pi)
-    return cycles
+    return sum(step.cycles_by(math.inf) for step in scene.loading.steps)
 
 
 def interval_count(scene: Scene) -> int:
