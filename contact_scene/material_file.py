@@ -67,11 +67,11 @@ def read_material(
         return Material(relaxed, poisson, branches)
     if kind in MEASURED:
         return _fitted(text, file, kind, poisson, modulus)
-    table = branch_table(text, file, kind)
+    branches, shear = branch_table(text, file, kind)
     if modulus is None:
         raise SceneError("modulus", f"{file} has no relaxed modulus", "the relaxed Young's modulus, > 0")
-    relaxed = positive(modulus, "modulus") / young_over(table.shear, poisson)
-    return series_material(relaxed, table.branches, poisson, table.shear)
+    relaxed = positive(modulus, "modulus") / young_over(shear, poisson)
+    return series_material(relaxed, branches, poisson, shear)
 
 
 def _fitted(text: str, file: str, format: str, poisson: float, modulus: float | None) -> Material:

@@ -25,7 +25,6 @@ from __future__ import annotations
 import math
 import os
 import re
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -83,14 +82,6 @@ CONTRADICTION = 0.01
 a table rounded to two digits passes."""
 EXHAUSTED = 1e-6
 """If ``1 - sum alpha_i`` is below this, it is rounding in the file, not a relaxed modulus."""
-
-
-@dataclass(frozen=True)
-class BranchTable:
-    """Branches in the order of a file; ``shear``: their moduli are shear moduli."""
-
-    branches: tuple[Branch, ...]
-    shear: bool = False
 
 
 def read_measured(path: str | os.PathLike[str], format: str | None = None) -> RelaxationData | DynamicData:
@@ -162,12 +153,12 @@ def measured_data(text: str, file: str, format: str) -> RelaxationData | Dynamic
     return DynamicData(omega, columns["storage modulus"], columns["loss modulus"], shear, stated)
 
 
-def branch_table(text: str, file: str, format: str) -> BranchTable:
-    """Branches from the text of a file in the format "reptate" or "branches"."""
+def branch_table(text: str, file: str, format: str) -> tuple[tuple[Branch, ...], bool]:
+    """Branches from a text in the format "reptate" or "branches"; whether their moduli are shear moduli."""
     if format == "reptate":
-        return BranchTable(_modes(text, file), shear=True)
+        return _modes(text, file), True
     _, columns, shear = _plain(text, file, format)
-    return BranchTable(_branches(columns["modulus"], columns["relaxation time"]), shear)
+    return _branches(columns["modulus"], columns["relaxation time"]), shear
 
 
 def read_pyvisco(text: str, file: str, modulus: Any, poisson: Any) -> tuple[float, tuple[Branch, ...]]:

@@ -115,18 +115,8 @@ SHIFTS = Kinds((WLF, Arrhenius))
 def at_temperature(material: Material, shift: Shift, temperature: float) -> Material:
     """A material known at the reference temperature of ``shift``, at another temperature.
 
-    Every relaxation time, of separate bulk relaxation too, is multiplied by ``a_T``.
-
-    Parameters
-    ----------
-    material : Material
-    shift : Shift
-    temperature : float
-        On the scale of the reference temperature of ``shift``.
-
-    Returns
-    -------
-    Material
+    Every relaxation time, of separate bulk relaxation too, is multiplied by ``a_T``. ``temperature`` is on
+    the scale of the reference temperature of ``shift``.
 
     Raises
     ------

@@ -185,10 +185,10 @@ def test_a_table_is_read_the_same_in_any_signs_ends_of_lines_and_heads(
     assert tuple(map(tuple, read(tmp_path / "x.csv"))) == (first, second)
 
 
-@pytest.mark.parametrize("text", ["(", "a[ ", "=", "a=", " #", "\t", "w ("])
+@pytest.mark.parametrize("text", ["(", "a[", "=", "\t"])
 def test_the_time_for_a_line_grows_with_its_length_only(tmp_path, text):
-    """With its square a file of 10 MB that a scene names would never end: this test would not either."""
-    (tmp_path / "x.csv").write_text(f"{40_000 * text}\n0,0,0\n")
+    """With its square this test would not end, nor would the reading of 10 MB that a scene names."""
+    (tmp_path / "x.csv").write_text(f"{300_000 * text}b c d\n0 0 0\n")
     for read in (of_pairs, of_moduli, of_shifts):
         with pytest.raises(cc.SceneError):
             read(tmp_path / "x.csv")
