@@ -91,6 +91,20 @@ class Grade:
         """The difference that counts most."""
         return max(self.differences, key=counted, default=None)
 
+    @property
+    def counted(self) -> float:
+        """What the worst difference counts; infinite of an answer that cannot be read."""
+        return math.inf if self.answer.problem else max(map(counted, self.differences), default=0.0)
+
+    @property
+    def faults(self) -> list[str]:
+        """What is told of the columns, and the worst difference: why this does not pass."""
+        if self.worst is None:
+            return [self.answer.problem or "the answer has no column that can be compared"]
+        size = f": off by {abs(self.worst.error):.2g}" if math.isfinite(self.worst.error) else ""
+        note = self.worst.note if self.worst.note not in self.remarks else ""
+        return [*self.remarks, f"{self.worst.quantity}{size}{f' ({note})' if note else ''}"]
+
     def error(self, quantity: str) -> float | None:
         """One difference by name."""
         return next((abs(one.error) for one in self.differences if one.quantity == quantity), None)

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 
 from contact_scene import Scene
 from validation.cases import Case
 from validation.exam.answer_folder import AnswerFolder
-from validation.exam.grading import COARSEST, Grade, counted, grade
+from validation.exam.grading import COARSEST, Grade, grade
 from validation.exam.griffith_limit import GriffithTrack, tracks
 from validation.execution.run_tasks import run_tasks
 from validation.execution.runs import Run
@@ -37,16 +36,15 @@ class VerdictKind(StrEnum):
 
 @dataclass(frozen=True)
 class CodeOnScene:
-    """A code on a scene: its answers, the best one last, and the verdict on them.
+    """A code on a scene: its graded answers, the best one last, or why it declines; and the verdict.
 
-    ``reason`` is why it failed or declined, ``track`` that of a code with a finite range of attraction.
+    ``track`` is that of a code with a finite range of attraction.
     """
 
     code: str
     scene: str
-    kind: VerdictKind
     answers: tuple[Grade, ...] = ()
-    reason: str = ""
+    declined: str | None = None
     track: GriffithTrack | None = None
 
     @property
@@ -55,9 +53,19 @@ class CodeOnScene:
         return self.answers[-1] if self.answers else None
 
     @property
+    def kind(self) -> VerdictKind:
+        """The verdict."""
+        if self.best is None:
+            return VerdictKind.NO_ANSWER if self.declined is None else VerdictKind.DECLINED
+        if self.best.passed:
+            return VerdictKind.PASSED
+        converges = self.track is not None and self.track.converges
+        return VerdictKind.CONVERGES if converges else VerdictKind.FAILED
+
+    @property
     def verdict(self) -> str:
-        """In words."""
-        if self.kind is VerdictKind.PASSED and self.best is not None:
+        """The verdict in words."""
+        if self.best is not None and self.best.passed:
             return f"passed at 1e-{self.best.decade}"
         if self.kind is VerdictKind.CONVERGES and self.track is not None and self.track.points:
             return "converges to the Griffith limit"
@@ -65,10 +73,17 @@ class CodeOnScene:
         return f"declined {self.reason}" if by_tag else str(self.kind)
 
     @property
+    def reason(self) -> str:
+        """Why it failed, declined, or is at the Griffith limit."""
+        if self.best is None or self.best.passed:
+            return self.declined or "" if self.best is None else ""
+        track = [] if self.track is None else [self.track.in_words]
+        return "; ".join([*(self.best.faults if self.kind is VerdictKind.FAILED else []), *track])
+
+    @property
     def passed(self) -> bool | None:
         """``None`` where there is nothing to judge."""
-        nothing = self.kind in (VerdictKind.DECLINED, VerdictKind.NO_ANSWER)
-        return None if nothing else self.kind is not VerdictKind.FAILED
+        return None if self.best is None else self.kind is not VerdictKind.FAILED
 
 
 @dataclass(frozen=True)
@@ -145,31 +160,7 @@ def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> C
         for one in folder.answers
         if one.header.code == code and one.header.scene == case.name
     ]
-    bare = CodeOnScene(code, case.name, VerdictKind.NO_ANSWER)
-    if not graded:
-        reason = folder.declined.get((code, case.name))
-        return bare if reason is None else replace(bare, kind=VerdictKind.DECLINED, reason=reason)
-    graded.sort(key=_accuracy)
+    graded.sort(key=lambda one: (one.decade, -one.counted))
+    declined = None if graded else folder.declined.get((code, case.name))
     track = tracks([one.answer for one in graded], case)
-    whole = replace(bare, answers=tuple(graded), track=track)
-    if graded[-1].decade >= COARSEST:
-        return replace(whole, kind=VerdictKind.PASSED)
-    if track is not None and track.converges:
-        return replace(whole, kind=VerdictKind.CONVERGES, reason=track.in_words)
-    why = [*_why(graded[-1]), *([] if track is None else [track.in_words])]
-    return replace(whole, kind=VerdictKind.FAILED, reason="; ".join(why))
-
-
-def _accuracy(one: Grade) -> tuple[int, float]:
-    error = math.inf if one.answer.problem else 0.0
-    return one.decade, -error if one.worst is None else -counted(one.worst)
-
-
-def _why(best: Grade) -> list[str]:
-    """Why the best answer does not pass: what is told of its columns, and its worst difference."""
-    worst, told = best.worst, list(best.remarks)
-    if worst is None:
-        return [best.answer.problem or "the answer has no column that can be compared"]
-    size = f": off by {abs(worst.error):.2g}" if math.isfinite(worst.error) else ""
-    note = f" ({worst.note})" if worst.note and worst.note not in told else ""
-    return [*told, f"{worst.quantity}{size}{note}"]
+    return CodeOnScene(code, case.name, tuple(graded), declined, track)
