@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from dataclasses import MISSING, fields
 from pathlib import Path
 
@@ -127,6 +128,51 @@ def test_a_missing_key_is_named_with_what_is_allowed(kind, name):
         from_table([kind], table, Path())
     assert caught.value.key == name
     refused(caught.value)
+
+
+SIGNED = {
+    *("Approach.force", "Approach.away", "Force.value", "Force.until_penetration", "ForceRamp.to"),
+    *("Hold.until_force", "Loading.penetration", "Oscillate.amplitude", "Oscillate.drift", "Ramp.to"),
+    *("Ramp.until_force", "ShiftTable.temperatures", "ShiftTable.log10_factors", "Sweep.amplitude"),
+    *("Table.times", "Table.values", "TabulatedProfile.heights", "WLF.reference_temperature"),
+}
+FROM_ZERO = {
+    *("Adhesion.work", "Adhesion.zone", "Approach.dwell", "Branch.modulus", "Force.duration"),
+    *("Hold.duration", "PowerLawRelaxation.relaxed", "TabulatedProfile.radii"),
+}
+WITHIN = {  # limits that are allowed
+    "Arrhenius.reference_temperature": (150.0, 1e60),
+    "Cone.half_angle": (1e-6, math.nextafter(90.0, 0.0)),
+    "Machine.stiffness": (1e-60, math.inf),
+    "Material.poisson": (0.0, 0.5),
+    "PowerLaw.coefficient": (1e-300, 1e300),
+    "PowerLaw.exponent": (1.0, 100.0),
+    "PowerLawRelaxation.error": (1e-12, 0.1),
+    "PowerLawRelaxation.exponent": (math.ulp(0.0), math.nextafter(1.0, 0.0)),
+    "PowerRate.exponent": (0.05, 5.0),
+}
+
+
+NUMBERS = {
+    f"{kind.__name__}.{name}": within
+    for kind, name in CASES
+    if (within := (fields_of(kind)[name].entries or fields_of(kind)[name]).range) is not None
+}
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_a_number_is_taken_up_to_its_limits_and_not_beyond(name):
+    """What is not listed above is positive; no number but one with limits of its own is larger than 1e60."""
+    within = NUMBERS[name]
+    low, high = WITHIN.get(name, (-1e60 if name in SIGNED else 0.0 if name in FROM_ZERO else 1e-60, 1e60))
+    assert (within(low, name), within(high, name)) == (low, high)
+    for wrong in (
+        math.nextafter(low, -math.inf),
+        -2e60,
+        *([] if high == math.inf else [high + math.ulp(high)]),
+    ):
+        with pytest.raises(SceneError):
+            within(wrong, name)
 
 
 def test_every_field_says_what_it_is():

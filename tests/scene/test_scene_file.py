@@ -10,8 +10,6 @@ from support.scene_strategies import scenes
 from support.scene_text import GOOD
 
 from contact_scene import (
-    Scene,
-    SceneError,
     UnsupportedScene,
     read_scene,
     scene_from_dict,
@@ -69,14 +67,3 @@ def test_scene_error_is_one_line_and_keeps_its_class():
     assert type(error) is UnsupportedScene
     assert isinstance(error, ValueError)
     assert error.in_file("other").file == "f\r.toml"
-
-
-@pytest.mark.parametrize("name", ["material", "indenter", "loading", "adhesion", "title"])
-def test_scene_of_the_wrong_things(name):
-    good = scene_from_dict(tomllib.loads(GOOD))
-    parts = {key: getattr(good, key) for key in ("material", "indenter", "loading", "adhesion", "title")} | {
-        name: 3
-    }
-    with pytest.raises(SceneError) as caught:
-        Scene(**parts)
-    assert caught.value.key == name

@@ -161,13 +161,6 @@ def test_extreme_tables_stay_finite(heights):
 @pytest.mark.parametrize(
     ("build", "key"),
     [
-        (lambda: Sphere(0.0), "radius"),
-        (lambda: Sphere(float("inf")), "radius"),
-        (lambda: Cone(0.0), "half_angle"),
-        (lambda: Cone(90.0), "half_angle"),
-        (lambda: FlatPunch(-1.0), "radius"),
-        (lambda: PowerLaw(0.5, 1.0), "exponent"),
-        (lambda: PowerLaw(2.0, 0.0), "coefficient"),
         (lambda: TabulatedProfile((0.0, 1.0, 2.0), (0.0, 1.0)), "height"),
     ],
 )
