@@ -13,6 +13,7 @@ Names are loaded where they are first used: the import itself loads no package t
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from crosscontact.shadowing import check_packages, started_as_command
@@ -146,11 +147,15 @@ __all__ = [
     "write_scene",
 ]
 
-_API = ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers")
-_EXAM = ("export_exam", "judge")
-_FIT = ("Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve")
-_FOR_PLUGINS = ("RunOptions", "Solver")
-_RESULT = ("ContactState", "Result", "load")
+_HOMES = {
+    "crosscontact.api": ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers"),
+    "crosscontact.exam": ("export_exam", "judge"),
+    "crosscontact.fitting": ("Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve"),
+    "crosscontact.result": ("ContactState", "Result", "load"),
+    "crosscontact.sweeps": ("sweep",),
+    "validation.solvers": ("RunOptions", "Solver"),
+}
+"""Module of each name that is not of ``contact_scene``."""
 
 
 def _installed_version() -> str:
@@ -168,33 +173,8 @@ def __getattr__(name: str) -> Any:
         return _installed_version()
     if name not in __all__:
         raise AttributeError(f"module 'crosscontact' has no attribute {name!r}")
-    if name in _API:
-        from crosscontact import api
-
-        return getattr(api, name)
-    if name in _EXAM:
-        from crosscontact import exam
-
-        return getattr(exam, name)
-    if name in _FIT:
-        from crosscontact import fitting
-
-        return getattr(fitting, name)
-    if name in _FOR_PLUGINS:
-        from validation import solvers
-
-        return getattr(solvers, name)
-    if name in _RESULT:
-        from crosscontact import result
-
-        return getattr(result, name)
-    if name == "sweep":
-        from crosscontact import sweeps
-
-        return sweeps.sweep
-    import contact_scene
-
-    return getattr(contact_scene, name)
+    home = next((module for module, names in _HOMES.items() if name in names), "contact_scene")
+    return getattr(import_module(home), name)
 
 
 def __dir__() -> list[str]:

@@ -11,12 +11,13 @@ from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
 from contact_scene.run_control.options import whole_number
 from contact_scene.value_checks import NOT_NEGATIVE, function_or_none, number, several, true_or_false
-from crosscontact import arguments, run_figure
+from crosscontact import arguments
 from crosscontact.arguments import case_of, checked_resolution
 from crosscontact.result import Result, html_table
 from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
+from validation.drawing import run_figures
 from validation.execution import runs
 from validation.measure.check import Check
 from validation.report.document import number as in_digits
@@ -181,10 +182,10 @@ class SolverComparison:
 
     def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, ...]:
         """All results laid over each other, as :meth:`Result.plot`."""
-        with_stage = any(run_figure.has_stage(result.trace) for result in self.results.values())
+        with_stage = any(run_figures.has_stage(result.trace) for result in self.results.values())
         if axes is None:
-            axes = run_figure.new_axes(with_stage)
-        panels = run_figure.checked_axes(axes, with_stage)
+            axes = run_figures.new_figure(with_stage).axes
+        panels = run_figures.checked_axes(axes, with_stage)
         for result in sorted(self.results.values(), key=lambda result: result.solver != arguments.REFERENCE):
             result.plot(panels)
         return panels

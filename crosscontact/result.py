@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from contact_scene import Outcome, Scene
 from contact_scene.value_checks import of_class
-from crosscontact import run_figure
 from crosscontact.arguments import checked_path
+from validation.drawing import run_figures
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
 from validation.execution.files import output_folder
@@ -197,17 +197,18 @@ class Result:
         tuple of Axes
             Spheres in the paper's dimensionless quantities, other shapes in units of the scene.
         """
-        with_stage = run_figure.has_stage(self.trace)
+        with_stage = run_figures.has_stage(self.trace)
         if axes is None:
-            axes = run_figure.new_axes(with_stage)
-        panels = run_figure.checked_axes(axes, with_stage)
-        label = run_figure.free_label(panels[0], self.solver, self.name)
-        run_figure.draw(panels, self.trace, self.scene, {"label": label} | curve_style(self.solver) | line)
+            axes = run_figures.new_figure(with_stage).axes
+        panels = run_figures.checked_axes(axes, with_stage)
+        label = run_figures.free_label(panels[0], self.solver, self.name)
+        style = {"label": label} | curve_style(self.solver) | line
+        run_figures.draw_side_by_side(panels, self.trace, self.scene, style)
         return panels
 
     def figure(self) -> Figure:
         """The panels of :meth:`plot` as a figure that no window shows, to be saved."""
-        figure = run_figure.new_figure(run_figure.has_stage(self.trace))
+        figure = run_figures.new_figure(run_figures.has_stage(self.trace), shown=False)
         self.plot(figure.axes, **INK)
         return figure
 
@@ -224,7 +225,7 @@ class Result:
         picture = base64.b64encode(png(self.figure(), 80)).decode()
         return (
             f"<p><b>{escape(self._heading())}</b></p>"
-            f'<img alt="{run_figure.in_words(run_figure.has_stage(self.trace))}" '
+            f'<img alt="{run_figures.in_words(run_figures.has_stage(self.trace))}" '
             f'src="data:image/png;base64,{picture}">'
             f"{html_table(in_words)}"
         )

@@ -22,12 +22,14 @@ DIMENSIONLESS: Labels = {
     "penetration": "penetration Δ/R",
     "force": "force (1−ν²)F/(πE₀R²)",
     "contact_radius": "contact radius a/R",
+    "stage": "stage X/R",
 } | DIFFERENCE
 SCENE_UNITS: Labels = {
     "time": "time t (scene units)",
     "penetration": "penetration Δ (scene units)",
     "force": "force F (scene units)",
     "contact_radius": "contact radius a (scene units)",
+    "stage": "stage X (scene units)",
 } | DIFFERENCE
 
 
@@ -47,7 +49,7 @@ def labels(scene: Scene) -> Labels:
 
 
 def of_trace(trace: Trace, scene: Scene) -> RunCurves:
-    """The four columns a figure needs, without the jump to the free surface after contact is lost."""
+    """The columns a figure needs, without the jump to the free surface after contact is lost."""
     lost = len(trace) > 1 and trace.contact_radius[-1] == 0.0 and trace.time[-1] == trace.time[-2]
     rows = slice(None, -1 if lost else None)
     size = unit_sizes(scene)
@@ -58,6 +60,8 @@ def of_trace(trace: Trace, scene: Scene) -> RunCurves:
         "force": trace.force[rows] / force,
         "contact_radius": trace.contact_radius[rows] / length,
     }
+    if "stage" in trace.extra:
+        columns["stage"] = trace.extra["stage"][rows] / length
     return RunCurves(trace.solver, trace.solver, columns, largest_tension(trace) if len(trace) else None)
 
 
