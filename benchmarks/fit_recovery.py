@@ -28,12 +28,10 @@ from validation.drawing import export
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
 from validation.execution.files import output_folder, to_json, write_whole
-from validation.execution.fingerprints import fingerprint
-from validation.execution.processes import processes
+from validation.execution.pool import Task, TaskResult, processes, run_tasks
 from validation.execution.progress import Progress
-from validation.execution.run_tasks import run_tasks
+from validation.execution.provenance import fingerprint
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult
 from validation.fits.fit import fit_curves
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve

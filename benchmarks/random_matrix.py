@@ -29,11 +29,9 @@ from contact_scene import SceneError, Trace
 from contact_scene.scene import write_scene
 from validation.compare.against_reference import check_case
 from validation.execution.files import output_folder
-from validation.execution.processes import processes
-from validation.execution.runs import Run
+from validation.execution.pool import TaskEnding, TaskResult, completed_tasks, processes
+from validation.execution.run import Run
 from validation.execution.solver_tasks import run_of, run_task
-from validation.execution.task_execution import completed_tasks
-from validation.execution.tasks import TaskEnding, TaskResult
 from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import scale
 from validation.solvers import REFERENCE, SOLVERS, solver

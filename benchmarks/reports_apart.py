@@ -20,8 +20,8 @@ from pathlib import Path
 
 from contact_scene import SceneError
 from validation import cases
+from validation.execution.run import Run
 from validation.execution.run_folder import read_run
-from validation.execution.runs import Run
 from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import Magnitudes
 

@@ -22,8 +22,8 @@ from validation.cases import Case
 from validation.claims.claim import Finding, Part, Verdict
 from validation.compare.suite import SceneComparison
 from validation.execution.files import from_json, in_words
+from validation.execution.run import Run
 from validation.execution.run_folder import read_run
-from validation.execution.runs import Run
 from validation.measure.check import Check
 from validation.report.report import Report
 from validation.stability.measure import MISSING

@@ -20,7 +20,7 @@ from statistics import quantiles
 from contact_scene import Loading, Material, Ramp, Scene, Sphere
 from validation import solvers
 from validation.execution.engines import LOCAL_CLUSTER, own_engine
-from validation.execution.memory import keep_freed
+from validation.execution.process import keep_freed
 from validation.execution.run_table import RunTable
 from validation.sweeps.plan import SweepPlan, plan_from_dict
 from validation.sweeps.run_plan import carry_out

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from contact_scene import Adhesion, Oscillate, Scene, SceneError
 from validation import cases
 from validation.cases import Case
-from validation.execution.runs import Run, run
+from validation.execution.run import Run, run
 from validation.measure.norms import CURVES, distance
 from validation.solvers import REFERENCE, SOLVERS, solver
 from validation.studies.zones import RATIOS, relative_errors

@@ -85,3 +85,8 @@ def _one_line(text: str) -> str:
     printable = "".join(c if c.isprintable() else " " if c.isspace() else "?" for c in text)
     joined = " ".join(printable.split())
     return joined if len(joined) <= _LONGEST_PART else joined[: _LONGEST_PART - 3] + "..."
+
+
+def one_line(error: Exception) -> str:
+    """An exception in one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}".rstrip(": ")

@@ -18,7 +18,6 @@ from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, checked_path
 from validation.execution.engines import Engine, engine_of, own_engine
 from validation.execution.folder_lock import locked_folder
-from validation.execution.polled_jobs import JobQueue
 from validation.execution.run_table import RunTable
 from validation.report.report_folder import SWEEP, check_kind
 from validation.sweeps.dataset import check_installed, to_dataset
@@ -47,7 +46,7 @@ def sweep(
     traces: str | None = None,
     max_steps: int | None = None,
     out: str | os.PathLike[str] | None = None,
-    executor: Executor | JobQueue | None = None,
+    executor: Executor | None = None,
     jobs: int = 1,
     batch_seconds: float | None = None,
     progress: Callable[[float, str], None] | None = None,
@@ -82,7 +81,7 @@ def sweep(
         Folder that keeps every finished run and receives ``sweep.nc`` and ``sweep.csv``, of which
         ``crosscontact sweep --plot`` makes figures; the same call with the same folder continues an
         interrupted one, and one with other values shares runs.
-    executor : Executor or submitit executor, optional
+    executor : Executor, optional
         Carries out batches of runs; by default this process or ``jobs`` processes.
     jobs : int
         Processes, where there is no executor; more than one in a script: under
@@ -178,14 +177,9 @@ def _checked_plan(table: dict[str, Any], base: SceneTable, has_folder: bool) -> 
     return plan
 
 
-def _engine(
-    opened: ExitStack, executor: Executor | JobQueue | None, jobs: int, batch_seconds: float | None
-) -> Engine:
+def _engine(opened: ExitStack, executor: Executor | None, jobs: int, batch_seconds: float | None) -> Engine:
     """What carries out the runs: the user's executor, or processes that end when ``opened`` is closed."""
-    if executor is not None:
-        engine = opened.enter_context(engine_of(executor))
-    else:
-        engine = opened.enter_context(own_engine(jobs))
+    engine = engine_of(executor) if executor is not None else opened.enter_context(own_engine(jobs))
     return engine if batch_seconds is None else replace(engine, batch_seconds=batch_seconds)
 
 

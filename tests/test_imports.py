@@ -65,7 +65,7 @@ LOADED_AT_FIRST_USE |= {"validation.solvers.registry"}
 # Readers that carry out what a file says. Between live processes bytes are pickled, and none of them lie on a
 # disk.
 EXECUTING = {"pickle", "_pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
-BETWEEN_PROCESSES = {("validation.execution.processes", "pickle")}
+BETWEEN_PROCESSES = {("validation.execution.pool", "pickle")}
 
 
 def project() -> ImportGraph:
@@ -241,8 +241,8 @@ def test_a_solver_that_imports_too_much_is_seen(line):
     ("importer", "line"),
     [
         ("reference__jkr", "from validation.studies import ladders"),
-        ("measure__norms", "from validation.execution import runs"),
-        ("execution__runs", "from ..report.build import build"),
+        ("measure__norms", "from validation.execution import run"),
+        ("execution__run", "from ..report.build import build"),
         ("drawing__figures", "def f():\n    from validation.report import html"),
         ("claims__force", "from validation.compare.checks import check_run"),
         ("studies__study", "if TYPE_CHECKING:\n    from validation.fields import balance"),

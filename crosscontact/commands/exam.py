@@ -16,7 +16,7 @@ from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.judge import reference_runs
 from validation.exam.own_answers import ANSWERS, answer_all, reproduce
 from validation.execution.files import output_folder
-from validation.execution.processes import processes
+from validation.execution.pool import processes
 from validation.execution.progress import Progress
 from validation.report.document import counted
 from validation.scenes import SUITES

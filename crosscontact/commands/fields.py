@@ -19,9 +19,9 @@ from crosscontact.commands.shared import say
 from validation import cases, solvers
 from validation.execution.files import in_words, output_folder
 from validation.execution.folder_lock import locked_folder
+from validation.execution.process import GracefulStop, interrupting
 from validation.execution.progress import Progress, StepProgress
 from validation.execution.run_folder import check_unused
-from validation.execution.signals import GracefulStop, interrupting
 from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import USUAL, FigureSet
 from validation.fields.figures.quantities import QUANTITIES

@@ -12,7 +12,7 @@ from crosscontact.commands.shared import say
 from crosscontact.fitting import Fit, read_curves
 from validation import cases
 from validation.execution.files import output_folder
-from validation.execution.processes import processes
+from validation.execution.pool import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.fits.fit import fit_curves

@@ -10,7 +10,7 @@ from crosscontact.commands import shared
 from validation.exam.answer_folder import read_folder
 from validation.exam.judge import judge_folder
 from validation.execution.files import output_folder
-from validation.execution.processes import processes
+from validation.execution.pool import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.report import exam_report, terminal

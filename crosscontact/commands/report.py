@@ -13,7 +13,7 @@ from validation import cases, scenes
 from validation.compare import regression
 from validation.compare.suite import SceneComparison, all_pairs
 from validation.execution.files import output_folder
-from validation.execution.processes import processes
+from validation.execution.pool import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.fields import cycle_fields

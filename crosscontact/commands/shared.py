@@ -16,7 +16,7 @@ from validation import cases
 from validation.cases import Case
 from validation.drawing.export import png, svg_file
 from validation.execution.files import write_whole
-from validation.execution.signals import interrupting
+from validation.execution.process import interrupting
 from validation.execution.store import Store
 from validation.measure.check import Check
 from validation.report.document import number as in_digits

@@ -14,11 +14,11 @@ from crosscontact.commands.shared import say, warn
 from crosscontact.result import SCALES_IN_WORDS, Result, key_numbers
 from validation import cases, solvers
 from validation.execution.files import output_folder
+from validation.execution.process import GracefulStop
 from validation.execution.progress import Progress, StepProgress
+from validation.execution.run import Run
+from validation.execution.run import run as run_solver
 from validation.execution.run_folder import check_unused, write_run
-from validation.execution.runs import Run
-from validation.execution.runs import run as run_solver
-from validation.execution.signals import GracefulStop
 from validation.measure.windows import load_steps_begun
 from validation.report.terminal import aligned
 

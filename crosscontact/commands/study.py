@@ -12,7 +12,7 @@ from crosscontact import arguments
 from crosscontact.commands import shared
 from validation.cases import Case
 from validation.execution.files import output_folder
-from validation.execution.processes import processes
+from validation.execution.pool import processes
 from validation.execution.progress import Progress
 from validation.execution.store import Store
 from validation.report import terminal

@@ -12,9 +12,9 @@ import pytest
 import bem_solver
 import fem_solver
 from contact_scene import SceneError
-from validation import reference
 from validation.cases import load
 from validation.measure.observables import observe
+from validation.reference import tracking as reference
 from validation.solvers import solver
 
 APART = 1e-9

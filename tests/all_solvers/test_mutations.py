@@ -28,7 +28,7 @@ from support.faults.injection import Fault, seeded, stale, time_limit
 from validation import cases, scenes, solvers
 from validation.compare.against_reference import check_case
 from validation.compare.checks import check_run
-from validation.execution.runs import Run, run
+from validation.execution.run import Run, run
 from validation.execution.solver_tasks import quick_resolution
 from validation.measure.error_estimate import ENERGIES
 from validation.measure.norms import distance

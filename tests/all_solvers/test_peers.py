@@ -11,7 +11,7 @@ from validation.cases import load
 from validation.exam.answer import Answer, Header
 from validation.exam.grading import grade
 from validation.exam.griffith_limit import tracks, zone_of
-from validation.execution.runs import run
+from validation.execution.run import run
 from validation.reference.creep_compliance import creep_compliance
 from validation.reference.jkr import JKR
 from validation.solvers import PEERS

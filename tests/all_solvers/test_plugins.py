@@ -21,7 +21,7 @@ from crosscontact.cli import main
 from validation.cases import load
 from validation.compare.premises import of_case
 from validation.exam.grading import grade
-from validation.execution.runs import run
+from validation.execution.run import run
 from validation.solvers import PEERS, Solver, plugins, solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.registry import SOLVERS, SolverRegistry

@@ -30,7 +30,7 @@ from validation.claims.evidence import (
     retraction,
     without_title,
 )
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.measure.scalars import measure
 from validation.report.report import Claims, Report
 from validation.report.write import write

@@ -14,7 +14,7 @@ from support.spring_solver import FunctionSolver, named, small_scene, spring
 from crosscontact.cli import main
 from crosscontact.commands.shared import telling_what_is_kept
 from validation import cases, solvers
-from validation.execution import task_execution
+from validation.execution import pool
 from validation.execution.store import Store
 from validation.studies.poisson import compare_ratios
 from validation.studies.zones import zone_runs
@@ -136,7 +136,7 @@ def by_zones(case, store, progress=None):
 def test_an_interrupted_study_does_what_is_missing(tmp_path, monkeypatch, study):
     for name in solvers.SOLVERS:
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
-    case, begun, execute = cases.load(small_scene(tmp_path)), [], task_execution.execute
+    case, begun, execute = cases.load(small_scene(tmp_path)), [], pool.execute
 
     def counted(function, arguments):
         begun.append(function)
@@ -144,7 +144,7 @@ def test_an_interrupted_study_does_what_is_missing(tmp_path, monkeypatch, study)
             raise KeyboardInterrupt
         return execute(function, arguments)
 
-    monkeypatch.setattr(task_execution, "execute", counted)
+    monkeypatch.setattr(pool, "execute", counted)
     stop_at = 0
     whole = study(case, Store())
     count = len(begun)

@@ -15,8 +15,8 @@ from contact_scene.scene import scene_from_dict
 from crosscontact.cli import main
 from validation import cases, solvers
 from validation.compare.premises import of_case
+from validation.execution.run import Run
 from validation.execution.run_folder import write_run
-from validation.execution.runs import Run
 from validation.report import json_data
 from validation.report.report_folder import (
     KINDS,

@@ -37,7 +37,7 @@ from contact_scene.material_models import MODELS
 from crosscontact.cli import main
 from validation import solvers
 from validation.drawing import export
-from validation.execution import signals, task_execution
+from validation.execution import pool, process
 from validation.fields import files
 from validation.report import pictures
 from validation.studies import schemes
@@ -101,17 +101,15 @@ def quick_pictures(monkeypatch):
 def interrupted(row: Row, monkeypatch: pytest.MonkeyPatch) -> None:
     """The command stops in the middle of its work, once."""
     if row.command.startswith("solve"):
-        looks, look = iter(range(4)), signals.GracefulStop.monitor
+        looks, look = iter(range(4)), process.GracefulStop.monitor
 
         def stop_later(stop):
             stop.requested = next(looks, None) is None
             return look(stop)
 
-        monkeypatch.setattr(signals.GracefulStop, "monitor", stop_later)
+        monkeypatch.setattr(process.GracefulStop, "monitor", stop_later)
         return
-    owner, name = {"fields": (files, "save"), "sweep": (batch, "run")}.get(
-        row.command, (task_execution, "execute")
-    )
+    owner, name = {"fields": (files, "save"), "sweep": (batch, "run")}.get(row.command, (pool, "execute"))
     calls, function = iter(range(1)), getattr(owner, name)
 
     def stop_at_the_second(*given):

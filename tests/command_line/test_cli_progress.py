@@ -8,9 +8,8 @@ import threading
 import pytest
 
 from validation.execution import progress
-from validation.execution.run_tasks import run_tasks
+from validation.execution.pool import Task, run_tasks
 from validation.execution.store import Store
-from validation.execution.tasks import Task
 
 
 class Terminal(io.StringIO):
@@ -137,7 +136,7 @@ def test_a_run_tells_its_steps_and_the_time_left_by_its_loading(clock, work):
 
 
 def test_no_time_is_left_to_be_told_before_a_share_of_the_work_is_done(clock, work):
-    """Of two hundred runs the first took two minutes, as forecast: the others take seconds, not hours."""
+    """Of two hundred runs the second took two minutes: nothing is told before a twentieth of them is done."""
     show, lines = work
     show.phase("runs")
 
@@ -146,49 +145,25 @@ def test_no_time_is_left_to_be_told_before_a_share_of_the_work_is_done(clock, wo
         show.tell()
 
     seconds = [2.0, 120.0] + [2.0] * 200
-    made = [Task(str(n), "run", run, (each,), expected_seconds=each) for n, each in enumerate(seconds)]
+    made = [Task(str(n), "run", run, (each,)) for n, each in enumerate(seconds)]
     run_tasks(made, progress=show)
     told = lines()
     assert told[0].startswith("work: runs: 1/202 run: ")
     assert "left" not in told[0]
-    assert not any(" h left" in line for line in told)
-    assert "about 7 min left" in told[2]
+    first = next(line for line in told if "left" in line)
+    assert first.startswith("work: runs: 11/202 run: 0.0 s, about 41 min left")
 
 
-def test_work_inside_a_long_task_counts(clock, work):
-    """Among two hundred tasks one is half of the work, and tells how far it is."""
-    show, lines = work
-    show.phase("runs")
-
-    def long(tell_share):
-        for second in range(1, 101):
-            clock[0] += 1.0
-            tell_share(0.01 * second)
-
-    def short():
-        clock[0] += 0.5
-
-    made = [Task("long", "long", long, (), expected_seconds=100.0, tells_share=True)]
-    made += [Task(str(n), "short", short, (), expected_seconds=0.5) for n in range(200)]
-    run_tasks(made, progress=show)
-    of_long = [line for line in lines() if "long" not in line and "short" not in line][:5]
-    assert of_long == [f"work: runs: {10 * n} %: about {left} left" for n, left in
-                       enumerate(("3 min", "3 min", "2 min", "2 min", "2 min"), 1)]  # fmt: skip
-
-
-def test_tasks_tell_the_time_left_by_their_forecasts(clock, tmp_path):
+def test_tasks_tell_the_time_left_by_those_finished_before(clock, tmp_path):
     def work():
         clock[0] += 3.0
 
     told = []
-    made = [
-        Task(str(n), f"task {n}", work, (), str, expected_seconds=seconds)
-        for n, seconds in enumerate((3, 1, 2))
-    ]
+    made = [Task(str(n), f"task {n}", work, (), str) for n in range(3)]
     run_tasks(made, progress=lambda done, text, left: told.append(text))
-    assert [text.partition(", ")[2] for text in told] == ["about 3 s left", "about 3 s left", ""]
+    assert [text.partition(", ")[2] for text in told] == ["about 6 s left", "about 3 s left", ""]
     kept = Store(tmp_path)
     kept.put("0", "done before")
     told.clear()
     run_tasks(made, store=kept, progress=lambda done, text, left: told.append(text))
-    assert [text.partition(", ")[2] for text in told] == ["", "about 6 s left", ""]
+    assert [text.partition(", ")[2] for text in told] == ["", "about 3 s left", ""]

@@ -10,7 +10,7 @@ from contact_scene import Counters
 from crosscontact.cli import main
 from validation.cases import Case
 from validation.compare.against_reference import against_reference
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.measure.scalars import measure
 
 SLOW = pytest.mark.slow

@@ -20,8 +20,9 @@ from support.unlaid_figures import without_layout
 from contact_scene import read_columns
 from crosscontact.cli import main
 from validation import solvers
-from validation.execution import fingerprints, folder_lock, records
-from validation.execution.runs import Run
+from validation.execution import folder_lock, provenance
+from validation.execution.run import Run
+from validation.execution.store import loads
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"}
 TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
@@ -31,7 +32,7 @@ PATIENCE = 60.0  # seconds that a busy machine may take
 
 @pytest.fixture(autouse=True)
 def _version(monkeypatch):
-    monkeypatch.setattr(fingerprints, "version", lambda: VERSION)
+    monkeypatch.setattr(provenance, "version", lambda: VERSION)
 
 
 @pytest.fixture(autouse=True)
@@ -169,7 +170,7 @@ def test_a_report_does_what_is_missing_and_has_the_run_times_of_the_runs(
     assert main([*given, str(twice)]) == 1
     assert [file.name for file in twice.iterdir()] == [".unfinished"]
     entries = list((twice / ".unfinished").glob("[!.]*"))
-    kept = [records.loads(file.read_text().splitlines()[2], Run) for file in entries]
+    kept = [loads(file.read_text().splitlines()[2], Run) for file in entries]
     measured = {run.solver: run.wall_seconds for run in kept}
     assert set(measured) == {"bem", "fem"}
     assert main([*given, str(twice)]) == 0
@@ -220,9 +221,9 @@ MATRIX = """
     "work", [pytest.param(POOL, id="pool", marks=pytest.mark.slow), pytest.param(MATRIX, id="matrix")]
 )
 def test_workers_end_with_their_parent(work):
-    imports = "import os, time\nfrom validation.execution.processes import processes\n"
-    imports += "from validation.execution.run_tasks import run_tasks\n"
-    imports += "from validation.execution.tasks import Task\n"
+    imports = "import os, time\nfrom validation.execution.pool import processes\n"
+    imports += "from validation.execution.pool import run_tasks\n"
+    imports += "from validation.execution.pool import Task\n"
     program = f"{imports}if __name__ == '__main__':{work}"
     parent = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT

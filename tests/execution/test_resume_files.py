@@ -25,11 +25,11 @@ from contact_scene import Event, SceneError, Sphere, SurfaceProfile, read_column
 from contact_scene.indenter import TabulatedProfile
 from validation import cases
 from validation.compare import regression
-from validation.execution import files, fingerprints, folder_lock, records
+from validation.execution import files, folder_lock, provenance
+from validation.execution.run import Run
 from validation.execution.run_folder import read_run, write_run
 from validation.execution.run_table import Columns, RunRecord, RunTable, StoredRun
-from validation.execution.runs import Run
-from validation.execution.store import Store
+from validation.execution.store import Store, dumps
 from validation.fits.fit_run import FitRun
 from validation.stability.case_runs import CaseAnswer
 from validation.studies.convergence import LevelRun
@@ -68,7 +68,7 @@ def test_what_is_stored_comes_back_bit_for_bit(tmp_path, name):
     Store(tmp_path).put("key", value)
     back = Store(tmp_path).get("key", kind)
     assert is_of(back, kind)
-    assert records.dumps(back) == records.dumps(value)
+    assert dumps(back) == dumps(value)
 
 
 def fuzzed(name: str, seeds: range, folder: Path) -> int:
@@ -133,7 +133,7 @@ def fuzzed_table(seeds: range, folder: Path) -> int:
     with RunTable(folder) as table:
         table.put([StoredRun(str(n), record, 0.5, {"time": np.arange(3.0)}) for n in range(30)])
     file, said, given = folder / "runs.sqlite", [], 0
-    whole, cells = file.read_bytes(), (records.dumps(record), records.dumps({"time": np.arange(3.0)}))
+    whole, cells = file.read_bytes(), (dumps(record), dumps({"time": np.arange(3.0)}))
     for seed in seeds:
         chance = random.Random(seed)
         file.write_bytes(whole if seed % 2 else with_other_bytes(whole, chance))
@@ -234,7 +234,7 @@ def test_what_another_version_has_stored_is_begun_anew(tmp_path, monkeypatch, ca
     assert Store(tmp_path).get("key", float) == 1.5
     RunTable(tmp_path).close()
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(fingerprints, "version", lambda: "0123456789")
+    monkeypatch.setattr(provenance, "version", lambda: "0123456789")
     assert Store(tmp_path).get("key", float) is None
     RunTable(tmp_path).close()
     assert capsys.readouterr().err.splitlines() == [
@@ -247,12 +247,12 @@ def test_questions_are_told_apart():
     scene = CASE.scene
     nudged = dataclasses.replace(scene, indenter=Sphere(np.nextafter(1.0, 2.0)))
     asked = [("solve", scene, 8), ("solve", scene, None), ("solve", nudged, 8), ("run", scene, 8)]
-    assert len({fingerprints.fingerprint(*parts) for parts in asked}) == len(asked)
-    assert fingerprints.fingerprint("solve", scene, 8) == fingerprints.fingerprint(
+    assert len({provenance.fingerprint(*parts) for parts in asked}) == len(asked)
+    assert provenance.fingerprint("solve", scene, 8) == provenance.fingerprint(
         "solve", dataclasses.replace(scene), 8
     )
     with pytest.raises(TypeError):
-        fingerprints.fingerprint(object())
+        provenance.fingerprint(object())
 
 
 def test_tabulated_indenters_have_a_fingerprint():
@@ -262,15 +262,15 @@ def test_tabulated_indenters_have_a_fingerprint():
         for heights, file in (((0.0, 0.5, 2.0), "a"), ((0.0, 0.5, 2.0), "b"), ((0.0, 0.5, 2.1), "a"))
     ]
     one, same, other = (
-        fingerprints.fingerprint(dataclasses.replace(CASE.scene, indenter=table)) for table in tables
+        provenance.fingerprint(dataclasses.replace(CASE.scene, indenter=table)) for table in tables
     )
     assert one == same != other
 
 
 def test_another_version_of_the_program_asks_another_question(monkeypatch):
-    before = fingerprints.fingerprint(CASE.scene)
-    monkeypatch.setattr(fingerprints, "version", lambda: "another")
-    assert fingerprints.fingerprint(CASE.scene) != before
+    before = provenance.fingerprint(CASE.scene)
+    monkeypatch.setattr(provenance, "version", lambda: "another")
+    assert provenance.fingerprint(CASE.scene) != before
 
 
 def test_a_store_takes_over_what_is_whole(tmp_path):

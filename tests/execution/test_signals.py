@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from validation.execution.engines import LOCAL_CLUSTER, own_engine
-from validation.execution.signals import deferred, interrupting, interrupts_blocked
+from validation.execution.process import deferred, interrupting, interrupts_blocked
 
 DASK = "the optional extra `dask` is not installed"
 

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import time
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import pytest
-from support.spring_solver import FunctionSolver, small_scene, spring
-from support.worker_tasks import NotThere, silent, spin, square, wait_half_way
+from support.worker_tasks import NotThere, spin, square
 
-from validation.cases import load
-from validation.execution import told_shares
-from validation.execution.processes import WorkerProcesses, processes
-from validation.execution.run_tasks import run_tasks
-from validation.execution.solver_tasks import run_telling_share
+from validation.execution.pool import Task, TaskEnding, WorkerProcesses, processes, run_tasks
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskEnding
-from validation.solvers import SOLVERS
 
 
 @dataclass(frozen=True)
@@ -67,19 +59,11 @@ def test_several_calls_share_one_progress():
     assert shares == [0.5, 1.0]
 
 
-def test_long_tasks_are_submitted_first_and_given_back_in_order():
-    executor = ThreadPoolExecutor(1)
-    counter = itertools.count()
-    tasks = [Task("", "", lambda: next(counter), (), expected_seconds=s) for s in (1.0, 3.0, 2.0)]
-    assert [result.value for result in run_tasks(tasks, executor)] == [2, 0, 1]
-    assert [result.value for result in run_tasks(tasks)] == [3, 4, 5]  # here: in the given order
-
-
 def test_a_process_that_dies_or_hangs_costs_its_own_task():
     tasks = [
-        Task("", "spins", spin, (), time_limit=0.3, expected_seconds=9.0),
-        Task("", "sleeps", time.sleep, (600.0,), time_limit=0.1, expected_seconds=9.0),
-        Task("", "dies", os._exit, (7,), expected_seconds=8.0),
+        Task("", "spins", spin, (), time_limit=0.3),
+        Task("", "sleeps", time.sleep, (600.0,), time_limit=0.1),
+        Task("", "dies", os._exit, (7,)),
         Task("", "takes its time", time.sleep, (1.0,)),
         *(task(float(n)) for n in range(5)),
     ]
@@ -92,56 +76,6 @@ def test_a_process_that_dies_or_hangs_costs_its_own_task():
         "the process ended with code 7",
     ]
     assert [result.value for result in results[4:]] == [0.0, 1.0, 4.0, 9.0, 16.0]
-
-
-def test_a_running_task_tells_its_share_from_its_process(tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.execution.task_execution.SHARES_EVERY", 0.01)
-    seen, told = tmp_path / "seen", []
-
-    def progress(share, text, left):
-        told.append((share, text))
-        if share == 0.5:
-            seen.touch()
-
-    asked = Task("", "long", wait_half_way, (seen,), expected_seconds=9.0, tells_share=True)
-    with processes(1, isolated=True) as pool:
-        (result,) = run_tasks([asked], pool, progress=progress)
-        free = len(pool.shares._free)
-    assert result.value
-    assert 0.5 in {share for share, text in told if not text}
-    assert (told[-1][0], free) == (1.0, told_shares.SLOTS)
-
-
-def test_more_tasks_than_places_for_shares_are_carried_out(monkeypatch):
-    monkeypatch.setattr(told_shares, "SLOTS", 1)
-    asked = [Task("", "", silent, (n,), tells_share=True) for n in range(3)]
-    with processes(1, isolated=True) as pool:
-        assert [result.value for result in run_tasks(asked, pool, progress=lambda *_: None)] == [0, 1, 2]
-
-
-@pytest.mark.parametrize(
-    ("solver", "estimate", "ends"),
-    [("bem", False, [1.0]), ("bem", True, [2 / 3, 1.0]), ("reference", True, [2 / 3])],
-)
-def test_a_run_and_the_second_one_for_its_errors_tell_their_shares(
-    tmp_path, monkeypatch, solver, estimate, ends
-):
-    """The second run of the reference, which estimates its errors itself, tells nothing."""
-    answer, runs = spring(), []
-
-    def run(scene, resolution, *, progress, **others):
-        runs.append(shares := [])
-        for step in range(1, 11):
-            progress(0.1 * step)
-            shares.append(told[-1])
-        return answer(scene, resolution, progress=None, **others)
-
-    monkeypatch.setitem(SOLVERS, solver, FunctionSolver(run, solver))
-    told: list[float] = []
-    result = run_telling_share(load(small_scene(tmp_path)), solver, None, estimate, tell_share=told.append)
-    assert result.finished
-    assert [shares[-1] for shares in runs] == pytest.approx(ends)
-    assert told == sorted(told)
 
 
 def test_what_cannot_be_unpickled_fails_with_its_task():
@@ -183,6 +117,6 @@ def test_an_executor_that_gives_up_ends_the_work_and_what_is_done_is_stored(tmp_
 
     given, store = [], Store(tmp_path)
     with pytest.raises(ConnectionError, match=said):
-        run_tasks([task(3.0, expected_seconds=9.0), task(2.0)], Executor(), store)
+        run_tasks([task(3.0), task(2.0)], Executor(), store)
     assert store.get("3", float) == 9.0
     assert len(given) == 2

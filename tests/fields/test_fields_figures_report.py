@@ -22,7 +22,7 @@ from validation import solvers
 from validation.cases import load
 from validation.drawing import export
 from validation.execution.progress import Progress
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.fields import cycle_fields
 from validation.fields.cycle_fields import CycleFields, Image
 from validation.fields.figures import animation, rendering

@@ -17,7 +17,7 @@ from crosscontact import arguments
 from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
-from validation.execution.processes import processes
+from validation.execution.pool import processes
 from validation.execution.progress import Progress
 from validation.report.build import build
 from validation.report.document import Bullets

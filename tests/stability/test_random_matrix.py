@@ -24,8 +24,8 @@ from contact_scene import (
     Trace,
 )
 from validation import solvers
-from validation.execution.runs import Run
-from validation.execution.tasks import Task, TaskEnding, TaskResult
+from validation.execution.pool import Task, TaskEnding, TaskResult
+from validation.execution.run import Run
 from validation.measure.scalars import measure
 from validation.solvers.contact_range import largest_contact_radius
 

@@ -12,10 +12,8 @@ from support import scripted_solver as fakes
 
 from contact_scene import OutcomeKind, Scene, SceneError
 from crosscontact.commands import parser
-from validation.execution.processes import WorkerProcesses
-from validation.execution.run_tasks import run_tasks
+from validation.execution.pool import Task, TaskResult, WorkerProcesses, run_tasks
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult
 from validation.stability import base, measure
 from validation.stability.case import (
     ClosedForm,

@@ -11,7 +11,7 @@ from contact_scene import Branch, BulkRelaxation, Counters, Material, Outcome, O
 from crosscontact.cli import main
 from validation import cases
 from validation.execution import solver_tasks
-from validation.execution.runs import Run, run
+from validation.execution.run import Run, run
 from validation.measure.norms import CURVES
 from validation.measure.scalars import measure
 from validation.studies import poisson, poisson_material

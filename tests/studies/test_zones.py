@@ -9,8 +9,8 @@ import pytest
 from contact_scene import Counters, Outcome, OutcomeKind, SceneError, Trace
 from crosscontact.cli import main
 from validation import cases
-from validation.execution.runs import Run
-from validation.execution.tasks import TaskEnding, TaskResult
+from validation.execution.pool import TaskEnding, TaskResult
+from validation.execution.run import Run
 from validation.report import terminal
 from validation.report.figures.zone_chart import draw
 from validation.report.sections.zones import section

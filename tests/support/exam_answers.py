@@ -9,7 +9,7 @@ import numpy as np
 from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace
 from validation.cases import Case, load
 from validation.exam.answer import Answer, Header
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.measure.scalars import measure
 
 SCENE = "elastic-press"

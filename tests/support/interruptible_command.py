@@ -10,14 +10,14 @@ import sys
 import time
 
 from crosscontact.cli import main
-from validation.execution import fingerprints, signals
+from validation.execution import process, provenance
 
 VERSION = "of the tests"
 BEGUN = "the run has begun"
 
 if __name__ == "__main__":
     rest = float(sys.argv[1])
-    monitor, looks = signals.GracefulStop.monitor, iter(range(10))
+    monitor, looks = process.GracefulStop.monitor, iter(range(10))
 
     def rest_at_every_step(self):
         if next(looks, None) == 9:
@@ -25,6 +25,6 @@ if __name__ == "__main__":
         time.sleep(rest)
         return monitor(self)
 
-    fingerprints.version = lambda: VERSION
-    signals.GracefulStop.monitor = rest_at_every_step
+    provenance.version = lambda: VERSION
+    process.GracefulStop.monitor = rest_at_every_step
     sys.exit(main(sys.argv[2:]))

@@ -19,7 +19,6 @@ from crosscontact.cli import main
 from validation import solvers
 from validation.execution import run_table
 from validation.execution.engines import Engine
-from validation.execution.polled_jobs import PolledJobs
 from validation.execution.run_table import RunRecord, RunTable, StoredRun
 from validation.sweeps import run_plan
 from validation.sweeps.batch import OtherVersion, SweepOptions, run_batch
@@ -107,34 +106,10 @@ def test_the_file_opens_with_stock_xarray(tmp_path, scene_file, calls):
     assert rows[-1].endswith("refused,loading: too fast; allowed: slower ones,")
 
 
-class Job:
-    """A job of a queue that is done when it is asked for the second time."""
-
-    def __init__(self, value):
-        self.value, self.asked = value, 0
-
-    def done(self):
-        self.asked += 1
-        return self.asked > 1
-
-    def result(self):
-        return self.value()
-
-
-class Queue:
-    def submit(self, function, *arguments):
-        return Job(lambda: function(*arguments))
-
-
-@pytest.mark.parametrize("kind", ["threads", "queue"])
-def test_any_executor_gives_the_same(scene_file, calls, kind):
+def test_any_executor_gives_the_same(scene_file, calls):
     here = swept(scene_file)
-    if kind == "threads":
-        with ThreadPoolExecutor(2) as executor:
-            there = swept(scene_file, executor=executor)
-    else:
-        with PolledJobs(Queue(), interval=0.001) as executor:
-            there = swept(scene_file, executor=executor)
+    with ThreadPoolExecutor(2) as executor:
+        there = swept(scene_file, executor=executor)
     assert there.identical(here)
     with pytest.raises(cc.SceneError, match="executor: got list"):
         swept(scene_file, executor=[])

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 from contact_scene import Adhesion, Hold, Loading, Ramp, Scene, Trace
 from validation.cases import Case, load
-from validation.execution.runs import Run
+from validation.execution.pool import TellProgress
+from validation.execution.run import Run
 from validation.execution.solver_tasks import run_all
-from validation.execution.task_progress import TellProgress
 from validation.measure.dimensionless import unit_sizes
 from validation.solvers import REFERENCE
 from validation.solvers.boundary_elements import BoundaryElements

@@ -12,7 +12,7 @@ from contact_scene import OutcomeKind, Trace
 from contact_scene.trace import Array
 from validation.cases import Case
 from validation.compare.checks import check_run, declined
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.measure.approach import has_smooth_crests, is_located
 from validation.measure.check import Check, agreement_limit
 from validation.measure.difference import Difference, of_curves, of_movements, of_numbers

@@ -6,7 +6,7 @@ import math
 
 from contact_scene import Trace
 from validation.cases import Case, Expected
-from validation.execution.runs import Run, fall_error
+from validation.execution.run import Run, fall_error
 from validation.measure.check import Check
 from validation.measure.dimensionless import unit_sizes
 from validation.measure.falling_loss import largest_fall

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from validation.cases import Case
 from validation.compare.against_reference import check_case
 from validation.execution.progress import Progress
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.execution.solver_tasks import run_all
 from validation.execution.store import Store
 from validation.measure.check import Check

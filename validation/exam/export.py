@@ -14,9 +14,9 @@ from validation.exam.judge import reference_resolution
 from validation.exam.scene_json import expanded
 from validation.exam.statement import COLUMNS, HOW_TO_ANSWER, page
 from validation.exam.tags import tags
-from validation.execution import environment, fingerprints
+from validation.execution import provenance
 from validation.execution.files import to_json, write_whole
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.scenes import names
 from validation.scenes import suite as of_suite
 from validation.solvers import REFERENCE, SOLVERS
@@ -59,9 +59,7 @@ def export_scenes(folder: Path, cases: Sequence[Case]) -> None:
     scenes = "\n".join(f"- `{case.name}`: {', '.join(tags(case.scene))}" for case in cases)
     write_whole(folder / "README.md", f"{README}{scenes}\n")
     listed = [{"name": case.name, "tags": tags(case.scene), "title": case.scene.title} for case in cases]
-    write_whole(
-        folder / EXAM, to_json({"format": FORMAT, "program": fingerprints.version(), "scenes": listed})
-    )
+    write_whole(folder / EXAM, to_json({"format": FORMAT, "program": provenance.version(), "scenes": listed}))
 
 
 def export_reference(folder: Path, cases: Sequence[Case], runs: Mapping[str, Run]) -> None:
@@ -86,7 +84,7 @@ def header_of(case: Case, run: Run, resolution: int | None) -> Header:
     version = SOLVERS.origin(run.solver)
     return Header(
         run.solver,
-        version=version or environment.program_version(),
+        version=version or provenance.program_version(),
         author="" if version else "crosscontact",
         resolution="" if resolution is None else str(resolution),
         seconds=max(run.wall_seconds, 1e-6),

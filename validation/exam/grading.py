@@ -25,7 +25,7 @@ import numpy as np
 
 from contact_scene import COLUMNS, OutcomeKind, Scene, Trace
 from validation.exam.answer import Answer
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.measure.approach import is_located
 from validation.measure.difference import Difference, of_movements, of_numbers
 from validation.measure.error_estimate import MOVEMENT

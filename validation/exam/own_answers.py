@@ -17,10 +17,9 @@ from validation.exam.export import header_of, trace_text
 from validation.exam.scene_json import scene_of
 from validation.exam.tags import BY_REASON
 from validation.execution.files import write_whole
-from validation.execution.run_tasks import run_tasks
-from validation.execution.runs import Run, run
+from validation.execution.pool import TellProgress, run_tasks
+from validation.execution.run import Run, run
 from validation.execution.solver_tasks import run_of, run_task
-from validation.execution.task_progress import TellProgress
 from validation.solvers import SOLVERS
 
 ANSWERS = "answers"

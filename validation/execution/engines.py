@@ -10,10 +10,8 @@ from dataclasses import dataclass
 from multiprocessing import resource_tracker
 
 from contact_scene.errors import SceneError
-from validation.execution.polled_jobs import JobQueue, PolledJobs
-from validation.execution.processes import processes
-from validation.execution.signals import deferred, interrupts_blocked
-from validation.execution.task_execution import OUTSTANDING, ExecutorGone
+from validation.execution.pool import OUTSTANDING, ExecutorGone, processes
+from validation.execution.process import deferred, interrupts_blocked
 
 LOCAL_CLUSTER = "local"
 """In place of the address of a Dask scheduler: a cluster of this command's own, on this machine."""
@@ -26,8 +24,6 @@ of runs that are done, for each worker."""
 DASK_SECONDS = 1.0
 """The same by Dask, whose scheduler, client and worker spend 5 to 12 ms on a task: a hundredth, and a
 twentieth in the shorter batches at the end."""
-QUEUE_SECONDS = 300.0
-"""The same where every batch is a job in the queue of a cluster, which takes seconds to start."""
 CONNECT_SECONDS = 20.0
 """Seconds to wait for a Dask scheduler: what a cluster on its way up may take; Dask's own limit is 30."""
 LOCAL_SETTINGS = {
@@ -44,17 +40,7 @@ profiler, clocks and monitors take 5 % of two cores by default, and less than 1 
 
 @dataclass(frozen=True)
 class Engine:
-    """An executor and how it is supplied.
-
-    Parameters
-    ----------
-    executor : Executor or None
-        ``None``: this process.
-    outstanding : int
-        Batches it holds at a time.
-    batch_seconds : float
-        Length of a batch that its overhead asks for.
-    """
+    """An executor (``None``: this process), the batches it holds at a time, and how long one lasts (s)."""
 
     executor: Executor | None = None
     outstanding: int = 1
@@ -63,25 +49,11 @@ class Engine:
 
 @contextmanager
 def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
-    """Processes of this machine, or a Dask cluster.
+    """Processes of this machine, or workers of a Dask cluster: at an ``address`` or, ``LOCAL_CLUSTER``, of
+    its own.
 
-    Parameters
-    ----------
-    jobs : int
-        Processes; of a Dask cluster of this command's own, its workers.
-    address : str or None
-        Address of a Dask scheduler, or ``LOCAL_CLUSTER``.
-
-    Yields
-    ------
-    Engine
-
-    Raises
-    ------
-    SceneError
-        If Dask is not installed or the address does not answer.
-    ConnectionError
-        If the scheduler ends while tasks are out.
+    Raises ``SceneError`` if Dask is not installed or the address does not answer, ``ConnectionError`` if
+    the scheduler ends while tasks are out.
     """
     if address is None:
         with processes(jobs) as pool:
@@ -113,11 +85,8 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
         try:
             client = opened.enter_context(distributed.Client(scheduler, timeout=CONNECT_SECONDS))
         except (OSError, ValueError) as error:
-            problem, allowed = (
-                f"no scheduler answers at {address}: {error}",
-                f"tcp://HOST:8786, or {LOCAL_CLUSTER}",
-            )
-            raise SceneError("--dask", problem, allowed) from None
+            problem = f"no scheduler answers at {address}: {error}"
+            raise SceneError("--dask", problem, f"tcp://HOST:8786, or {LOCAL_CLUSTER}") from None
         workers = len(client.nthreads())
         executor = opened.enter_context(client.get_executor())
         try:
@@ -131,19 +100,9 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
             raise
 
 
-@contextmanager
-def engine_of(executor: Executor | JobQueue) -> Iterator[Engine]:
-    """A user's executor; objects that only have ``submit``, as of submitit, are asked for their jobs."""
-    if isinstance(executor, Executor):
-        yield Engine(executor, OUTSTANDING)
-    elif callable(getattr(executor, "submit", None)):
-        jobs = PolledJobs(executor)
-        try:
-            yield Engine(jobs, OUTSTANDING, QUEUE_SECONDS)
-        finally:
-            jobs.shutdown(cancel_futures=True)
-    else:
-        allowed = (
-            "an executor of concurrent.futures, or an object whose submit gives jobs with done() and result()"
-        )
+def engine_of(executor: Executor) -> Engine:
+    """A user's executor."""
+    if not isinstance(executor, Executor):
+        allowed = "an executor of concurrent.futures"
         raise SceneError("executor", f"got {type(executor).__name__}", allowed)
+    return Engine(executor, OUTSTANDING)

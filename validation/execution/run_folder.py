@@ -28,9 +28,9 @@ from contact_scene import (
     write_trace,
 )
 from contact_scene.files import read_text
-from validation.execution import records
 from validation.execution.files import from_json, move_whole, to_json, write_whole
-from validation.execution.runs import Run
+from validation.execution.run import Run
+from validation.execution.store import checked
 from validation.measure.observables import Observables
 
 OUTPUT = ("scene.toml", "trace.csv", "summary.json")
@@ -187,9 +187,9 @@ def read_run(source: Path) -> tuple[Scene, Run]:
 
 def _run(summary: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
     """The run that a folder holds; its outcome is dated by the last row of the trace."""
-    of = {name: records.checked(summary.get(name), kind, name) for name, kind in _NO_MEASURES.items()}
+    of = {name: checked(summary.get(name), kind, name) for name, kind in _NO_MEASURES.items()}
     measures: dict[str, float | None] = {
-        name: records.checked(value, float | None, name)
+        name: checked(value, float | None, name)
         for name, value in summary.items()
         if name == "wall_seconds" or name not in _NO_MEASURES
     }

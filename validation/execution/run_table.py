@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError
-from validation.execution import fingerprints, records
+from validation.execution import provenance, store
 
 FILE = "runs.sqlite"
 _TABLES = """
@@ -73,7 +73,7 @@ class StoredRun:
     Parameters
     ----------
     fingerprint : str
-        Of what was computed (see ``fingerprints``).
+        Of what was computed (see ``provenance``).
     record : RunRecord
     seconds : float
         Processor time.
@@ -134,7 +134,7 @@ class RunTable:
 
     def _tell_of_other_version(self) -> None:
         """Say that nothing is taken over of what another version has stored."""
-        of_this = zlib.crc32(fingerprints.version().encode()) >> 1
+        of_this = zlib.crc32(provenance.version().encode()) >> 1
         (before,) = self._connection.execute("PRAGMA user_version").fetchone()
         if before != of_this and self._connection.execute("SELECT 1 FROM runs LIMIT 1").fetchone():
             print(f"crosscontact: starting anew: {self._path} is of another version", file=sys.stderr)
@@ -145,10 +145,10 @@ class RunTable:
         try:
             with self._connection:
                 for run in runs:
-                    row = (run.fingerprint, records.dumps(run.record), run.seconds)
+                    row = (run.fingerprint, store.dumps(run.record), run.seconds)
                     self._connection.execute("INSERT OR REPLACE INTO runs VALUES (?, ?, ?)", row)
                     if run.columns is not None:
-                        trace = (run.fingerprint, records.dumps(run.columns))
+                        trace = (run.fingerprint, store.dumps(run.columns))
                         self._connection.execute("INSERT OR REPLACE INTO traces VALUES (?, ?)", trace)
         except _DAMAGED as error:
             raise self._unusable(error) from None
@@ -176,7 +176,7 @@ class RunTable:
     def _value(self, question: str, fingerprint: str, kind: type[_Kind]) -> _Kind | None:
         cell = self._cell(question, fingerprint)
         try:
-            return records.loads(cell, kind) if isinstance(cell, str) else None
+            return store.loads(cell, kind) if isinstance(cell, str) else None
         except SceneError:
             return None
 

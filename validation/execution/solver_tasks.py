@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Collection, Iterable
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 
 from validation import solvers
 from validation.cases import Case
-from validation.execution.fingerprints import fingerprint
-from validation.execution.run_tasks import run_tasks
-from validation.execution.runs import Run, run
+from validation.execution.pool import Task, TaskResult, TellProgress, run_tasks
+from validation.execution.provenance import fingerprint
+from validation.execution.run import Run, run
 from validation.execution.store import Store
-from validation.execution.task_progress import TellProgress
-from validation.execution.tasks import Task, TaskResult
-
-ESTIMATE_SHARE = 0.5
-"""Time of the coarser run from which errors are estimated, relative to the run."""
 
 
 def run_task(
@@ -27,62 +22,15 @@ def run_task(
     estimate: bool = False,
     max_steps: int | None = None,
 ) -> Task:
-    """A run as a task.
-
-    Parameters
-    ----------
-    case, solver, resolution, estimate, max_steps
-        As of :func:`~validation.execution.runs.run_or_raise`.
-
-    Returns
-    -------
-    Task
-        To be carried out by :func:`~validation.execution.run_tasks.run_tasks`.
-    """
+    """A run of a solver as a task; arguments as of :func:`~validation.execution.run.run_or_raise`."""
     asked = (case.scene, solver, resolution, case.profile_times, estimate, max_steps)
     return Task(
         fingerprint("run", *asked, *origin_of(solver)),
         f"{case.name} {solver}",
-        partial(run_telling_share, max_steps=max_steps),
-        (case, solver, resolution, estimate),
+        partial(run, estimate=estimate, max_steps=max_steps),
+        (case, solver, resolution),
         Run,
-        tells_share=True,
     )
-
-
-def run_telling_share(
-    case: Case,
-    solver: str,
-    resolution: int | None = None,
-    estimate: bool = False,
-    *,
-    max_steps: int | None = None,
-    tell_share: Callable[[float], None] | None = None,
-) -> Run:
-    """A run that tells what share of it is done, and of the second one from which its errors are estimated.
-
-    Parameters
-    ----------
-    case, solver, resolution, estimate, max_steps
-        As of :func:`~validation.execution.runs.run_or_raise`.
-    tell_share : callable or None
-        Called after every step with the share, 0 to 1; not for a solver without a forecast, nor in the second
-        run of one that estimates its errors itself.
-
-    Returns
-    -------
-    Run
-    """
-    first = second = None
-    if tell_share is not None:
-        ends = 1.0 / (1.0 + ESTIMATE_SHARE * estimate)
-        first, second = _part_of_task(0.0, ends, tell_share), _part_of_task(ends, 1.0, tell_share)
-    return run(case, solver, resolution, first, estimate, max_steps=max_steps, estimate_progress=second)
-
-
-def _part_of_task(begin: float, end: float, tell: Callable[[float], None]) -> Callable[[float], None]:
-    """What a solver calls with the share of the loading of a run that is a part of a task."""
-    return lambda loading: tell(begin + (end - begin) * loading)
 
 
 def origin_of(solver: str) -> tuple[str, ...]:
@@ -114,24 +62,10 @@ def run_all(
     max_steps: int | None = None,
     quick: bool = False,
 ) -> dict[tuple[str, str], Run]:
-    """Run pairs of case and solver, here or through an executor.
+    """Run pairs of case and solver; the runs by scene and solver, in the order of ``pairs``.
 
-    Parameters
-    ----------
-    pairs : iterable of (Case, str)
-    executor, store, progress
-        As of :func:`~validation.execution.run_tasks.run_tasks`.
-    estimated : collection of str
-        Names of the scenes whose errors are estimated.
-    max_steps : int or None
-        Of every run; ``None``: the solver's own bound.
-    quick : bool
-        Whether they have the resolution of the quick suite, not each solver's default.
-
-    Returns
-    -------
-    dict of (str, str) to Run
-        By scene and solver, in the order of ``pairs``.
+    ``estimated`` are the names of the scenes whose errors are estimated; ``quick`` runs have the resolution
+    of the quick suite, others each solver's default.
     """
     tasks = [
         run_task(

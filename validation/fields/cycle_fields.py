@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from contact_scene import Scene, Trace
 from validation.cases import Case, load
 from validation.drawing.export import png
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.fields.balance import balance
 from validation.fields.figures import animation, fig3, moment_panels, revolution
 from validation.fields.figures.figure_set import FigureSet

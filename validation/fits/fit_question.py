@@ -11,7 +11,7 @@ from pathlib import Path
 from contact_scene import Scene, SceneError
 from contact_scene.files import read_text
 from validation.execution.files import from_json
-from validation.execution.fingerprints import canonical
+from validation.execution.provenance import canonical
 from validation.execution.run_folder import check_unused, occupied
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve

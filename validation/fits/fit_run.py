@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from contact_scene import OutcomeKind, Scene, SceneError
+from contact_scene.errors import one_line
 from validation import solvers
-from validation.execution.tasks import one_line
 from validation.fits.measured_curve import Array
 from validation.measure.row_interpolation import RowCurve
 

@@ -22,10 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene, SceneError
-from validation.execution.fingerprints import fingerprint
-from validation.execution.run_tasks import run_tasks
+from validation.execution.pool import Task, run_tasks
+from validation.execution.provenance import fingerprint
 from validation.execution.store import Store
-from validation.execution.tasks import Task
 from validation.fits.curve_model import CurveModel, CurvePrediction
 from validation.fits.fit_run import NO_CONTACT, FitRun, run_of
 from validation.fits.measured_curve import Array

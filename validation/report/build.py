@@ -9,8 +9,8 @@ from validation.cases import Case
 from validation.claims import evidence
 from validation.claims.all import findings
 from validation.compare.suite import all_pairs, compare_scenes
-from validation.execution.environment import stamp
 from validation.execution.progress import Progress
+from validation.execution.provenance import stamp
 from validation.execution.store import Store
 from validation.report.report import Claims, Report
 

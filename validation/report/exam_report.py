@@ -15,8 +15,8 @@ from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
 from validation.exam.grading import BALANCE, Grade, counted
 from validation.exam.judge import CodeOnScene, Judgement, SceneJudgement
 from validation.exam.tags import tags
-from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
+from validation.execution.provenance import stamp
 from validation.report import document, html, junit, markdown
 from validation.report.document import (
     ABSENT,

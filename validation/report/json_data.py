@@ -13,9 +13,9 @@ from validation.cases import Case
 from validation.claims.claim import Finding
 from validation.compare.premises import of_case
 from validation.compare.suite import SceneComparison
-from validation.execution.fingerprints import version
+from validation.execution.provenance import version
+from validation.execution.run import Run
 from validation.execution.run_folder import summary
-from validation.execution.runs import Run
 from validation.measure.norms import CURVES
 from validation.report.report import Report
 from validation.report.sections.costs import spent

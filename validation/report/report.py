@@ -9,7 +9,7 @@ from validation.claims.claim import Finding
 from validation.claims.evidence import Evidence
 from validation.compare.regression import ReportComparison
 from validation.compare.suite import SceneComparison
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.fields.cycle_fields import CycleFields
 from validation.measure.check import Check
 from validation.stability.checks import checks as stability_checks
@@ -33,7 +33,7 @@ class Report:
     suite : str
     scenes : list of SceneComparison
     environment : dict
-        Of ``environment.stamp``.
+        Of ``provenance.stamp``.
     wall_seconds : float
     baseline : ReportComparison, optional
         What moved since an earlier report.

@@ -9,8 +9,8 @@ from pathlib import Path
 from validation.cases import Case
 from validation.claims.all import checks as claim_checks
 from validation.drawing import export
-from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
+from validation.execution.provenance import stamp
 from validation.execution.run_folder import write_run
 from validation.report import html, json_data, junit, markdown
 from validation.report.document import Document, Figure, Section, figures_of

@@ -8,9 +8,8 @@ from typing import Any
 
 from contact_scene import write_scene
 from validation.drawing import export
-from validation.execution.environment import stamp
 from validation.execution.files import to_json, write_whole
-from validation.execution.fingerprints import version
+from validation.execution.provenance import stamp, version
 from validation.fits.fit_result import FitResult
 from validation.report import html
 from validation.report.sections import fit

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from contact_scene import COLUMNS, Material, Trace
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.measure.difference import of_curves, of_numbers
 from validation.measure.norms import distance
 from validation.measure.observables import observe

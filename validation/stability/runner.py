@@ -6,11 +6,9 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from contact_scene import Scene
-from validation.execution.fingerprints import fingerprint
-from validation.execution.processes import processes
-from validation.execution.run_tasks import run_tasks
+from validation.execution.pool import Task, TaskResult, processes, run_tasks
+from validation.execution.provenance import fingerprint
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult
 from validation.solvers import REFERENCE, SOLVERS
 from validation.stability.case import EquivalentScene, ReferenceRuns, StabilityCase
 from validation.stability.case_runs import CaseAnswer, CaseRun, solve_case
@@ -83,7 +81,8 @@ def run(
     add_complete_cells()  # cells without any run
     with processes(jobs, isolated=True) as executor:
         unique = {task.key: task for tasks in needed for task in tasks}
-        run_tasks(unique.values(), executor, store, on_result=on_result)
+        longest_first = sorted(unique.values(), key=lambda task: -(task.time_limit or 0.0))
+        run_tasks(longest_first, executor, store, on_result=on_result)
     return StabilityMatrix(tuple(in_order()), store.seconds)
 
 
@@ -105,7 +104,6 @@ def _tasks(case: StabilityCase, solver: str, solve: SolveCase) -> list[Task]:
             solve,
             (run,),
             CaseAnswer,
-            expected_seconds=case.seconds,
             time_limit=case.seconds,
         )
         for run in runs

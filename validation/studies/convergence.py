@@ -16,7 +16,7 @@ import numpy as np
 
 from contact_scene import Scene, Trace
 from validation.cases import Case
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.measure.approach import is_located
 from validation.measure.difference import of_numbers
 from validation.measure.norms import distance

@@ -11,13 +11,10 @@ from dataclasses import dataclass
 
 from contact_scene import SceneError, Trace
 from validation.cases import Case
-from validation.execution.environment import stamp
-from validation.execution.fingerprints import fingerprint
-from validation.execution.processes import processes
+from validation.execution.pool import Task, TaskResult, one_line, processes, run_tasks
 from validation.execution.progress import Progress
-from validation.execution.run_tasks import run_tasks
+from validation.execution.provenance import fingerprint, stamp
 from validation.execution.store import Store
-from validation.execution.tasks import Task, TaskResult, one_line
 from validation.solvers import REFERENCE
 from validation.studies.convergence import (
     REPEATS,

@@ -17,13 +17,12 @@ import numpy as np
 
 from contact_scene import SceneError
 from validation.cases import Case
-from validation.execution.fingerprints import fingerprint
-from validation.execution.memory import peak_memory
-from validation.execution.run_tasks import run_tasks
-from validation.execution.runs import Run, run
+from validation.execution.pool import TaskEnding, run_tasks
+from validation.execution.process import peak_memory
+from validation.execution.provenance import fingerprint
+from validation.execution.run import Run, run
 from validation.execution.solver_tasks import run_of, run_task
 from validation.execution.store import Store
-from validation.execution.tasks import TaskEnding
 from validation.measure.difference import of_numbers
 from validation.solvers import REFERENCE, SOLVERS
 
@@ -186,7 +185,6 @@ def _zone_run(
         arguments=(plain.function, *plain.arguments),
         answer=MeasuredRun,
         time_limit=PATIENCE,
-        tells_share=False,
     )
     (answer,) = run_tasks([task], executor, store)
     if answer.ending is TaskEnding.TIMED_OUT:

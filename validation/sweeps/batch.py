@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from contact_scene import Scene
 from validation.cases import Case
-from validation.execution.fingerprints import fingerprint, version
+from validation.execution.provenance import fingerprint, version
+from validation.execution.run import Run, run
 from validation.execution.run_table import RunRecord, StoredRun
-from validation.execution.runs import Run, run
 from validation.execution.solver_tasks import origin_of
 
 NOT_REPEATABLE = ("wall_seconds",)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from validation.execution.fingerprints import version
+from validation.execution.provenance import version
 from validation.execution.run_table import RunTable
 from validation.sweeps.batch import run_batch
 from validation.sweeps.plan import SweepPlan

@@ -13,12 +13,11 @@ from dataclasses import dataclass, field
 
 from contact_scene.errors import SceneError
 from validation.execution.engines import Engine
-from validation.execution.fingerprints import version
-from validation.execution.memory import keep_freed
+from validation.execution.pool import Task, TaskResult, completed_tasks
+from validation.execution.process import keep_freed
 from validation.execution.progress import duration
+from validation.execution.provenance import version
 from validation.execution.run_table import RunRecord, RunTable, StoredRun
-from validation.execution.task_execution import completed_tasks
-from validation.execution.tasks import Task, TaskResult
 from validation.sweeps.batch import BatchedRun, OtherVersion, SweepOptions, run_batch
 from validation.sweeps.plan import Rows, SweepPlan
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from validation.execution.runs import Run
+from validation.execution.run import Run
 from validation.report.document import DataTable, Section, number
 
 LONGEST = 10  # runs listed one by one, those that took longest

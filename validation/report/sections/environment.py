@@ -8,7 +8,7 @@ from validation.report.document import DataTable, Section
 
 
 def section(stamp: Mapping[str, object], wall_seconds: float) -> Section:
-    """One line for each fact of ``environment.stamp``, and the wall time of the whole."""
+    """One line for each fact of ``provenance.stamp``, and the wall time of the whole."""
     rows = [(name, in_words(value)) for name, value in stamp.items()]
     rows.append(("whole report", f"{wall_seconds:.1f} s"))
     return Section("Computed on", (DataTable(("", ""), tuple(rows), numeric=False),))

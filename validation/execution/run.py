@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from contact_scene import RunMonitor, SceneError, Trace
+from contact_scene.errors import one_line
 from contact_scene.run_control.early_outcomes import outcome_of_loss
 from validation import solvers
 from validation.cases import Case
-from validation.execution.tasks import one_line
 from validation.measure import error_estimate
 from validation.measure.falling_loss import fall_warnings
 from validation.measure.scalars import measure
@@ -109,30 +109,12 @@ def run(
     *,
     monitor: RunMonitor | None = None,
     max_steps: int | None = None,
-    estimate_progress: solvers.Progress | None = None,
 ) -> Run:
-    """Run one solver; a refusal or a breakdown is part of the answer.
-
-    Parameters
-    ----------
-    case, solver, resolution, progress, estimate, monitor, max_steps, estimate_progress
-        As of :func:`run_or_raise`.
-
-    Returns
-    -------
-    Run
-    """
+    """Run one solver, as :func:`run_or_raise`; a refusal or a breakdown is part of the answer."""
     begin, spent = time.perf_counter(), time.process_time()
     try:
         return run_or_raise(
-            case,
-            solver,
-            resolution,
-            progress,
-            estimate,
-            monitor=monitor,
-            max_steps=max_steps,
-            estimate_progress=estimate_progress,
+            case, solver, resolution, progress, estimate, monitor=monitor, max_steps=max_steps
         )
     except SceneError as error:
         return Run(case.name, solver, failure=str(error), refused=True)
@@ -157,40 +139,16 @@ def run_or_raise(
     monitor: RunMonitor | None = None,
     stop_times: Collection[float] = (),
     max_steps: int | None = None,
-    estimate_progress: solvers.Progress | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
-    Parameters
-    ----------
-    case : Case
-    solver : str
-        Name.
-    resolution : int or None
-        Divisions per process zone; ``None``: the solver's choice.
-    progress : callable or None
-        Called with the share of the loading that is done, 0 to 1.
-    estimate : bool
-        Whether to estimate errors (see ``error_estimate``): by a coarser run, half as long again.
-    monitor : RunMonitor or None
-        Asked between two steps whether the run is to continue; an error estimate that it stops is left out.
-    stop_times : collection of float
-        Further times that are stepped onto.
-    max_steps : int or None
-        Largest number of steps, accepted and rejected together; ``None``: the solver's own bound.
-    estimate_progress : callable or None
-        Called with the share of the loading that is done in that second run.
-
-    Returns
-    -------
-    Run
-
-    Raises
-    ------
-    SceneError
-        If the solver does not take the scene or an option.
-    NotFiniteError
-        If the answer is not finite.
+    ``resolution`` is in divisions per process zone (``None``: the solver's choice). ``progress`` is called
+    with the share of the loading that is done, 0 to 1. With ``estimate`` errors are estimated (see
+    ``error_estimate``), by a coarser run, half as long again, where the solver does not do it. ``monitor``
+    is asked between two steps whether the run is to continue; an error estimate that it stops is left out.
+    ``stop_times`` are stepped onto as well. ``max_steps`` bounds accepted and rejected steps together.
+    Raises ``SceneError`` if the solver does not take the scene or an option, :class:`NotFiniteError` if the
+    answer is not finite.
     """
     method = solvers.solver(solver)
     method.load()
@@ -216,7 +174,7 @@ def run_or_raise(
     result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
     if estimate and result.finished:
         spent = time.process_time()
-        errors = _errors(case, result, method, resolution, monitor, estimate_progress)
+        errors = _errors(case, result, method, resolution, monitor)
         result = replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
     return replace(result, warnings=warnings + fall_warnings(case.scene, trace, fall_error(case, result)))
 
@@ -238,25 +196,8 @@ def _errors(
     method: solvers.Solver,
     resolution: int | None,
     monitor: RunMonitor | None,
-    progress: solvers.Progress | None,
 ) -> dict[str, float]:
-    """Error estimates of a finished run; none if the second run ends otherwise.
-
-    Parameters
-    ----------
-    case : Case
-    result : Run
-    method : Solver
-    resolution : int or None
-        Of the run.
-    monitor : RunMonitor or None
-    progress : callable or None
-        Of the second run.
-
-    Returns
-    -------
-    dict of str to float
-    """
+    """Error estimates of a finished run; none if the second run ends otherwise."""
     trace = result.trace
     if trace is None:
         return {}
@@ -264,9 +205,7 @@ def _errors(
         return error_estimate.from_own(trace, result.measures, case.scene.loading)
     second, stops = method.comparison_run(case.scene, resolution), cycle_times(case.scene.loading)
     try:
-        other = second.solve(
-            stop_times=stops, profile_times=case.profile_times, progress=progress, monitor=monitor
-        )
+        other = second.solve(stop_times=stops, profile_times=case.profile_times, monitor=monitor)
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
     if other.outcome.kind is not trace.outcome.kind:

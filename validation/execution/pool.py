@@ -1,0 +1,309 @@
+"""Independent tasks: carried out here, in worker processes or by any executor; one that breaks down costs
+no other.
+
+A task is a function call with a fingerprint, so that what an earlier attempt has answered is taken over
+from a :class:`~validation.execution.store.Store`. Any ``concurrent.futures`` executor will do:
+:class:`WorkerProcesses`, Dask's ``Client.get_executor()``, an MPI pool; only the first enforces time
+limits. However many tasks there are, an executor holds a bounded number of them at a time.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import StrEnum
+from itertools import islice
+from multiprocessing import resource_tracker
+from multiprocessing.connection import wait
+from queue import SimpleQueue
+from typing import Any
+from weakref import WeakSet
+
+import pebble
+
+from contact_scene.errors import one_line
+from validation.execution.process import interrupts_blocked, keep_freed
+from validation.execution.progress import time_left
+from validation.execution.store import Store
+
+OUTSTANDING = 512
+"""Tasks that an executor holds at a time: more than the workers of a large cluster, so that none waits for
+its next one, and few enough that neither their arguments nor their futures count in memory."""
+GUARD = 'a script that has processes work for it stands under `if __name__ == "__main__":`'
+"""Why all processes end as they begin: each imports the script, which starts its work anew."""
+WALL_PER_PROCESSOR_SECOND = 10.0
+"""Wall time after which a task is given up, over its limit of processor time: a task that sleeps uses none,
+and on a machine with ten times as many busy processes as cores no other task reaches it."""
+TellProgress = Callable[[float, str, str], None]
+"""Called with the share of the tasks that have ended, 0 to 1, a line of text, and the time left in words
+(empty where too little is known)."""
+
+
+class TaskEnding(StrEnum):
+    """How a task ended."""
+
+    ANSWERED = "answered"
+    RAISED = "raised"
+    DIED = "died"
+    TIMED_OUT = "hung"
+
+
+@dataclass(frozen=True)
+class Task:
+    """A function call that depends on no other task.
+
+    ``key`` is the fingerprint of what is computed: two tasks with one key have one answer. ``answer`` is
+    the kind by which a stored answer is read (see ``store``); ``None``: it is not stored. A value with an
+    attribute ``breakdown`` that is not empty counts as a failure, and the next attempt tries again.
+    ``time_limit`` is processor time (s) after which the task is given up.
+    """
+
+    key: str
+    label: str
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...] = ()
+    answer: Any = None
+    time_limit: float | None = None
+
+
+@dataclass(frozen=True)
+class TaskResult:
+    """What came of a task: its value, or why there is none (a line, a traceback), and its wall time (s)."""
+
+    task: Task
+    value: Any = None
+    failure: str = ""
+    details: str = ""
+    seconds: float = 0.0
+    stored: bool = False
+    ending: TaskEnding = TaskEnding.ANSWERED
+
+
+def run_tasks(
+    tasks: Iterable[Task],
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: TellProgress | None = None,
+    on_result: Callable[[TaskResult], None] | None = None,
+    *,
+    done_before: int = 0,
+    total: int | None = None,
+) -> list[TaskResult]:
+    """Carry out tasks, in this process without an executor, and return their results in their order.
+
+    ``store`` holds answers of an earlier attempt and receives new ones, breakdowns excepted. ``on_result`` is
+    called in this thread with each result as soon as it is there. Where one progress covers several calls,
+    ``done_before`` tasks were done in earlier ones, of ``total``.
+    """
+    store, tasks, results = store or Store(), list(tasks), {}
+    for index, task in enumerate(tasks):
+        value = None if task.answer is None else store.get(task.key, task.answer)
+        if value is not None:
+            results[index] = TaskResult(task, value, stored=True)
+            if on_result is not None:
+                on_result(results[index])
+    taken_over, began = len(results), time.monotonic()
+
+    def tell(text: str) -> None:
+        if progress is None:
+            return
+        ended, of_all = done_before + len(results), len(tasks) if total is None else total
+        pace = (len(results) - taken_over) / ((len(tasks) - taken_over) or 1)
+        left = time_left(pace, began) if total is None else ""
+        progress(ended / of_all, f"{ended}/{of_all} {text}{', ' if left else ''}{left}", left)
+
+    if results:
+        tell("taken over from an earlier attempt")
+    missing = [(index, task) for index, task in enumerate(tasks) if index not in results]
+    for index, result in completed_tasks(missing, executor):
+        results[index] = result
+        breakdown = result.failure or getattr(result.value, "breakdown", "")
+        if not breakdown and result.task.answer is not None:
+            store.put(result.task.key, result.value)
+        if on_result is not None:
+            on_result(result)
+        tell(f"{result.task.label}: {breakdown or f'{result.seconds:.1f} s'}")
+    return [results[index] for index in range(len(tasks))]
+
+
+class ExecutorGone(ConnectionError):
+    """An executor has given up tasks that it was given: it will carry out no other."""
+
+
+def completed_tasks(
+    numbered: Iterable[tuple[int, Task]], executor: Executor | None = None, outstanding: int = OUTSTANDING
+) -> Iterator[tuple[int, TaskResult]]:
+    """Yield results as they come, each with the number of its task.
+
+    A task is taken from ``numbered`` when there is room for it among the ``outstanding`` ones that the
+    executor holds, so that what is known by then can shape it. Raises :class:`ExecutorGone`.
+    """
+    if executor is None:
+        for number, task in numbered:
+            yield number, TaskResult(task, *execute(task.function, task.arguments))
+        return
+    done: SimpleQueue[Future[Any]] = SimpleQueue()
+    submitted: dict[Future[Any], tuple[int, Task]] = {}
+    coming = iter(numbered)
+    try:
+        while True:
+            for number, task in islice(coming, outstanding - len(submitted)):
+                future = _submit(executor, task)
+                submitted[future] = number, task
+                future.add_done_callback(done.put)
+            if not submitted:
+                return
+            future = done.get()
+            number, task = submitted.pop(future)
+            yield number, _collected(task, future)
+    finally:
+        for future in submitted:  # the reader of the results has gone
+            future.cancel()
+
+
+def _submit(executor: Executor, task: Task) -> Future[Any]:
+    if task.time_limit is not None and isinstance(executor, WorkerProcesses):
+        return executor.submit_limited(task.time_limit, execute, task.function, task.arguments)
+    return executor.submit(execute, task.function, task.arguments)
+
+
+def execute(
+    function: Callable[..., Any], arguments: tuple[Any, ...]
+) -> tuple[Any, str, str, float, bool, TaskEnding]:
+    """Call the function where the task is carried out: the fields of a result after its task."""
+    began = time.perf_counter()
+    try:
+        value, failure, details, ending = function(*arguments), "", "", TaskEnding.ANSWERED
+    except Exception as error:
+        value, failure, details, ending = None, one_line(error), traceback.format_exc(), TaskEnding.RAISED
+    return value, failure, details, time.perf_counter() - began, False, ending
+
+
+def _collected(task: Task, future: Future[Any]) -> TaskResult:
+    """The result of a task that an executor has done with; its process may have ended."""
+    try:
+        return TaskResult(task, *future.result())
+    except CancelledError:
+        raise ExecutorGone("the executor has given up what it was given") from None
+    except BrokenExecutor as error:
+        raise ExecutorGone(f"{one_line(error)}: {GUARD}") from None
+    except Exception as error:
+        exit_code = getattr(error, "exitcode", None)
+        if isinstance(error, TimeoutError) or exit_code == -getattr(signal, "SIGPROF", 0):
+            failure, ending = f"no answer within {task.time_limit:g} s; killed", TaskEnding.TIMED_OUT
+        elif exit_code is not None:
+            failure, ending = f"the process ended with code {exit_code}", TaskEnding.DIED
+        else:
+            failure, ending = one_line(error), TaskEnding.DIED
+        return TaskResult(task, failure=failure, ending=ending)
+
+
+class WorkerProcesses(Executor):
+    """Spawned processes that leave an interrupt to their parent and end with it, even if it is killed.
+
+    A process that dies, or is killed because its task exceeds its time limit, costs this one task.
+    """
+
+    def __init__(
+        self,
+        count: int,
+        wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
+        tasks_per_process: int = 0,
+    ) -> None:
+        if getattr(multiprocessing.current_process(), "_inheriting", False):
+            os._exit(1)  # this process imports a script that has no guard: its parent says so (``GUARD``)
+        self._wall_per_processor_second = wall_per_processor_second
+        # Started later, where interrupts are blocked, it would unblock them for the processes that follow.
+        resource_tracker.ensure_running()
+        context = multiprocessing.get_context("spawn")
+        self._pool = pebble.ProcessPool(count, tasks_per_process, initializer=_begin_worker, context=context)
+        self._futures: WeakSet[Future[Any]] = WeakSet()
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
+        """As of any executor; what is called is picklable."""
+        return self._schedule(None, function, arguments, named)
+
+    def submit_limited(self, seconds: float, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
+        """The same, given up after some processor time (s), which a busy machine does not change."""
+        return self._schedule(seconds, function, arguments, {})
+
+    def _schedule(
+        self, seconds: float | None, function: Callable[..., Any], arguments: tuple[Any, ...], named: Any
+    ) -> Future[Any]:
+        # Bytes: what cannot be unpickled in a process then fails with its task, not with the process.
+        call = pickle.dumps((function, arguments, named))
+        timeout = None if seconds is None else self._wall_per_processor_second * seconds
+        with interrupts_blocked():  # inherited by the threads begun here, and by every process they start
+            future = self._pool.schedule(_carry_out, (call, seconds), timeout=timeout)
+        self._futures.add(future)
+        return future
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """Wait for the tasks, or kill the processes and cancel what is pending."""
+        if not cancel_futures:
+            self._pool.close()
+            if not wait:
+                return
+        else:
+            self._pool.stop()
+            for future in list(self._futures):
+                future.cancel()
+        self._pool.join()
+
+
+@contextmanager
+def processes(
+    workers: int,
+    isolated: bool = False,
+    wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
+    tasks_per_process: int = 0,
+) -> Iterator[WorkerProcesses | None]:
+    """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process.
+
+    A process is replaced by a fresh one after ``tasks_per_process`` tasks; 0: never.
+    """
+    if workers <= 1 and not isolated:
+        yield None
+        return
+    pool = WorkerProcesses(max(workers, 1), wall_per_processor_second, tasks_per_process)
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+def _carry_out(call: bytes, seconds: float | None) -> Any:
+    """Runs in a worker: the system ends the process when the processor time is used up (SIGPROF)."""
+    limited = seconds is not None and hasattr(signal, "setitimer")
+    if limited:
+        signal.setitimer(signal.ITIMER_PROF, seconds or 0.0)
+    try:
+        function, arguments, named = pickle.loads(call)
+        return function(*arguments, **named)
+    finally:
+        if limited:
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
+
+
+def _begin_worker() -> None:
+    """Set up a worker process: allocator, end with the parent."""
+    keep_freed()
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_exit_after, args=(parent.sentinel,), daemon=True).start()
+
+
+def _exit_after(sentinel: int) -> None:
+    wait([sentinel])
+    os._exit(1)
