@@ -13,7 +13,9 @@ LEAST = 2**21
 """Bytes that may wait for the garbage collection, which seldom looks at old objects."""
 
 
-@pytest.mark.parametrize("scene", ["elastic-relaxed", "pdms-retraction-100nm"])
+@pytest.mark.parametrize(
+    "scene", ["elastic-relaxed", pytest.param("pdms-retraction-100nm", marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("solver", solvers.SOLVERS)
 def test_a_finished_run_is_freed_without_the_garbage_collection(solver, scene):
     case, method = cases.load(scene), solvers.solver(solver)

@@ -143,6 +143,7 @@ def test_profile_without_contact_or_length_scale():
     assert profile.radius.tolist() == profile.pressure.tolist() == profile.gap.tolist() == [0.0]
 
 
+@pytest.mark.slow
 def test_released_surface_keeps_its_indentation():
     """Profile at the moment an adhesionless contact is lost: nowhere inside the indenter."""
     question = scene(

@@ -125,6 +125,7 @@ def closed(to, rate):
     return solve(scene, Options(6))
 
 
+@pytest.mark.slow
 def test_steps_over_what_an_edge_covers():
     """Steps of up to 200 zones; radius by front tracking at four times its default resolution."""
     trace = closed(0.001, 1e-6)

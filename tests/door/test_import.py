@@ -38,6 +38,7 @@ def test_the_import_loads_nothing_heavy(tmp_path):
     assert not loaded & {*HEAVY, *PACKAGES}
 
 
+@pytest.mark.slow
 def test_solving_draws_and_tabulates_only_when_asked_and_other_files_of_a_user_hide_nothing(tmp_path):
     for name in ("scene", "solver", "result", "material", "loading", "options"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit('imported')")

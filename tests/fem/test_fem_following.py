@@ -449,6 +449,7 @@ def test_penetration_under_a_force_near_the_axis_of_a_flat_profile(monkeypatch):
     assert problem.penetration(2.0) == pytest.approx(2e-3, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_an_elastic_contact_over_short_zones_is_lost_at_its_limit_point():
     """Sought from a sharp edge alone it was lost 1.5 % of its radius before, at every resolution."""
     work, zone = 2.0, 5e-7

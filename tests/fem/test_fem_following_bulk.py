@@ -96,6 +96,7 @@ def test_the_surface_has_one_modulus(bulk):
     assert moduli(replace(APART, bulk=None)).surface is not None
 
 
+@pytest.mark.slow
 def test_a_zone_of_a_hundred_thousandth_of_the_contact_is_that_of_front_tracking():
     scene = PULLED
     assert FiniteElements().follows_edge(scene)

@@ -112,6 +112,7 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
     assert_allclose(back.branches[:, fine], state.branches[:, fine], rtol=0.0, atol=1e-6 * largest)
 
 
+@pytest.mark.slow
 def test_the_path_of_an_edge_is_judged_over_elements_not_over_the_nodes_it_passes():
     state, solver = moved_on().history.state, FollowingContactSolver(moved_on(), Counters())
     dt, element = 0.5 * state.before[0][0], 0.25 * ZONE
@@ -131,6 +132,7 @@ def test_a_surface_without_force_keeps_no_energy_of_the_contact_that_it_left():
     assert 0.0 < energy.min() < 1e-6 * energy.max()
 
 
+@pytest.mark.slow
 def test_force_and_energy_stay_where_a_jump_left_behind_lies_in_a_wide_element():
     """A fast approach has passed the edge of the relaxed contact, where the branch variable jumps."""
     scene = replace(SHORT, loading=Loading("relaxed", 0.002, (Ramp(0.05, 0.5),)))

@@ -31,6 +31,7 @@ def test_an_edge_closes_smoothly_in_a_zone_far_shorter_than_that_at_rest(share, 
     assert solver.solve(scene, 4).contact_radius[-1] == pytest.approx(radius, rel=5e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stress", "speed", "follows", "force", "work", "end"),
     [

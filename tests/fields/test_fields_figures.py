@@ -237,6 +237,7 @@ def test_screens_are_recognised(monkeypatch, display, said, expected):
         rendering.rendering_window.cache_clear()
 
 
+@pytest.mark.slow
 def test_nothing_that_draws_is_loaded_before_something_is_drawn():
     code = (
         "import sys, validation.fields.figures.figure_set, validation.report.sections.fields as f\n"

@@ -115,6 +115,7 @@ def test_moment_panels_are_alike():
     assert low == -high
 
 
+@pytest.mark.slow
 def test_animation_has_a_frame_a_state_and_one_table_of_colours():
     rows = [0, 8]
     done: list[float] = []

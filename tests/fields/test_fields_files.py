@@ -200,6 +200,7 @@ def test_times_are_checked_before_anything_is_solved():
             check_times([wrong], loading)
 
 
+@pytest.mark.slow
 def test_one_run_for_a_constant_ratio_and_two_for_separate_relaxation(monkeypatch):
     runs = []
     monkeypatch.setattr("fem_solver.record", lambda *given: runs.append(given) or record(*given))

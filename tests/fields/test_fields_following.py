@@ -99,6 +99,7 @@ def assert_both_meshes_give_the_same_body(scene, mean, rates):
         assert_allclose(*sums, rtol=allowed, atol=0.0)
 
 
+@pytest.mark.slow
 def test_both_meshes_give_the_same_body():
     assert_both_meshes_give_the_same_body(MIDDLE, 6e-3, 2e-2)
 
@@ -124,6 +125,7 @@ def test_a_zone_of_a_hundred_thousandth_of_the_contact_is_as_good_as_the_closed_
     assert np.abs(state.stress[:, close] - exact).max() < 6e-3 * np.abs(exact).max()
 
 
+@pytest.mark.slow
 def test_densities_add_up_to_the_energies_of_the_trace():
     state = requested_body()
     sums = balance(state, requested().recording.trace)
@@ -138,6 +140,7 @@ SAME = replace(ALIKE, bulk=BulkRelaxation(0.75 * BULK, (Branch(4.0 * BULK, 0.05)
 """Bulk that relaxes like shear, as two materials."""
 
 
+@pytest.mark.slow
 def test_bulk_that_relaxes_like_shear_gives_the_same_body():
     one, other = body(replace(MIDDLE, material=ALIKE)), body(replace(MIDDLE, material=SAME))
     assert other.branches == ("shear tau=0.05", "shear tau=0.3", "bulk tau=0.05", "bulk tau=0.3")
@@ -184,6 +187,7 @@ def test_only_short_zones_are_followed():
     assert fine.grading < usual.grading
 
 
+@pytest.mark.slow
 def test_files_hold_what_is_known(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(fields, "record_fields", lambda *given: requested())
     file, folder = tmp_path / "short.toml", tmp_path / "out"

@@ -58,6 +58,7 @@ def test_another_scenes_fields_are_refused(scene_file, tmp_path, monkeypatch, re
     assert main(["fields", str(other), *given, "--fresh"]) == 0
 
 
+@pytest.mark.slow
 def test_an_animation_alone_writes_no_files_for_paraview(scene_file, tmp_path, monkeypatch, recorded, capsys):
     monkeypatch.setattr(fields, "record_fields", record_fields)
     monkeypatch.setattr(figure_set.animation, "film", lambda *given: b"GIF" * 700)

@@ -136,6 +136,7 @@ def test_elastic_punch_lets_go_at_kendalls_force():
     assert_allclose(excess[0] / excess[1], 2.0, rtol=0.02)
 
 
+@pytest.mark.slow
 def test_viscoelastic_punch_lets_go_between_its_bounds():
     slow, fast = punch.viscoelastic_bounds(ONE, 0.2, WORK)
     forces = []

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
 
@@ -162,6 +162,7 @@ def test_both_derivations_agree(name):
 
 
 @either
+@settings(max_examples=30)
 @given(branch_lists, st.floats(-9, 10))
 def test_identity_on_random_spectra(creep_of, branches, log_time):
     sample = material(*zip(*branches, strict=True))
@@ -170,6 +171,7 @@ def test_identity_on_random_spectra(creep_of, branches, log_time):
 
 
 @either
+@settings(max_examples=30)
 @given(branch_lists)
 def test_round_trip_on_random_spectra(creep_of, branches):
     there = material(*zip(*branches, strict=True))
@@ -183,6 +185,7 @@ def test_round_trip_on_random_spectra(creep_of, branches):
 
 
 @either
+@settings(max_examples=30)
 @given(branch_lists, st.floats(-12, 12))
 def test_complex_modulus_times_complex_compliance_is_one(creep_of, branches, log_frequency):
     sample = material(*zip(*branches, strict=True))
@@ -192,6 +195,7 @@ def test_complex_modulus_times_complex_compliance_is_one(creep_of, branches, log
 
 
 @either
+@settings(max_examples=30)
 @given(branch_lists)
 def test_order_and_splitting_of_branches_do_not_matter(creep_of, branches):
     moduli, times = zip(*branches, strict=True)
