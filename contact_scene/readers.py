@@ -143,7 +143,10 @@ def measured_data(text: str, file: str, format: str) -> RelaxationData | Dynamic
             moduli = columns["stress"] / (table.stated("gamma", positive) or 1.0)
         shear = shear or "stress" in columns
         return RelaxationData(
-            columns["time"], moduli, shear, (units.get("time", ""), units.get("modulus", ""))
+            columns["time"],
+            moduli,
+            shear,
+            (units.get("time", ""), units.get("modulus", units.get("stress", ""))),
         )
     omega = columns.get("angular frequency")
     if omega is None:

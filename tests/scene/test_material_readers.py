@@ -149,8 +149,9 @@ def test_data_files_of_reptate_hold_shear_moduli():
 )
 def test_stress_of_reptate_after_a_step_of_strain(head, strain):
     for name in ("sxy", "Gt"):
-        read = measured_data(f"{head}\nt {name}\n0.1\t9\n1 5\n2 3\n", "PB.gt", "relaxation")
+        read = measured_data(f"{head}\nt {name}\ns Pa\n0.1\t9\n1 5\n2 3\n", "PB.gt", "relaxation")
         assert read.shear
+        assert read.units == ("s", "Pa")
         expected = np.array([9.0, 5.0, 3.0]) / (strain if name == "sxy" else 1.0)
         np.testing.assert_allclose(read.moduli, expected, rtol=1e-15)
         assert format_of(f"{head}\nt {name}\n0.1\t9\n1 5\n2 3\n", "PB.gt") == "relaxation"
