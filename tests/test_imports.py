@@ -190,25 +190,6 @@ def test_functions_import_only_what_is_heavy():
     assert not found, report(found)
 
 
-def test_the_reader_of_imports_sees_every_form():
-    source = Source(
-        "import a.b, c as d\nfrom e.f import g\nfrom . import h\nfrom .i import j\nfrom ..p import q\n"
-        "def k():\n    import l\n    importlib.import_module('m.n')\n    __import__('o')\n"
-        "    import_module(name)\n"
-        "if TYPE_CHECKING:\n    import r\n"
-        "if typing.TYPE_CHECKING:\n    from s import t\nelse:\n    import u\n"
-        "class V:\n    import w\n    async def x(self):\n        from y import z\n"
-    )
-    found = imports("ours.inner.module", source, {"ours.inner.h"})
-    assert {(one.module, one.name) for one in found if not one.deferred} == {
-        ("a.b", ""), ("c", ""), ("e.f", "g"), ("ours.inner.h", ""), ("ours.inner.i", "j"), ("ours.p", "q"),
-        ("u", ""), ("w", ""),
-    }  # fmt: skip
-    assert {(one.module, one.name) for one in found if one.deferred} == {
-        ("l", ""), ("m.n", ""), ("o", ""), (COMPUTED, ""), ("r", ""), ("s", "t"), ("y", "z"),
-    }  # fmt: skip
-
-
 def made_up(**texts: str) -> ImportGraph:
     """A project of the given modules (``__`` for the dot); names without a dot are packages."""
     return ImportGraph(
@@ -217,76 +198,6 @@ def made_up(**texts: str) -> ImportGraph:
             for name, text in {"validation": "", "bem_solver": "", **texts}.items()
         }
     )
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "import fem_solver",
-        "from validation.reference import jkr",
-        "def f():\n    import meshes.files",
-        "if TYPE_CHECKING:\n    from crosscontact import Result",
-        "importlib.import_module('validation.cases')",
-        "importlib.import_module(name)",
-        "from support import browser",
-        "from benchmarks import what_differs",
-    ],
-)
-def test_a_solver_that_imports_too_much_is_seen(line):
-    assert len(against_the_table(made_up(bem_solver__kernel=line))) == 1
-    assert not against_the_table(made_up(bem_solver__kernel="from contact_scene import Scene"))
-
-
-@pytest.mark.parametrize(
-    ("importer", "line"),
-    [
-        ("reference__jkr", "from validation.studies import ladders"),
-        ("measure__norms", "from validation.execution import run"),
-        ("execution__run", "from ..report.build import build"),
-        ("drawing__figures", "def f():\n    from validation.report import html"),
-        ("claims__force", "from validation.compare.checks import check_run"),
-        ("studies__study", "if TYPE_CHECKING:\n    from validation.fields import balance"),
-        ("solvers__bem", "from validation import cases"),
-        ("gadgets", ""),
-    ],
-)
-def test_an_import_down_or_across_is_seen(importer, line):
-    graph = made_up(
-        **{f"validation__{importer}": line, "validation__cases": "", "validation__fields__balance": ""}
-    )
-    assert len(against_the_layers(graph)) == 1
-
-
-def test_imports_upwards_are_no_violation():
-    graph = made_up(
-        validation__report__html="from validation.claims import force\nfrom ..drawing import figures",
-        validation__claims__force="from validation import cases\nfrom ..measure.norms import distance",
-    )
-    assert not against_the_layers(graph)
-
-
-@pytest.mark.parametrize(
-    "back",
-    ["import bem_solver.one", "def f():\n    from . import one", "if TYPE_CHECKING:\n    from .one import x"],
-)
-def test_a_cycle_is_seen_in_every_form(back):
-    graph = made_up(bem_solver__one="from .two import y", bem_solver__two="import bem_solver.three",
-                    bem_solver__three=back, bem_solver__four="from . import one")  # fmt: skip
-    assert graph.cycles() == [["bem_solver.one", "bem_solver.three", "bem_solver.two"]]
-
-
-def test_a_deferred_import_of_something_light_is_seen():
-    graph = made_up(
-        bem_solver__light="import numpy",
-        bem_solver__drawn="from .figures import line",
-        bem_solver__figures="import matplotlib.pyplot as plt",
-        bem_solver__user="def f():\n    import json\n    from . import light, drawn\n    import matplotlib\n",
-    )
-    assert graph.loads(HEAVY) == {"bem_solver.drawn", "bem_solver.figures"}
-    assert deferred_without_need(graph) == [
-        "bem_solver.user:2 imports json",
-        "bem_solver.user:3 imports bem_solver.light",
-    ]
 
 
 LIGHT = ("contact_scene", "bem_solver", "validation.solvers", "crosscontact")

@@ -24,7 +24,6 @@ from contact_scene import (
     PowerRate,
     Ramp,
     Scene,
-    SceneError,
     Sphere,
     Sweep,
     Table,
@@ -43,23 +42,6 @@ def finite(trace):
     return all(np.isfinite(column).all() for column in (*columns, *profiles))
 
 
-def test_no_equilibrium_at_the_start():
-    for start in ("relaxed", "jump-in"):
-        trace = solve(scene(Ramp(0.1, 0.1), start=start, at=-0.1), COARSE)
-        assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
-        assert not trace.outcome.finished
-        assert "-0.1" in trace.outcome.reason
-        assert len(trace) == 0
-
-
-def test_start_state_alone():
-    trace = solve(scene(at=0.01), COARSE)
-    assert trace.outcome.kind is OutcomeKind.COMPLETED
-    assert len(trace) == 1
-    assert trace.contact_radius[0] > 0.1
-    assert trace.counters.steps == 0
-
-
 def test_a_run_that_completes_ends_on_time():
     trace = solve(scene(Ramp(0.01, 0.1), Hold(0.3), Ramp(0.005, 0.05)), COARSE)
     assert trace.outcome.kind is OutcomeKind.COMPLETED
@@ -75,17 +57,6 @@ def test_hold_and_force_of_no_duration_cost_nothing():
     trace = solve(scene(Hold(0.0), Ramp(0.01, 0.1), Hold(0.0)), COARSE)
     assert trace.outcome.kind is OutcomeKind.COMPLETED
     assert_allclose(trace.time[-1], 0.1)
-
-
-def test_step_budget_keeps_what_was_computed():
-    whole = bem(cycle(0.02))
-    trace = solve(cycle(0.02), Options(max_steps=25))
-    assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
-    assert not trace.outcome.finished
-    assert "25" in trace.outcome.reason
-    assert 2 < len(trace) <= 26
-    assert_allclose(trace.force, whole.force[: len(trace)], rtol=1e-12)
-    assert trace.outcome.time == trace.time[-1]
 
 
 def test_detachment_is_an_event_at_the_least_penetration():
@@ -155,11 +126,6 @@ def test_adhesionless_first_contact_and_lift_off():
     assert_allclose(never.contact_radius, 0.0)
     pulled = solve(scene(Force(-1.0, 1.0), at=-0.01, adhesion=None), COARSE)
     assert pulled.outcome.kind is OutcomeKind.DETACHED
-
-
-def test_zone_longer_than_the_contact_is_refused():
-    with pytest.raises(SceneError, match=r"zone.*longer than the contact radius"):
-        solve(scene(Ramp(0.01, 0.1), at=1e-3, adhesion=Adhesion(WORK, 0.5)), COARSE)
 
 
 @pytest.mark.parametrize("bulk", ["elastic", BulkRelaxation(100.0, (Branch(1.0, 2.0),))])

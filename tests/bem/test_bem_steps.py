@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import bem
-from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
+from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
 from bem_solver.loading_intervals import LoadingInterval
@@ -108,47 +108,10 @@ def test_every_step_keeps_to_the_tolerance(material):
     assert 0.5 < 4.0 * max(departures) / COARSE.step_tolerance <= 1.0 + 1e-6
 
 
-@pytest.mark.parametrize("annuli", ["graded", "uniform"])
-def test_stop_times_are_stepped_onto_without_a_profile(annuli):
-    question = scene(Ramp(0.01, 0.02), at=0.005, adhesion=None)
-    options = Options(resolution=4, stop_times=(0.0, 0.1234, 9.0), profile_times=(0.2,), annuli=annuli)
-    trace = solve(question, options)
-    assert {0.1234, 0.2} <= set(trace.time)
-    assert [profile.time for profile in trace.profiles] == [0.2]
-
-
 def test_kinks_of_a_table_are_stepped_onto():
     times = (0.0, 0.1234, 0.3, 0.777, 1.0)
     trace = solve(scene(Table(times, (0.005, 0.01, 0.012, 0.006, 0.008)), at=0.005, adhesion=None), COARSE)
     assert set(times) <= set(trace.time)
-
-
-@pytest.mark.parametrize(
-    "question",
-    [
-        cycle(0.1, depth=0.01),
-        pytest.param(
-            scene(Ramp(0.02, 0.1), Hold(0.1), Force(PULL, 0.1), Ramp(-0.5, 0.1)), marks=pytest.mark.slow
-        ),
-        pytest.param(scene(Ramp(0.01, 0.05), Ramp(-0.02, 0.05), adhesion=None), marks=pytest.mark.slow),
-    ],
-    ids=["cycle", "four steps", "adhesionless"],
-)
-def test_progress_rises_within_bounds(question):
-    """Shares never fall and stay within 0 to 1; without the callable the answer is the same."""
-    shares = []
-    trace = solve(question, COARSEST, shares.append)
-    assert len(shares) >= trace.counters.steps
-    assert np.all(np.diff(shares) >= 0.0)
-    assert shares[0] >= 0.0
-    assert shares[-1] <= 1.0 + 1e-12
-    assert np.array_equal(trace.force, solve(question, COARSEST).force)
-
-
-def test_progress_reaches_one_when_all_is_done():
-    shares = []
-    solve(scene(Ramp(0.01, 0.1), Hold(0.1)), COARSE, shares.append)
-    assert_allclose(shares[-1], 1.0)
 
 
 @pytest.mark.parametrize("rounded", [1.0 - 1e-14, 1.0, 1.0 + 1e-14])

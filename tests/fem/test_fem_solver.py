@@ -15,7 +15,6 @@ from support.paper_scenes import cycle as cycle_scene
 from support.paper_scenes import scene as scene_of
 
 from contact_scene import (
-    Adhesion,
     Branch,
     BulkRelaxation,
     Cone,
@@ -367,14 +366,6 @@ def test_adhering_flat_punch_releases_at_its_edge():
     assert np.allclose(trace.force, 0.4 * trace.penetration, rtol=2e-3)
 
 
-def test_start_without_equilibrium_and_zone_longer_than_the_contact():
-    trace = run(penetration=-0.05)
-    assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
-    assert len(trace) == 0
-    with pytest.raises(SceneError, match="process zone"):
-        run(start="jump-in", penetration=0.0, material=Material(7500.0, 0.5))
-
-
 @pytest.mark.slow
 def test_an_elastic_ramp_to_far_beyond_detachment_does_the_work_of_its_curve():
     """The first step of a ramp is a share of the whole ramp, most of which lies beyond the end of contact."""
@@ -382,32 +373,6 @@ def test_an_elastic_ramp_to_far_beyond_detachment_does_the_work_of_its_curve():
     trace = SOLVERS["fem"].solve(retraction, 4)
     expected = SOLVERS["reference"].solve(retraction, 8).external_work[-1]
     assert trace.external_work[-1] == pytest.approx(expected, rel=2e-4)
-
-
-def test_step_budget_is_an_outcome():
-    trace = run(Ramp(-0.3, 0.02), max_steps=7)
-    assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
-    assert not trace.outcome.finished
-    assert trace.counters.steps + trace.counters.rejected_steps == 7
-    assert len(trace) == trace.counters.steps + 1
-
-
-@pytest.mark.slow  # by default the invariant "units" asks it of every solver
-@pytest.mark.parametrize("scale", [(1e-6, 1e6, 1e-3), (1e3, 1e-9, 1e6)])
-def test_units_do_not_matter(scale):
-    length, modulus, time = scale
-    material = Material(0.75 * modulus, 0.5, (Branch(6.75 * modulus, time),))
-    speed = 0.1 * length / time
-    loading = Loading("jump-in", 0.0, (Ramp(0.032 * length, speed), Ramp(-0.5 * length, speed)))
-    adhesion = Adhesion(WORK * modulus * length, ZONE * length)
-    scaled = structured_half_space(fit(0.0, 0.26 * length, ZONE * length, 2))
-    trace = solve(Scene(material, Sphere(length), loading, adhesion), scaled)
-    expected = cycle(0.1)
-    unit = modulus * length**2
-    assert trace.force.min() == pytest.approx(unit * expected.force.min(), rel=1e-4)
-    assert trace.dissipated_energy[-1] == pytest.approx(
-        unit * length * expected.dissipated_energy[-1], rel=1e-4
-    )
 
 
 @pytest.mark.parametrize(
@@ -428,12 +393,6 @@ def test_relaxation_times_over_many_decades(times):
     if len(times) == 1 and times[0] < 1.0:
         assert -trace.force.min() / JKR == pytest.approx(1.027, rel=3e-3)
     assert -trace.force.min() / JKR > 1.0
-
-
-def test_stop_times_are_stepped_onto_without_a_profile():
-    trace = run(Ramp(0.022, 0.01), stop_times=(0.05,), profile_times=(0.1,))
-    assert {0.05, 0.1} < set(trace.time)
-    assert [profile.time for profile in trace.profiles] == [0.1]
 
 
 def test_progress_and_recorded_states():

@@ -19,7 +19,6 @@ from validation.fields.figures import (
     colours,
     fig3,
     geometry,
-    moment_panels,
     moments,
     rendering,
     single_section,
@@ -185,11 +184,6 @@ def test_figures_ask_for_the_rows_they_draw():
     assert both[9] == ""
     with pytest.raises(SceneError, match="von-misses"):
         FigureSet(("von-misses",))
-
-
-def test_caption_says_when_and_where():
-    said = moment_panels.caption(state(label="pull-off", penetration=-0.0123))
-    assert said == "pull-off: t = 3, Δ = −0.0123, F = −0.0123"
 
 
 def test_without_rendering_sections_are_left_out_with_a_word_and_the_rest_is_an_error(monkeypatch, tmp_path):

@@ -10,28 +10,20 @@ import re
 import numpy as np
 import pytest
 from PIL import Image as Pixels
-from support.browser import CHROMIUM, measure_page
-from support.spring_solver import SCENE as SMALL
-from support.spring_solver import fake, named
 from support.synthetic_fields import SCENE, states, surfaces, trace
 from support.unlaid_figures import without_layout
 
-from crosscontact import arguments
 from crosscontact.cli import main
-from validation import solvers
 from validation.cases import load
 from validation.drawing import export
-from validation.execution.progress import Progress
 from validation.execution.run import Run
 from validation.fields import cycle_fields
 from validation.fields.cycle_fields import CycleFields, Image
 from validation.fields.figures import animation, rendering
 from validation.fields.figures.moments import key_moments
 from validation.report import html
-from validation.report.build import build
 from validation.report.document import Document, figures_of
 from validation.report.sections import fields
-from validation.report.write import write
 
 
 def small_png(inches) -> bytes:
@@ -113,20 +105,3 @@ def test_report_draws_fields_only_when_asked(monkeypatch, tmp_path):
     assert len(asked) == 1
     assert (tmp_path / "drawn" / "figures" / "fields-cycle.gif").read_bytes() == b"GIF89a"
     assert 'id="fields"' in (tmp_path / "drawn" / "index.html").read_text()
-
-
-@pytest.mark.exhaustive
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on PATH")
-def test_section_fits_a_phone(section, monkeypatch, tmp_path):
-    for name in arguments.names():
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
-    own = tmp_path / "small.toml"
-    own.write_text(SMALL)
-    made = build("quick", [load(str(own))], None, Progress("test"), estimate=False)
-    write(dataclasses.replace(made, fields=section), tmp_path)
-    text = (tmp_path / "index.html").read_text()
-    assert len(section.images) == 7
-    seen = measure_page(tmp_path, text, 375)
-    assert seen["content"] <= 375
-    assert (seen["trouble"], seen["broken"], seen["flat"], seen["wide"]) == (0, 0, 0, 0)
-    assert seen["figures"] == 7  # six of the scene, and Fig. 3

@@ -12,7 +12,6 @@ from support.paper_scenes import PULL as F_JKR
 from benchmarks.reference_accuracy import COLUMNS, cycle, levels, order
 from contact_scene import (
     Adhesion,
-    Branch,
     Force,
     Loading,
     Material,
@@ -394,27 +393,6 @@ def test_energy_release_rate_of_an_elastic_contact_is_the_work_of_adhesion() -> 
         bias.append(np.abs(rate[1:] / WORK - 1.0).max())
     assert bias[0] < 0.03
     assert bias[1] == pytest.approx(0.5 * bias[0], rel=0.1)
-
-
-@pytest.mark.slow
-def test_any_system_of_units() -> None:
-    """Lengths in micrometres, forces in micronewtons, times in milliseconds."""
-    length, force, second = 1e6, 2.5e6, 1e3
-    modulus = force / length**2
-    scene = Scene(
-        Material(0.75 * modulus, 0.5, (Branch(6.75 * modulus, second),)),
-        Sphere(length),
-        Loading(
-            "jump-in",
-            0.0,
-            (Ramp(0.032 * length, 0.1 * length / second), Ramp(-length, 0.1 * length / second)),
-        ),
-        Adhesion(WORK * force / length, ZONE * length),
-    )
-    one, two = _seen(_run(0.1)), _seen(solve(scene))
-    assert two.pull_off_force == pytest.approx(one.pull_off_force * force, rel=1e-6)
-    assert two.loop_energy == pytest.approx(one.loop_energy * force * length, rel=1e-6)
-    assert two.detachment_time == pytest.approx(one.detachment_time * second, rel=1e-7)
 
 
 def _sweep(duration: float) -> Scene:

@@ -262,31 +262,9 @@ def test_a_ledge_makes_the_edge_snap() -> None:
 def test_refusals() -> None:
     with pytest.raises(UnsupportedScene, match=r"material\.bulk"):
         solve(_scene((), material=Material(0.75, 0.3, (Branch(6.75, 1.0),), "elastic")))
-    with pytest.raises(SceneError, match="process zone"):
-        solve(_scene((), adhesion=Adhesion(WORK, 0.1)))
-    trace = solve(_scene((Ramp(0.0, 0.1),), depth=-0.1))
-    assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
-    assert not trace.outcome.finished
-    assert len(trace) == 0
     for wrong in ({"resolution": 3}, {"resolution": 4.5}, {"tolerance": 0.0}, {"tolerance": math.nan}):
         with pytest.raises(SceneError):
             Options(**wrong)
-
-
-def test_step_budget_keeps_what_there_is() -> None:
-    trace = solve(_scene((Ramp(0.032, 0.02),)), Options(max_steps=20))
-    assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
-    assert trace.counters.steps + trace.counters.rejected_steps == 20
-    assert len(trace) > 10
-    assert _finite(trace)
-
-
-def test_start_alone_and_progress() -> None:
-    assert len(solve(_scene(()))) == 1
-    seen: list[float] = []
-    solve(_scene((Ramp(0.01, 0.1), Hold(1.0))), Options(resolution=8), seen.append)
-    assert seen[-1] == pytest.approx(1.0)
-    assert np.all(np.diff(seen) >= 0.0)
 
 
 @pytest.mark.parametrize(

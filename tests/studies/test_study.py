@@ -205,27 +205,3 @@ def test_untimed_ladders_may_run_in_processes(scene_file, fakes, monkeypatch):
     monkeypatch.setattr(study, "processes", noted)
     assert main(["study", scene_file, "--jobs", "3"]) == 0
     assert asked == [3]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ((), "SCENE"),
-        (("nowhere.toml",), "nowhere.toml"),
-        (("cicle",), "nearest: cycle"),
-        (("cycle-v0.1", "nowhere.toml"), "nowhere.toml"),
-        (("cycle-v0.1", "--jobs", "0"), "a whole number >= 1"),
-        (("cycle-v0.1", "--out", "/proc/nothing/here"), "--out"),
-        (("cycle-v0.1", "--suite", "quick"), "--suite"),
-    ],
-)
-def test_bad_input_is_one_line(capsys, arguments, said):
-    try:
-        code = main(["study", *arguments])
-    except SystemExit as leave:
-        code = int(leave.code or 0)
-    out, err = capsys.readouterr()
-    assert code == 2
-    assert out == ""
-    assert said in err
-    assert err.count("\n") == 1

@@ -1,0 +1,73 @@
+"""How the run of any solver begins, reports its progress, stops where it is told to, and ends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from support.paper_scenes import WORK, scene
+
+from contact_scene import Adhesion, Hold, Material, OutcomeKind, Ramp, SceneError
+from validation.solvers import solver
+
+every_solver = pytest.mark.parametrize("name", ["bem", "fem", "reference"])
+PRESS = scene(Ramp(0.022, 0.02), start="relaxed", at=0.02)
+
+
+def finite(trace):
+    return all(np.isfinite(column).all() for column in trace.columns().values())
+
+
+@every_solver
+@pytest.mark.parametrize("start", ["relaxed", "jump-in"])
+def test_above_the_surface_there_is_no_equilibrium(name, start):
+    trace = solver(name).solve(scene(Ramp(0.1, 0.1), start=start, at=-0.1), 4)
+    assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
+    assert not trace.outcome.finished
+    assert len(trace) == 0
+
+
+@every_solver
+def test_a_start_state_alone_is_one_row(name):
+    trace = solver(name).solve(scene(at=0.01), 4)
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert (len(trace), trace.counters.steps) == (1, 0)
+    assert trace.contact_radius[0] > 0.1
+
+
+@every_solver
+def test_a_budget_of_steps_keeps_what_was_computed(name):
+    asked = scene(Ramp(0.03, 0.02), start="relaxed", at=0.02)
+    whole, trace = solver(name).solve(asked, 4), solver(name).solve(asked, 4, max_steps=7)
+    assert trace.outcome.kind is OutcomeKind.STEP_BUDGET
+    assert not trace.outcome.finished
+    assert trace.counters.steps + trace.counters.rejected_steps == 7
+    assert 2 < len(trace) < len(whole)
+    assert trace.outcome.time == trace.time[-1]
+    assert_allclose(trace.force, whole.force[: len(trace)], rtol=1e-4)
+    assert finite(trace)
+
+
+@every_solver
+def test_progress_rises_to_one_and_changes_nothing(name):
+    asked, shares = scene(Ramp(0.021, 0.02), Hold(0.0), Hold(0.1), start="relaxed", at=0.02), []
+    trace = solver(name).solve(asked, 4, progress=shares.append)
+    assert len(shares) >= trace.counters.steps
+    assert shares[0] >= 0.0
+    assert np.all(np.diff(shares) >= 0.0)
+    assert shares[-1] == pytest.approx(1.0)
+    assert_allclose(solver(name).solve(asked, 4).force, trace.force, rtol=1e-12)
+
+
+@every_solver
+def test_stop_times_are_stepped_onto_and_have_no_profile(name):
+    trace = solver(name).solve(PRESS, 4, stop_times=(0.0, 0.0321, 9.0), profile_times=(0.05,))
+    assert {0.0321, 0.05} <= set(trace.time)
+    assert [profile.time for profile in trace.profiles] == [0.05]
+
+
+@every_solver
+def test_a_zone_longer_than_the_contact_is_refused(name):
+    stiff = scene(at=1e-3, material=Material(7500.0, 0.5), adhesion=Adhesion(WORK, 0.5))
+    with pytest.raises(SceneError, match="zone"):
+        solver(name).solve(stiff, 4)
