@@ -21,9 +21,8 @@ NAME = "cycle-v0.1"
 WORD = "beyond tolerance"
 
 
-@pytest.fixture
-def reported(monkeypatch, tmp_path):
-    """Writes a report of one scene with fakes of the given stiffness; returns exit code and folder."""
+def report_writer(monkeypatch, tmp_path):
+    """What writes a report of one scene with fakes of the given stiffness, and returns code and folder."""
     monkeypatch.setattr("validation.scenes.suite", lambda suite: [NAME])
     monkeypatch.setattr(
         "crosscontact.commands.report.exit_code", lambda failures: 0
@@ -40,6 +39,12 @@ def reported(monkeypatch, tmp_path):
         return main(["report", "--jobs", "1", "--no-estimates", "--out", str(folder), *more]), folder
 
     return report
+
+
+@pytest.fixture
+def reported(monkeypatch, tmp_path):
+    """A function that writes reports, in the test's own folder."""
+    return report_writer(monkeypatch, tmp_path)
 
 
 def test_nothing_moves_in_a_repeated_report(reported, capsys):
@@ -131,15 +136,18 @@ def test_a_small_move_is_listed_but_harmless(reported, capsys):
     assert "| BEYOND |" not in (second / "summary.md").read_text()
 
 
+@pytest.mark.slow
 def test_the_baseline_may_be_the_file_that_is_written(reported):
     _, folder = reported("same")
     code, _ = reported("same", "--baseline", str(folder / "report.json"), bem=fake(1.02))
     assert code == 1
 
 
-@pytest.fixture
-def data(reported):
-    _, folder = reported("data")
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    """The numbers of one report, which no test changes."""
+    with pytest.MonkeyPatch.context() as patch:
+        _, folder = report_writer(patch, tmp_path_factory.mktemp("reports"))("data")
     return json.loads((folder / "report.json").read_text())
 
 

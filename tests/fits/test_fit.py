@@ -61,6 +61,7 @@ def test_the_profile_of_a_linear_problem_is_the_covariance_again(elastic):
     assert profile.high == pytest.approx(modulus.high, rel=0.1 * modulus.deviation)
 
 
+@pytest.mark.slow
 def test_a_fit_in_python_prints_no_number_without_its_error(elastic, tmp_path):
     found = cc.Fit(elastic)
     assert "±" in repr(found)

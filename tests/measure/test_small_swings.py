@@ -72,6 +72,7 @@ def test_solvers_that_know_the_edge_everywhere_do_not_warn(name, warned):
     assert found.trace is not None
 
 
+@pytest.mark.slow
 def test_an_elastic_solid_and_a_finer_mesh_are_not_in_doubt():
     elastic = replace(SOFT, material=Material(1e6, 0.5))
     assert run(Case("swing", elastic), "fem").warnings == ()

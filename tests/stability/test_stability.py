@@ -72,7 +72,7 @@ def test_every_ending_has_its_verdict_and_the_next_run_is_unharmed():
     assert {cell.label for cell in matrix.faults} == faults
 
 
-@pytest.mark.parametrize("title", ["hangs", "waits"])
+@pytest.mark.parametrize("title", ["hangs", pytest.param("waits", marks=pytest.mark.slow)])
 def test_a_run_that_hangs_is_killed(title):
     begin = time.monotonic()
     matrix = run([fakes.case(title, seconds=0.4)], solvers=("bem",), solve=fakes.act)
@@ -198,6 +198,7 @@ def test_logarithmic_growth_is_told_from_faster_growth():
     assert work_growth(cells_of({1.0: 10, 10.0: 20})) == []
 
 
+@pytest.mark.slow
 def test_the_matrix_has_every_axis_and_every_name_once():
     command_line = parser()
     for name in AXES:

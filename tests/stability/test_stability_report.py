@@ -41,6 +41,7 @@ CELLS = (
 MATRIX = StabilityMatrix(CELLS, 3.0)
 
 
+@pytest.mark.slow
 def test_page_and_markdown_show_faults_refusals_and_limits():
     page = html.text(Document("", (), (section.section(MATRIX),)))
     assert "SILENTLY WRONG" in page
