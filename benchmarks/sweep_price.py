@@ -22,9 +22,8 @@ from validation import solvers
 from validation.execution.engines import LOCAL_CLUSTER, own_engine
 from validation.execution.process import keep_freed
 from validation.execution.run_table import RunTable
-from validation.sweeps.plan import SweepPlan, plan_from_dict
+from validation.sweeps.plan import SweepPlan, of_scene, plan_from_dict
 from validation.sweeps.run_plan import carry_out
-from validation.sweeps.scene_table import of_scene
 
 START, DEPTH = 0.01, 0.02
 """Penetrations, over the radius, of the relaxed contact at the start and at the end."""
@@ -65,7 +64,7 @@ def efficiencies(runs: int, turns: int, depth: float, jobs: int, dask: str | Non
     ):
         for turn in range(-1, turns):  # the first is left out, with all imports
             plan = plan_of(runs // turns, Path(folder), depth, FIRST * APART**turn)
-            scenes = [plan.scene(rows) for rows in plan.rows()]
+            scenes = [plan.scene_of(rows) for rows in plan.rows()]
             parts = [scenes[part::jobs] for part in range(jobs)]
             works = {
                 "bare": lambda parts=parts: pool.map(_solve_all, parts, chunksize=1),

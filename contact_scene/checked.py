@@ -45,6 +45,10 @@ class Key:
     unit: str = ""
 
 
+_PLAIN = {str: "a string", bool: "true or false", object: "a value"}
+"""Plain kinds of values, in words."""
+
+
 class Kinds(tuple[type[Any], ...]):
     """The checked classes that a file may state for a field whose annotation is their base."""
 
@@ -79,7 +83,7 @@ class Field:
         if self.kinds:
             words.append(f"a table {_some_keys(self.kinds)}")
         elif self.plain is not None:
-            words.append("a string" if self.plain is str else f"a {self.plain.__name__}")
+            words.append(_PLAIN.get(self.plain, f"a {self.plain.__name__}"))
         return " or ".join(words) if self.kinds else "one of " + ", ".join(words) if self.words else words[0]
 
     def check(self, value: Any, key: str, where: Path | None) -> Any:
@@ -193,7 +197,9 @@ def _field(hint: Any) -> Field:
                 )
         return field
     if origin in (Union, UnionType):
-        parts = [_field(one) for one in args]
+        parts = [_field(one) for one in args if one is not NoneType]
+        if len(parts) == 1:
+            return dataclasses.replace(parts[0], optional=NoneType in args)
         return Field(
             next((one.range for one in parts if one.range), None),
             tuple(word for one in parts for word in one.words),

@@ -47,6 +47,22 @@ class Range:
         return result
 
 
+@dataclass(frozen=True)
+class Whole(Range):
+    """Whole numbers of a range."""
+
+    def __call__(self, value: Any, key: str) -> int:
+        super().__call__(value, key)
+        if value != int(value):
+            raise SceneError(key, f"got {value!r:.40}", self.words)
+        return int(value)
+
+
+def whole_from(least: int) -> Whole:
+    """Whole numbers from the least one that is allowed."""
+    return Whole(f"a whole number >= {least}", least)
+
+
 FINITE = f"a finite number, at most {LARGEST:g} in magnitude"
 POSITIVE = f"a finite number > 0, from {SMALLEST:g} to {LARGEST:g}"
 NOT_NEGATIVE = f"a finite number >= 0, at most {LARGEST:g}"

@@ -16,17 +16,13 @@ from contact_scene.run_control.options import whole_number
 from contact_scene.value_checks import function_or_none, one_of, positive
 from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, checked_path
-from validation.execution.engines import Engine, engine_of, own_engine
+from validation.execution.engines import engine_of, own_engine
 from validation.execution.folder_lock import locked_folder
 from validation.execution.run_table import RunTable
 from validation.report.report_folder import SWEEP, check_kind
-from validation.sweeps.dataset import check_installed, to_dataset
-from validation.sweeps.plan import SweepPlan, plan_from_dict
+from validation.sweeps.dataset import check_writable, to_dataset, write_results
+from validation.sweeps.plan import DESIGNS, SAMPLES, SceneTable, builtin_or_file, of_scene, plan_from_dict
 from validation.sweeps.run_plan import carry_out
-from validation.sweeps.samples import DESIGNS, SAMPLES
-from validation.sweeps.scene_table import SceneTable, builtin_or_file, of_scene
-from validation.sweeps.traces import check_writable
-from validation.sweeps.write import write_results
 
 if TYPE_CHECKING:
     import xarray
@@ -105,51 +101,36 @@ def sweep(
     ConnectionError
         If the processes, the executor or its scheduler end before the runs; those done stay in ``out``.
     """
-    check_installed()
+    check_writable()
     one_of(design, "design", DESIGNS)
     jobs = whole_number(jobs, "jobs", 1)
     if batch_seconds is not None:
         batch_seconds = positive(batch_seconds, "batch_seconds")
     function_or_none(progress, "progress", "the share that is done and a line of text")
     target = None if out is None else checked_path(out, "out")
+    if not isinstance(values, Mapping) or not values:
+        raise SceneError("values", f"got {shown(values)}", "values by dotted path of the scene")
     asked = {
         "solver": solver,
         "resolution": resolution,
         "max_steps": max_steps,
         "design": design,
+        "points": points,
         "seed": seed,
         "estimate": estimate_errors,
         "measures": measures,
         "traces": traces,
-        "coordinates": _coordinates(values, design in SAMPLES),
+        "coordinates": [_coordinate(key, entry, design in SAMPLES) for key, entry in values.items()],
     }
-    if points is not None:
-        asked["points"] = points
+    plan = plan_from_dict(asked, Path(), _base(scene))
+    plan.check()
+    if plan.traces is not None and target is None:
+        raise SceneError("traces", "given without out", "a folder for the traces, out")
+    check_writable(plan)
     with ExitStack() as opened:
-        plan = _checked_plan(asked, _base(scene), target is not None)
-        engine = _engine(opened, executor, jobs, batch_seconds)
-        return _carried_out(plan, engine, target, progress)
-
-
-def _carried_out(
-    plan: SweepPlan, engine: Engine, target: Path | None, progress: Callable[[float, str], None] | None
-) -> xarray.Dataset:
-    """The runs of a plan as a data set, with a folder from what is stored there, and written into it.
-
-    Parameters
-    ----------
-    plan : SweepPlan
-    engine : Engine
-    target : Path or None
-        The folder.
-    progress : callable or None
-        As of :func:`sweep`.
-
-    Returns
-    -------
-    xarray.Dataset
-    """
-    with ExitStack() as opened:
+        engine = opened.enter_context(own_engine(jobs)) if executor is None else engine_of(executor)
+        if batch_seconds is not None:
+            engine = replace(engine, batch_seconds=batch_seconds)
         folder = None if target is None else opened.enter_context(locked_folder(target, "out"))
         if folder is not None:
             check_kind(folder, SWEEP, "out")
@@ -165,29 +146,6 @@ def _base(scene: Scene | str | os.PathLike[str]) -> SceneTable:
     if isinstance(scene, (str, os.PathLike)):
         return builtin_or_file(os.fspath(scene), Path())
     raise SceneError("scene", f"got {shown(scene)}", A_SCENE)
-
-
-def _checked_plan(table: dict[str, Any], base: SceneTable, has_folder: bool) -> SweepPlan:
-    """A plan all of whose scenes can be built, and whose results can be written."""
-    plan = plan_from_dict(table, Path(), base)
-    plan.check()
-    if plan.traces and not has_folder:
-        raise SceneError("traces", "given without out", "a folder for the traces, out")
-    check_writable(plan)
-    return plan
-
-
-def _engine(opened: ExitStack, executor: Executor | None, jobs: int, batch_seconds: float | None) -> Engine:
-    """What carries out the runs: the user's executor, or processes that end when ``opened`` is closed."""
-    engine = engine_of(executor) if executor is not None else opened.enter_context(own_engine(jobs))
-    return engine if batch_seconds is None else replace(engine, batch_seconds=batch_seconds)
-
-
-def _coordinates(values: Mapping[str | tuple[str, ...], Any], sampled: bool) -> list[dict[str, Any]]:
-    """The coordinates as a plan file has them."""
-    if not isinstance(values, Mapping) or not values:
-        raise SceneError("values", f"got {shown(values)}", "values by dotted path of the scene")
-    return [_coordinate(key, entry, sampled) for key, entry in values.items()]
 
 
 def _coordinate(key: Any, entry: Any, sampled: bool) -> dict[str, Any]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from contact_scene.errors import SceneError
-from contact_scene.value_checks import number
+from contact_scene.value_checks import number, whole_from
 
 MAX_STEPS = 200_000
 """Trial steps, accepted and rejected together, that a run may take where its options name no other number."""
@@ -13,11 +12,7 @@ MAX_STEPS = 200_000
 
 def whole_number(value: int, key: str, least: int) -> int:
     """An option that counts something, ``least`` or more."""
-    allowed = f"a whole number >= {least}"
-    number(value, key, allowed, low=least)
-    if value != int(value):
-        raise SceneError(key, f"got {value!r:.40}", allowed)
-    return int(value)
+    return whole_from(least)(value, key)
 
 
 def moments(times: Collection[float], key: str) -> tuple[float, ...]:

@@ -16,12 +16,10 @@ from validation.execution.progress import Progress, duration
 from validation.execution.run_table import RunTable
 from validation.report.report_folder import SWEEP, check_kind
 from validation.report.terminal import aligned
-from validation.sweeps.dataset import FILE, check_installed, read_dataset
-from validation.sweeps.forecast import SweepForecast, forecast
+from validation.sweeps.dataset import FILE, check_writable, endings, read_dataset, summary_rows, write_results
+from validation.sweeps.figures import draw
 from validation.sweeps.plan import SweepPlan, plan_names, read_plan
-from validation.sweeps.run_plan import carry_out
-from validation.sweeps.traces import check_writable
-from validation.sweeps.write import draw, endings, summary_rows, write_results
+from validation.sweeps.run_plan import SweepForecast, carry_out, forecast
 
 ENDINGS = 5
 """Ways to end that are listed; the table has all."""
@@ -80,7 +78,6 @@ def run(options: argparse.Namespace, jobs: int) -> int:
 
 
 def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: argparse.Namespace) -> int:
-    check_installed()
     check_writable(plan)
     if not options.fresh:
         check_kind(folder, SWEEP)
@@ -97,7 +94,7 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
             data = write_results(plan, runs, folder)
             draw(data, folder)
         unfinished = sum(not runs.record(key).finished for key in runs.keys)
-    print(f"{plan.title or name}: {plan.count} runs of {plan.base.name} by {plan.solver}")
+    print(f"{plan.title or name}: {plan.count} runs of {plan.scene.name} by {plan.solver}")
     for line in aligned(summary_rows(data)):
         print(line)
     for outcome, reason, count in endings(data)[:ENDINGS]:
@@ -122,7 +119,7 @@ def _plot(folder: str) -> int:
 def _say_forecast(plan: SweepPlan, ahead: SweepForecast, jobs: int) -> None:
     missing = ahead.runs - ahead.stored
     source = f"measured on {ahead.measured} stored runs" if ahead.measured else "measured on the first"
-    print(f"{ahead.runs} runs of {plan.base.name} by {plan.solver}, {ahead.stored} stored, {missing} to do")
+    print(f"{ahead.runs} runs of {plan.scene.name} by {plan.solver}, {ahead.stored} stored, {missing} to do")
     print(
         f"  about {duration(ahead.seconds)} of processor time, {ahead.per_run:.3g} s a run ({source}); "
         f"about {duration(ahead.seconds / jobs)} by {jobs} process{'es' if jobs > 1 else ''}"

@@ -13,18 +13,17 @@ from contact_scene.run_control import blas_threads
 from contact_scene.run_control.blas_threads import single_threaded
 from validation import solvers
 from validation.execution.run_table import RunTable
-from validation.sweeps.batch import SweepOptions
-from validation.sweeps.forecast import forecast
+from validation.sweeps.dataset import write_results
+from validation.sweeps.figures import draw
 from validation.sweeps.plan import plan_from_dict
-from validation.sweeps.run_plan import carry_out
-from validation.sweeps.write import draw, write_results
+from validation.sweeps.run_plan import RunSettings, carry_out, forecast
 
 
 def test_every_run_is_another_scene(tmp_path):
     plan, other = plan_of(5, tmp_path), plan_of(5, tmp_path, first=3.0)
-    radii = [plan.scene(rows).indenter.radius for rows in plan.rows()]
+    radii = [plan.scene_of(rows).indenter.radius for rows in plan.rows()]
     assert len(set(radii)) == plan.count == 5
-    assert not set(radii) & {other.scene(rows).indenter.radius for rows in other.rows()}
+    assert not set(radii) & {other.scene_of(rows).indenter.radius for rows in other.rows()}
 
 
 def test_libraries_are_looked_up_once_and_again_after_an_import(monkeypatch):
@@ -65,11 +64,11 @@ def test_short_runs_are_stored_by_batches_in_this_process_too(tmp_path, monkeypa
 
 
 def test_a_solver_that_is_installed_beside_is_told_apart_by_its_version(tmp_path, monkeypatch):
-    scene = plan_of(1, tmp_path).base.scene({})
+    scene = plan_of(1, tmp_path).scene.with_values({})
     prints = []
     for version in ("", "other 1.0", "other 1.1"):
         monkeypatch.setattr(type(solvers.SOLVERS), "origin", lambda self, name, v=version: v)
-        prints.append(SweepOptions("reference").fingerprint(scene))
+        prints.append(RunSettings("reference").fingerprint(scene))
     assert len(set(prints)) == 3
 
 

@@ -16,10 +16,9 @@ import pytest
 
 from validation.execution.engines import BATCH_SECONDS, Engine
 from validation.execution.run_table import RunTable
-from validation.sweeps.dataset import to_dataset
+from validation.sweeps.dataset import to_dataset, write_results
 from validation.sweeps.plan import read_plan
 from validation.sweeps.run_plan import carry_out
-from validation.sweeps.write import write_results
 
 ROOT = Path(__file__).parents[2]
 PLAN = """

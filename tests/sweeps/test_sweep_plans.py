@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 import pytest
+from support.wrong_values import WRONG, refused
 
 from contact_scene import SceneError
-from validation.sweeps.plan import plan_from_dict, plan_names, read_plan
-from validation.sweeps.samples import shares
-from validation.sweeps.scene_table import put
-from validation.sweeps.units import of_coordinate, of_measure
+from contact_scene.checked import fields_of
+from validation.sweeps.dataset import dimension_of
+from validation.sweeps.plan import (
+    Coordinate,
+    SweepPlan,
+    Units,
+    plan_from_dict,
+    plan_names,
+    put,
+    read_plan,
+    shares,
+)
 
 RATE = {"key": "loading.steps.0.rate", "values": [0.1, 0.2]}
 
@@ -31,14 +42,14 @@ def test_a_grid_ties_keys_together(tmp_path):
     zone = {"name": "zone", "key": "adhesion.zone", "linspace": [0.01, 0.02, 3]}
     depth = {"keys": ["loading.penetration", "loading.steps.0.to"], "factors": [1.0, -2.0], "values": [0.01]}
     grid = plan(RATE, zone, depth, folder=tmp_path)
-    scenes = [grid.scene(rows) for rows in grid.rows()]
+    scenes = [grid.scene_of(rows) for rows in grid.rows()]
     assert grid.shape == (2, 3, 1)
     assert [scene.loading.steps[0].rate for scene in scenes] == [0.1] * 3 + [0.2] * 3
     assert [scene.adhesion.zone for scene in scenes] == [0.01, 0.015, 0.02] * 2
     assert {(s.loading.penetration, s.loading.steps[0].to) for s in scenes} == {(0.01, -0.02)}
     each = {"keys": ["adhesion.work", "adhesion.zone"], "values": [[4e-4, 0.01], [5e-4, 0.02]]}
     points = plan(RATE, each, folder=tmp_path, design="points")
-    scenes = map(points.scene, points.rows())
+    scenes = map(points.scene_of, points.rows())
     found = [(scene.loading.steps[0].rate, scene.adhesion.work, scene.adhesion.zone) for scene in scenes]
     assert found == [(0.1, 4e-4, 0.01), (0.2, 5e-4, 0.02)]
 
@@ -57,47 +68,99 @@ def test_a_sample_covers_its_ranges_and_a_longer_one_begins_with_a_shorter_one(t
     assert not np.array_equal(shares("sobol", 3, 50, 2), shares("sobol", 3, 50, 1))
 
 
+ZONE = {"key": "adhesion.zone"}
+RANGE = ZONE | {"range": [0.1, 0.2]}
+COORDINATE = {"label": "a", "factors": [1.0], "name": "z", "unit": "m", "scale": "log"} | RANGE
+PLAN = {"coordinates": [COORDINATE], "points": 4, "design": "sobol", "scene": "retraction-fast", "units": {}}
+DECLARED = {"": SweepPlan, "units": Units, "coordinates[0]": Coordinate}
+
+
+FITS = {
+    "estimate": {"truth value"},
+    "keys": {"texts"},
+    "measures": {"empty array"},
+    "drawn": {"empty array"},
+    "units": {"mapping"},
+    "values": {"array", "list", "texts"},
+    "range": {"array", "list"},
+} | {name: {"text"} for name in ("title", "key", "name", "label", "unit", "length", "force", "time")}
+"""Values of the wrong ones that a field may have after all."""
+
+
+def in_a_plan(place, name, value):
+    """A plan in one of whose tables a key has a value."""
+    table = copy.deepcopy(PLAN)
+    of = {"": table, "units": table["units"], "coordinates[0]": table["coordinates"][0]}[place]
+    if name in ("values", "linspace", "geomspace"):  # of a grid
+        del of["range"], of["scale"], table["points"], table["design"]
+    if name == "keys":
+        del of["key"]
+    of[name] = value
+    return table
+
+
+@pytest.mark.parametrize(
+    ("place", "name"), [(place, name) for place, kind in DECLARED.items() for name in fields_of(kind)]
+)
+def test_what_a_field_of_a_plan_cannot_be_is_one_line_with_its_key(tmp_path, place, name):
+    assert fields_of(DECLARED[place])[name].key.text
+    for word, wrong in WRONG.items():
+        if wrong is not None and word not in FITS.get(name, ()):
+            with pytest.raises(SceneError) as refusal:
+                plan_from_dict(in_a_plan(place, name, wrong), tmp_path)
+            refused(refusal.value)
+            assert refusal.value.key.startswith(f"{place}.{name}".lstrip("."))
+
+
+@pytest.mark.parametrize("place", DECLARED)
+def test_an_unknown_key_is_refused_beside_those_there_are(tmp_path, place):
+    with pytest.raises(SceneError, match="valeus: unknown key") as refusal:
+        plan_from_dict(in_a_plan(place, "valeus", 1.0), tmp_path)
+    assert refusal.value.allowed == ", ".join(fields_of(DECLARED[place]))
+
+
 @pytest.mark.parametrize(
     ("coordinate", "more", "problem"),
     [
         ({"key": "adhesion.wrok", "values": [1.0]}, {}, "adhesion.wrok at adhesion.wrok = 1.0: unknown key"),
         ({"key": "loading.steps.3.rate", "values": [1.0]}, {}, "no entry '3'; allowed: an index from 0 to 0"),
         ({"key": "adhesion.work.x", "values": [1.0]}, {}, "has no keys"),
-        ({"key": "adhesion.zone", "values": [0.1, -1.0]}, {}, "at adhesion.zone = -1.0: got -1.0"),
-        ({"key": "adhesion.zone", "values": []}, {}, "coordinates[0].values: got []"),
-        ({"key": "adhesion.zone", "linspace": [1.0, 1.0, 4]}, {}, "linspace: an empty range"),
-        ({"key": "adhesion.zone", "geomspace": [0.0, 1.0, 4]}, {}, "geomspace[0]: got 0.0"),
-        ({"key": "adhesion.zone", "linspace": [0.1, 1.0, 0]}, {}, "linspace[2]: got 0"),
-        ({"key": "adhesion.zone"}, {}, "no values"),
-        ({"key": "adhesion.zone", "valeus": [1.0]}, {}, "coordinates[0].valeus: unknown key"),
+        (ZONE | {"values": [0.1, -1.0]}, {}, "at adhesion.zone = -1.0: got -1.0"),
+        (ZONE | {"values": [0.01, float("nan")]}, {}, "must be finite, got nan"),
+        (ZONE | {"values": []}, {}, "coordinates[0].values: got []"),
+        (ZONE | {"values": [1.0, "a"]}, {}, "values: got [1.0, 'a']"),
+        (ZONE | {"linspace": [1.0, 1.0, 4]}, {}, "linspace: an empty range"),
+        (ZONE | {"geomspace": [0.0, 1.0, 4]}, {}, "geomspace[0]: got 0.0"),
+        (ZONE | {"linspace": [0.1, 1.0, 0]}, {}, "linspace[2]: got 0"),
+        (ZONE | {"linspace": [0.1, 1.0, 10**9]}, {}, "linspace[2]: got 1000000000 values"),
+        (ZONE | {"linspace": [0.1, 1.0]}, {}, "linspace: got [0.1, 1.0]; allowed: [first, last, count]"),
+        (ZONE, {}, "no values"),
+        (ZONE | {"values": [1.0], "linspace": [1.0, 2.0, 2]}, {}, "got values and linspace"),
+        (RANGE, {}, "got range"),
+        (RATE, {"design": "sobol", "points": 2}, "no range"),
+        (RATE | {"scale": "log"}, {}, "scale: given without range"),
+        (RATE | {"keys": ["adhesion.zone"]}, {}, "key: given beside keys"),
+        (RATE | {"factors": [1.0, 2.0]}, {}, "factors: got [1.0, 2.0]; allowed: one number a key: 1"),
         ({"keys": ["adhesion.zone", "adhesion.work"], "values": [[1.0]]}, {}, "lists of 2, a value a key"),
-        ({"key": "adhesion.zone", "values": [1.0, "a"]}, {}, "values: got [1.0, 'a']"),
-        ({"name": "run", "key": "adhesion.zone", "values": [1.0]}, {}, "name: got 'run'"),
-        ({"key": "adhesion.zone", "range": [0.2, 0.1]}, {"design": "sobol", "points": 2}, "empty range"),
-        ({"key": "adhesion.zone", "range": [0.1, 0.2]}, {"design": "sobol"}, "points: got 0"),
+        (RANGE | {"range": [0.2, 0.1]}, {"design": "sobol", "points": 2}, "empty range"),
+        (RANGE | {"range": [-0.2, 0.1], "scale": "log"}, {"design": "sobol", "points": 2}, "range[0]: got"),
+        (RANGE, {"design": "sobol"}, "points: is missing"),
+        (RANGE, {"design": "sobol", "points": 10**9}, "at most 100"),
         (RATE, {"points": 3}, "points: given with design"),
-        (RATE, {"design": "random"}, "design: got 'random'"),
-        (RATE, {"solver": "nobody"}, "solver: got 'nobody'"),
         (RATE, {"resolution": 2}, "resolution: got 2"),
         (RATE, {"measures": ["pull_of_force"]}, "measures: no measure 'pull_of_force'"),
-        (RATE, {"traces": "csv"}, "traces: got 'csv'"),
-        (RATE, {"units": {"mass": "kg"}}, "units.mass: unknown key"),
-        (RATE, {"soler": "bem"}, "soler: unknown key"),
-        (RATE, {"title": 3}, "title: got 3"),
+        (RATE, {"coordinates": []}, "coordinates: got []"),
+        (RATE | {"name": "run"}, {}, "name: got 'run'"),
+        (RATE | {"name": "a\nb"}, {}, "name: got 'a\\nb'"),
         (RATE | {"name": "pull_off_force"}, {}, "has the name of a measure"),
         (RATE | {"name": "loop_energy_error"}, {}, "has the name of a measure"),
-        (RATE | {"name": "warnings"}, {}, "name: got 'warnings'"),
-        (RATE | {"name": "a\nb"}, {}, "name: got 'a\\nb'"),
-        ({"key": "adhesion.zone", "linspace": [0.1, 1.0, 10**9]}, {}, "linspace[2]: got 1000000000 values"),
-        ({"key": "adhesion.zone", "range": [0.1, 0.2]}, {"design": "sobol", "points": 10**9}, "at most 100"),
-        ({"key": "adhesion.zone", "values": [0.01, float("nan")]}, {}, "must be finite, got nan"),
     ],
 )  # fmt: skip
-def test_a_bad_plan_is_refused(tmp_path, coordinate, more, problem):
+def test_what_does_not_fit_together_is_refused_in_one_line(tmp_path, coordinate, more, problem):
     with pytest.raises(SceneError) as refusal:
         plan(coordinate, folder=tmp_path, **more).check()
     assert problem in str(refusal.value)
-    assert "\n" not in str(refusal.value)
+    refused(refusal.value)
 
 
 def test_coordinates_that_do_not_fit_are_refused(tmp_path):
@@ -143,8 +206,7 @@ def test_units_follow_the_key_and_the_measure(tmp_path):
     }
     values = {key: [0.5, 0.6] for key in keys}
     grid = plan(*({"key": key, "values": v} for key, v in values.items()), folder=tmp_path)
-    names = {"length": "mm"}
-    assert [of_coordinate(c, grid.base, names) for c in grid.coordinates] == list(keys.values())
-    assert of_measure("pull_off_force", names) == "force"
-    assert of_measure("loop_energy", names) == "force mm"
-    assert of_measure("counters.steps", names) == "1"
+    units = Units(length="mm")
+    assert [units.named(grid.scene.unit(c.paths[0])) for c in grid.coordinates] == list(keys.values())
+    measures = ("pull_off_force", "loop_energy", "counters.steps")
+    assert [units.named(dimension_of(name)) for name in measures] == ["force", "force mm", "1"]

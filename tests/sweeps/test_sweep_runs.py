@@ -21,9 +21,9 @@ from validation.execution import run_table
 from validation.execution.engines import Engine
 from validation.execution.run_table import RunRecord, RunTable, StoredRun
 from validation.sweeps import run_plan
-from validation.sweeps.batch import OtherVersion, SweepOptions, run_batch
 from validation.sweeps.dataset import to_dataset
 from validation.sweeps.plan import plan_from_dict
+from validation.sweeps.run_plan import OtherVersion, RunSettings, run_batch
 
 RATES = [0.01, 0.02, 0.05]
 DEPTHS = [0.02, 0.03]
@@ -170,7 +170,7 @@ def test_a_killed_sweep_goes_on_where_it_was(tmp_path, scene_file, calls, monkey
 
 def test_a_worker_with_other_sources_is_refused(monkeypatch):
     with pytest.raises(OtherVersion, match="another version"):
-        run_batch([], SweepOptions("bem"), False, "other")
+        run_batch([], RunSettings("bem"), "other")
 
 
 def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):

@@ -1,91 +1,95 @@
-"""The runs of a sweep as an ``xarray.Dataset``, and as a netCDF file that stock xarray opens again."""
+"""The runs of a sweep as an ``xarray.Dataset``, and its files: netCDF, a table, the time series."""
 
 from __future__ import annotations
 
 import os
 import shutil
 import tempfile
+from collections import Counter
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import tomli_w
-from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError
-from validation.execution.files import move_whole
-from validation.sweeps.coordinates import Coordinate
-from validation.sweeps.plan import SweepPlan
+from validation.execution.files import move_whole, write_whole
+from validation.execution.run_table import Columns
+from validation.sweeps.plan import Coordinate, SweepPlan
 from validation.sweeps.run_plan import SweepRuns
-from validation.sweeps.units import NONE, of_coordinate, of_measure
 
 if TYPE_CHECKING:
     import xarray
 
 FILE = "sweep.nc"
+TABLE = "sweep.csv"
+TRACES = "traces"
 ERROR = "_error"
 """Ending of the relative error estimate of a measure."""
 RUN = "run"
 """Dimension of a list of points and of a sample."""
+RUNS_PER_FILE = 500
+"""Runs of one file of traces: some 10 MB at 200 rows and a dozen columns a run, which is what is held in
+memory."""
+HEAD = ("measure", "unit", "runs", "least", "median", "largest", "largest error")
 _STAGE = ".sweep."
-PACKAGES = ("xarray", "h5netcdf")
+_PACKAGES = {"hdf5": "h5py", "parquet": "pyarrow"}
+_DIMENSIONS = {
+    "force": "force",
+    "radius": "length",
+    "penetration": "length",
+    "stage": "length",
+    "time": "time",
+    "energy": "force length",
+    "branch_dissipation": "force length",
+    "zone_excess": "force length",
+    "peak_cycle_loss": "force length",
+    "instability_loss": "force length",
+    "peak_cycle_frequency": "time-1",
+}
+"""By the name of a measure or the last word of it."""
 
 
-def check_installed() -> None:
-    """Refuse a sweep before anything runs, if its results could not be written.
-
-    Raises
-    ------
-    SceneError
-    """
-    for package in PACKAGES:
+def check_writable(plan: SweepPlan | None = None) -> None:
+    """Refuse a sweep before anything runs, if its results, or the traces of a plan, could not be written."""
+    for package in ("xarray", "h5netcdf"):
         if find_spec(package) is None:
-            allowed = "pip install 'crosscontact[sweep]'"
-            raise SceneError("sweep", f"{package} is not installed", allowed)
+            raise SceneError("sweep", f"{package} is not installed", "pip install 'crosscontact[sweep]'")
+    package = _PACKAGES.get(str(plan.traces)) if plan is not None else None
+    if package is not None and find_spec(package) is None:
+        raise SceneError("traces", f"{package} is not installed", f"pip install {package}")
 
 
 def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
     """All runs of a plan by its coordinates; what a run does not have is NaN.
 
-    Parameters
-    ----------
-    plan : SweepPlan
-    runs : SweepRuns
-
-    Returns
-    -------
-    xarray.Dataset
-        A grid has a dimension for each coordinate; a list of points or a sample one, ``run``, along which the
-        coordinates lie. For each measure a variable, for each error estimate one with ``ERROR``, relative;
-        ``outcome`` and ``reason`` tell how each run ended, ``warnings`` where the model comes to its limits.
+    A grid has a dimension for each coordinate; a list of points or a sample one, ``run``, along which the
+    coordinates lie. For each measure a variable, for each error estimate one with ``ERROR``, relative;
+    ``outcome`` and ``reason`` tell how each run ended, ``warnings`` where the model comes to its limits.
     """
     import xarray
 
-    columns = _columns(plan, runs)
-    grid = plan.design == "grid"
-    dimensions = tuple(coordinate.name for coordinate in plan.coordinates) if grid else (RUN,)
+    if plan.design == "grid":
+        dimensions = [(coordinate.name,) for coordinate in plan.coordinates]
+        values: Any = [coordinate.labels for coordinate in plan.coordinates]
+    else:
+        dimensions = [(RUN,)] * len(plan.coordinates)
+        values = [[row[0] for row in rows] for rows in zip(*plan.rows(), strict=True)]
+    along = tuple(dict.fromkeys(name for names in dimensions for name in names))
     variables = {
-        name: (dimensions, column.reshape(plan.shape), _attributes(name, plan))
-        for name, column in columns.items()
+        name: (along, column.reshape(plan.shape), _attributes(name, plan))
+        for name, column in _columns(plan, runs).items()
     }
-    values = (
-        [coordinate.values for coordinate in plan.coordinates]
-        if grid
-        else [[row[0] for row in column] for column in zip(*plan.rows(), strict=True)]
-    )
     coordinates = {
-        coordinate.name: (
-            (coordinate.name,) if grid else (RUN,),
-            np.array(numbers),
-            _coordinate_attributes(coordinate, plan),
-        )
-        for coordinate, numbers in zip(plan.coordinates, values, strict=True)
+        one.name: (names, np.array(numbers), _coordinate_attributes(one, plan))
+        for one, names, numbers in zip(plan.coordinates, dimensions, values, strict=True)
     }
     attributes = {
         "title": plan.title,
-        "scene": plan.base.name,
-        "scene_table": tomli_w.dumps(plan.base.data),
+        "scene": plan.scene.name,
+        "scene_table": tomli_w.dumps(plan.scene.data),
         "solver": plan.solver,
         "resolution": "the solver's choice" if plan.resolution is None else plan.resolution,
         "design": plan.design,
@@ -94,10 +98,10 @@ def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
     return xarray.Dataset(variables, coordinates, attributes)
 
 
-def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, NDArray[Any]]:
+def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, np.ndarray]:
     """One-dimensional, in the order of the plan: numbers by name, then the words."""
     count = len(runs.keys)
-    numbers: dict[str, NDArray[np.float64]] = {}
+    numbers = {name: np.full(count, np.nan) for name in plan.measures}
     words: dict[str, list[str]] = {"outcome": [], "reason": [], "warnings": []}
     for index, key in enumerate(runs.keys):
         record = runs.record(key)
@@ -105,30 +109,30 @@ def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, NDArray[Any]]:
         words["reason"].append(record.reason)
         words["warnings"].append("; ".join(record.warnings))
         for ending, found in (("", record.measures), (ERROR, record.errors)):
-            for name, value in found.items():
-                if plan.measures and name not in plan.measures:
-                    continue
-                numbers.setdefault(name + ending, np.full(count, np.nan))[index] = value
-    for name in plan.measures:
-        numbers.setdefault(name, np.full(count, np.nan))
-    ordered: dict[str, NDArray[Any]] = {name: numbers[name] for name in sorted(numbers)}
-    return ordered | {name: np.array(column) for name, column in words.items()}
+            for name in found.keys() & (plan.measures or found.keys()):
+                numbers.setdefault(name + ending, np.full(count, np.nan))[index] = found[name]
+    return dict(sorted(numbers.items())) | {name: np.array(column) for name, column in words.items()}
 
 
 def _attributes(name: str, plan: SweepPlan) -> dict[str, str]:
     if name in ("outcome", "reason", "warnings"):
         return {"long_name": {"outcome": "how the run ended", "reason": "why it ended"}.get(name, name)}
     if name.endswith(ERROR):
-        return {"units": NONE, "long_name": f"relative error estimate of {_words(name.removesuffix(ERROR))}"}
-    return {"units": of_measure(name, plan.units), "long_name": _words(name)}
+        return {"units": "1", "long_name": f"relative error estimate of {_words(name.removesuffix(ERROR))}"}
+    return {"units": plan.units.named(dimension_of(name)), "long_name": _words(name)}
 
 
-def _coordinate_attributes(coordinate: Coordinate, plan: SweepPlan) -> dict[str, Any]:
+def dimension_of(measure: str) -> str:
+    """Unit of a measure as a product of powers of length, force and time."""
+    return _DIMENSIONS.get(measure) or _DIMENSIONS.get(measure.rpartition("_")[2], "1")
+
+
+def _coordinate_attributes(coordinate: Coordinate, plan: SweepPlan) -> dict[str, str]:
     label = coordinate.label or (_words(coordinate.name) if "." not in coordinate.name else coordinate.name)
     return {
-        "units": of_coordinate(coordinate, plan.base, plan.units),
+        "units": coordinate.unit or plan.units.named(plan.scene.unit(coordinate.paths[0])),
         "long_name": label,
-        "keys": ", ".join(coordinate.keys),
+        "keys": ", ".join(coordinate.paths),
         "scale": "log" if coordinate.logarithmic else "linear",
     }
 
@@ -137,29 +141,32 @@ def _words(name: str) -> str:
     return name.replace("pull_off", "pull-off").replace("_", " ").replace(".", " ")
 
 
-def drawn_measures(data: xarray.Dataset) -> list[str]:
-    """Names of the measures that the plan of a data set wants drawn, as far as the data set has them."""
-    names = str(data.attrs.get("drawn", "")).split(", ")
-    return [name for name in names if name in data]
+def write_results(plan: SweepPlan, runs: SweepRuns, out: Path) -> xarray.Dataset:
+    """Write ``sweep.nc``, ``sweep.csv`` and the traces; the data set.
 
-
-def write_dataset(data: xarray.Dataset, path: Path) -> None:
-    """Write a netCDF file, whole or not at all; the same data give the same bytes."""
-    for left in path.parent.glob(f"{_STAGE}*"):  # by a program that was killed
+    The netCDF file is written whole or not at all, and the same data give the same bytes.
+    """
+    data = to_dataset(plan, runs)
+    _write_traces(plan, runs, out)
+    write_whole(out / TABLE, table(data))
+    for left in out.glob(f"{_STAGE}*"):  # by a program that was killed
         shutil.rmtree(left, ignore_errors=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=_STAGE) as stage:
-        data.to_netcdf(Path(stage) / path.name, engine="h5netcdf")
-        move_whole(Path(stage), path.parent)
+    with tempfile.TemporaryDirectory(dir=out, prefix=_STAGE) as stage:
+        data.to_netcdf(Path(stage) / FILE, engine="h5netcdf")
+        move_whole(Path(stage), out)
+    return data
+
+
+def table(data: xarray.Dataset) -> str:
+    """All runs as CSV, one row each; numbers give themselves back, what a run does not have is empty."""
+    dimensions = list(next(iter(data.data_vars.values())).dims)
+    frame = data.to_dataframe(dim_order=dimensions).reset_index()
+    names = [*(name for name in data.coords if name != RUN), *data.data_vars]
+    return str(frame[names].to_csv(index=False, lineterminator="\n"))
 
 
 def read_dataset(folder: Path) -> xarray.Dataset:
-    """The data set of a folder that a sweep was written to.
-
-    Raises
-    ------
-    SceneError
-        If there is none, or one of another program.
-    """
+    """The data set of a folder that a sweep was written to."""
     import xarray
 
     path = folder / FILE
@@ -174,3 +181,78 @@ def read_dataset(folder: Path) -> xarray.Dataset:
     if not ({"scene_table", "drawn"} <= set(found.attrs) and {"outcome", "reason"} <= set(found.data_vars)):
         raise SceneError("", "is not the result of a sweep", allowed, str(path))
     return found
+
+
+def drawn_measures(data: xarray.Dataset) -> list[str]:
+    """Names of the measures that the plan of a data set wants drawn, as far as the data set has them."""
+    return [name for name in str(data.attrs.get("drawn", "")).split(", ") if name in data]
+
+
+def summary_rows(data: xarray.Dataset) -> list[tuple[str, ...]]:
+    """Heading and, for each measure that is drawn, how many runs have it and its range."""
+    rows: list[tuple[str, ...]] = [HEAD]
+    for name in drawn_measures(data):
+        values = data[name].values[np.isfinite(data[name].values)]
+        numbers = (values.min(), np.median(values), values.max()) if values.size else ()
+        error = float(data[name + ERROR].max()) if name + ERROR in data else np.nan
+        shown = [format(float(number), ".6g") for number in numbers] or ["-"] * 3
+        largest = f"{error:.1e}" if np.isfinite(error) else "-"
+        rows.append((name, str(data[name].attrs.get("units", "")), str(values.size), *shown, largest))
+    return rows
+
+
+def endings(data: xarray.Dataset) -> list[tuple[str, str, int]]:
+    """Outcome, reason and number of runs, the most frequent first."""
+    pairs = zip(data["outcome"].values.ravel(), data["reason"].values.ravel(), strict=True)
+    counted = Counter((str(outcome), str(reason)) for outcome, reason in pairs)
+    return [(outcome, reason, count) for (outcome, reason), count in counted.most_common()]
+
+
+def _write_traces(plan: SweepPlan, runs: SweepRuns, out: Path) -> None:
+    """Write all traces, where the plan keeps them, in place of those of an earlier plan.
+
+    HDF5: a group for each run, named by its number, with the columns and the coordinates as attributes.
+    Parquet: one table, with the columns ``run`` and those of the coordinates in front.
+    """
+    if plan.traces is None:
+        return
+    stage = out / f".{TRACES}.part"
+    shutil.rmtree(stage, ignore_errors=True)
+    stage.mkdir()
+    labels = [{c.name: row[0] for c, row in zip(plan.coordinates, rows, strict=True)} for rows in plan.rows()]
+    for first in range(0, len(runs.keys), RUNS_PER_FILE):
+        block = range(first, min(first + RUNS_PER_FILE, len(runs.keys)))
+        found = ((at, labels[at], columns) for at in block if (columns := runs.columns(runs.keys[at])))
+        name = f"runs-{block[0]:07d}-{block[-1]:07d}"
+        (_hdf5 if plan.traces == "hdf5" else _parquet)(stage / name, found)
+    shutil.rmtree(out / TRACES, ignore_errors=True)
+    stage.rename(out / TRACES)
+
+
+Labelled = Iterator[tuple[int, dict[str, Any], Columns]]
+"""Traces with the number of the run and its coordinates."""
+
+
+def _hdf5(path: Path, traces: Labelled) -> None:
+    import h5py
+
+    with h5py.File(path.with_suffix(".h5"), "w") as file:
+        for index, labels, columns in traces:
+            group = file.create_group(f"{index:07d}")
+            for name, column in columns.items():
+                group.create_dataset(name, data=column)
+            group.attrs.update(labels)
+
+
+def _parquet(path: Path, traces: Labelled) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    tables = []
+    for index, labels, columns in traces:
+        rows = len(columns["time"])
+        head = {name: np.full(rows, value) for name, value in ({"run": index} | labels).items()}
+        tables.append(pyarrow.table(head | columns))
+    if tables:
+        file = path.with_suffix(".parquet")
+        parquet.write_table(pyarrow.concat_tables(tables, promote_options="default"), file)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from validation.drawing.axes import format_axes
+from validation.drawing.export import png, svg_file
 from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
-from validation.sweeps.dataset import ERROR, RUN, drawn_measures
+from validation.execution.files import write_whole
+from validation.sweeps.dataset import RUN, drawn_measures
 
 if TYPE_CHECKING:
     import xarray
@@ -31,19 +34,17 @@ COLOURS = "cividis"
 """Lightness rises evenly, for any kind of colour vision and in print."""
 
 
+def draw(data: xarray.Dataset, out: Path) -> list[str]:
+    """Draw the figures of a data set as PNG and SVG; their names."""
+    drawn = figures(data)
+    for name, figure in drawn.items():
+        write_whole(out / f"{name}.png", png(figure))
+        write_whole(out / f"{name}.svg", svg_file(figure))
+    return list(drawn)
+
+
 def figures(data: xarray.Dataset) -> dict[str, Figure]:
-    """One figure for each measure that is drawn, by its name.
-
-    Parameters
-    ----------
-    data : Dataset
-        Of a sweep.
-
-    Returns
-    -------
-    dict of str to Figure
-        Measures that no run has are left out.
-    """
+    """One figure for each measure that is drawn, by its name; measures that no run has are left out."""
     for dim in data.dims:
         if dim in data.coords:
             data = data.sortby(str(dim)).drop_duplicates(dim)
@@ -202,11 +203,3 @@ def _label(data: xarray.Dataset, name: str) -> str:
     unit = str(attributes.get("units", "")).replace("-1", "⁻¹").replace("-2", "⁻²")
     long_name = str(attributes.get("long_name", name))
     return f"{long_name} ({unit})" if unit not in ("", "1") else long_name
-
-
-def errors_of(data: xarray.Dataset, name: str) -> float | None:
-    """Largest relative error estimate of a measure; ``None`` without one."""
-    if name + ERROR not in data:
-        return None
-    largest = float(data[name + ERROR].max())
-    return largest if math.isfinite(largest) else None

@@ -12,10 +12,8 @@
     key = "loading.steps.0.rate"     # or keys = [...], with factors = [...] or with a list of values for each
     geomspace = [1e-5, 100.0, 40]    # or linspace, values; of a sample: range = [low, high], scale = "log"
 
-A sample also has ``points``, how many, and ``seed``. ``estimate = false`` leaves the error estimates out,
-``measures`` names those that the data set holds (default: all), ``traces = "hdf5"`` or ``"parquet"`` keeps
-the time series, ``max_steps`` bounds a run, ``drawn`` names the measures that are drawn, and ``[units]``
-gives the names of the units of ``length``, ``force`` and ``time``.
+The keys are the declared fields of :class:`SweepPlan` and :class:`Coordinate`. A path into the scene is
+dotted, with indices of lists: ``loading.steps.1.rate`` and ``loading.steps[1].rate`` are the same.
 """
 
 from __future__ import annotations
@@ -23,164 +21,350 @@ from __future__ import annotations
 import itertools
 import math
 import os
+import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import reduce
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from contact_scene import Scene
+import numpy as np
+from scipy.stats import qmc
+
+from contact_scene import Counters, Machine, Outcome, OutcomeKind, Scene, Trace, read_scene, scene_from_dict
+from contact_scene.checked import Checked, Finite, Key, Positive, check_keys, field_at, fields_of, from_table
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text
+from contact_scene.material_models import MODELS
 from contact_scene.run_control.options import whole_number
-from contact_scene.value_checks import one_of
-from validation import solvers
-from validation.sweeps.coordinates import MOST_RUNS, Coordinate
-from validation.sweeps.plan_entries import (
-    read_coordinates,
-    read_flag,
-    read_measures,
-    read_optional,
-    read_points,
-    read_units,
-    refuse_names_of_measures,
-)
-from validation.sweeps.samples import DESIGNS, SAMPLES, shares
-from validation.sweeps.scene_table import SceneTable, builtin_or_file
+from contact_scene.scene import scene_table
+from contact_scene.value_checks import one_of, positive, whole_from
+from validation import scenes, solvers
+from validation.measure.scalars import measure
 
 PLANS = Path(__file__).with_name("plans")
 """Folder of the built-in plans."""
-_KEYS = (
-    "title", "scene", "solver", "resolution", "max_steps", "design", "points", "seed", "estimate", "measures",
-    "traces", "drawn", "units", "coordinates",
-)  # fmt: skip
-TRACE_FILES = ("hdf5", "parquet")
+MOST_RUNS = 10_000_000
+"""Runs of a plan, and values of a coordinate: their fingerprints alone take a gigabyte and an hour."""
+RESERVED = ("run", "outcome", "reason", "warnings")
+"""Names that a data set of runs has of itself."""
+SAMPLES = ("latin-hypercube", "sobol")
+DESIGNS = ("grid", "points", *SAMPLES)
 DRAWN = ("pull_off_force", "pull_off_penetration", "dissipated_energy")
 """Measures that are drawn unless the plan names others."""
-Rows = tuple[tuple[Any, ...], ...]
+Row = tuple[Any, ...]
+"""Values of the keys of a coordinate; the first one labels it."""
 
 
 @dataclass(frozen=True)
-class SweepPlan:
-    """What is to be run.
+class SceneTable:
+    """The contents of a scene file; tables that it names are looked up in ``folder``."""
 
-    Parameters
-    ----------
-    base : SceneTable
-        The scene that is varied.
-    coordinates : tuple of Coordinate
-    solver : str
-    resolution, max_steps : int or None
-        ``None``: the solver's choice.
-    design : str
-        "grid": every value of one coordinate with every value of the others; "points": the first values of
-        all, the second values of all, ...; or a sample.
-    points, seed : int
-        Of a sample: how many, and which.
-    estimate : bool
-        Whether errors are estimated.
-    measures : tuple of str
-        Those the data set holds; empty: all.
-    traces : str
-        "hdf5" or "parquet", if the time series are kept; else empty.
-    drawn : tuple of str
-        Measures of the figures.
-    units : mapping of str to str
-        Names of the units of length, force and time.
-    title : str
+    name: str
+    data: dict[str, Any]
+    folder: Path
+
+    def with_values(self, settings: Mapping[str, Any]) -> Scene:
+        """The scene with other values at some paths, without its title: equal scenes compare equal."""
+        data = reduce(lambda table, item: put(table, *item), settings.items(), self.data)
+        return replace(scene_from_dict(data, self.folder), title="")
+
+    def unit(self, path: str) -> str:
+        """Unit of what the scene declares at a path; empty where it declares nothing."""
+        place = parts(path)
+        if place[0] == "machine":  # a table of its own in a file
+            found = field_at([Machine], {}, place[1:])
+        else:
+            found = field_at([Scene], self.data, place)
+        if found is None and place[0] == "material":
+            found = field_at(MODELS, self.data.get("material"), place[1:])
+        return "" if found is None else found.key.unit
+
+
+def parts(path: str) -> tuple[str, ...]:
+    """Keys and indices along a path."""
+    return tuple(re.sub(r"\[(\d+)\]", r".\1", path).split("."))
+
+
+def put(table: Any, path: str, value: Any) -> Any:
+    """A copy of nested tables and lists with another value at a path; what is beside the path is shared.
+
+    Tables on the way that do not exist are made: the reader of scenes knows which of them there may be.
     """
 
-    base: SceneTable
-    coordinates: tuple[Coordinate, ...]
-    solver: str = solvers.REFERENCE
-    resolution: int | None = None
-    max_steps: int | None = None
-    design: str = "grid"
-    points: int = 0
-    seed: int = 0
-    estimate: bool = True
-    measures: tuple[str, ...] = ()
-    traces: str = ""
-    drawn: tuple[str, ...] = DRAWN
-    units: Mapping[str, str] = field(default_factory=dict)
-    title: str = ""
+    def changed(table: Any, rest: tuple[str, ...]) -> Any:
+        if not rest:
+            return value
+        key, after = rest[0], rest[1:]
+        if isinstance(table, list):
+            if not key.isdecimal() or int(key) >= len(table):
+                allowed = f"an index from 0 to {len(table) - 1}" if table else "a path that exists"
+                raise SceneError(path, f"the list has no entry {shown(key)}", allowed)
+            return [*table[: int(key)], changed(table[int(key)], after), *table[int(key) + 1 :]]
+        if not isinstance(table, dict):
+            raise SceneError(path, f"{shown(table)} has no keys", "a path to a value of the scene")
+        if not key:
+            raise SceneError(path, "has an empty part", "names and indices with dots between them")
+        return {**table, key: changed(table.get(key, {}), after)}
+
+    return changed(table, parts(path))
+
+
+def builtin_or_file(name: Any, folder: Path) -> SceneTable:
+    """The table of a built-in scene or of a scene file, looked up in ``folder``."""
+    if not isinstance(name, str) or not name:
+        raise SceneError("scene", f"got {shown(name)}", "the name of a built-in scene or of a scene file")
+    known = name in scenes.names()
+    file = scenes.FOLDER / f"{name}.toml" if known else folder / name
+    if not known and not os.path.isfile(file):
+        raise SceneError("scene", f"{shown(name)} is no built-in scene and no file", "either of them")
+    read_scene(file)
+    return SceneTable(name if known else file.stem, tomllib.loads(file.read_text("utf-8")), file.parent)
+
+
+def of_scene(scene: Scene) -> SceneTable:
+    """The table of a scene built in Python, its tables of numbers in it."""
+    return SceneTable(scene.title or "scene", scene_table(scene), Path())
+
+
+@dataclass(frozen=True)
+class Coordinate(Checked):
+    """What a sweep varies: ``paths`` into the scene and ``rows`` of their values, unless they are sampled."""
+
+    key: Annotated[str | None, Key("dotted path of the scene")] = None
+    keys: Annotated[tuple[str, ...] | None, Key("several of them, which change together")] = None
+    name: Annotated[str, Key("in the data set; by default the first key")] = ""
+    label: Annotated[str, Key("on the axes of figures")] = ""
+    unit: Annotated[str, Key("of the values; by default as the scene declares it")] = ""
+    factors: Annotated[tuple[Finite, ...] | None, Key("by which each key multiplies the value")] = None
+    values: Annotated[tuple[object, ...] | None, Key("numbers, or strings, or lists for several keys")] = None
+    linspace: Annotated[tuple[Finite, ...] | None, Key("first, last, how many, evenly spaced")] = None
+    geomspace: Annotated[tuple[Positive, ...] | None, Key("the same, in equal ratios")] = None
+    range: Annotated[tuple[Finite, ...] | None, Key("lowest and highest value, of a sample")] = None
+    scale: Annotated[Literal["linear", "log"] | None, Key("in which a sample is even")] = None
+    paths: tuple[str, ...] = field(init=False)
+    rows: tuple[Row, ...] = field(init=False)
+
+    def rules(self) -> None:
+        if (self.key is None) == (self.keys is None):
+            raise SceneError("key", "is missing" if self.key is None else "given beside keys", "key or keys")
+        paths = (self.key or "",) if self.keys is None else self.keys
+        if not all(paths) or not paths:
+            key = "key" if self.keys is None else "keys"
+            raise SceneError(key, f"got {shown(list(paths))}", "dotted paths of the scene")
+        name = self.name or paths[0]
+        if name in RESERVED or "/" in name or not name.isprintable():
+            allowed = f"printable, without /, any other than {', '.join(RESERVED)}"
+            raise SceneError("name", f"got {shown(name)}", allowed)
+        if self.factors is not None and len(self.factors) != len(paths):
+            raise SceneError("factors", f"got {shown(list(self.factors))}", f"one number a key: {len(paths)}")
+        ways = {
+            "values": self._stated,
+            "linspace": self._spaced,
+            "geomspace": self._spaced,
+            "range": self._ends,
+        }
+        stated = [way for way in ways if getattr(self, way) is not None]
+        if len(stated) != 1:
+            problem = f"got {' and '.join(stated)}" if stated else "no values"
+            raise SceneError("", problem, f"one of {', '.join(ways)}")
+        if self.scale is not None and self.range is None:
+            raise SceneError("scale", "given without range", "scale and range together")
+        object.__setattr__(self, "name", name)
+        object.__setattr__(self, "paths", paths)
+        object.__setattr__(self, "rows", ways[stated[0]](stated[0], getattr(self, stated[0])))
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether its values are spaced, and drawn, in the logarithm."""
+        return self.geomspace is not None or self.scale == "log"
+
+    @property
+    def labels(self) -> list[Any]:
+        """Its own value for each row."""
+        return [row[0] for row in self.rows]
+
+    def sampled(self, share: float) -> Row:
+        """The row at a share of the range, 0 to 1."""
+        assert self.range is not None
+        low, high = self.range
+        if self.logarithmic:
+            return self._scaled(math.exp(math.log(low) + share * math.log(high / low)))
+        return self._scaled(low + share * (high - low))
+
+    def _scaled(self, value: Any) -> Row:
+        factors = self.factors or (1.0,) * len(self.paths)
+        return tuple(value if factor == 1.0 else factor * value for factor in factors)
+
+    def _stated(self, way: str, values: tuple[Any, ...]) -> tuple[Row, ...]:
+        """Rows of stated values; an entry for several keys may state a value for each."""
+        entries = [entry.item() if isinstance(entry, np.generic) else entry for entry in values]
+        lists = [tuple(entry) for entry in entries if isinstance(entry, (list, tuple))]
+        several = {len(entry) for entry in lists} == {len(self.paths)} and len(lists) == len(entries)
+        if lists and not (several and self.factors is None):
+            raise SceneError(way, f"got {shown(entries)}", f"lists of {len(self.paths)}, a value a key")
+        first = [entry[0] for entry in lists] or entries
+        numeric = all(isinstance(entry, (int, float)) and not isinstance(entry, bool) for entry in first)
+        words = all(isinstance(entry, str) for entry in first) and self.factors is None
+        if not first or not (numeric or words):
+            raise SceneError(way, f"got {shown(entries)}", "numbers, or strings, or lists for several keys")
+        return tuple(lists) or tuple(self._scaled(entry) for entry in entries)
+
+    def _spaced(self, way: str, asked: tuple[float, ...]) -> tuple[Row, ...]:
+        if len(asked) != 3:
+            raise SceneError(way, f"got {shown(list(asked))}", "[first, last, count]")
+        first, last, count = *asked[:2], whole_number(asked[2], f"{way}[2]", 1)  # type: ignore[arg-type]
+        if count > MOST_RUNS:
+            raise SceneError(f"{way}[2]", f"got {count} values", f"at most {MOST_RUNS}")
+        if first == last and count > 1:
+            problem = f"an empty range, {count} values from {first:g} to {last:g}"
+            raise SceneError(way, problem, "two different ends")
+        space = np.geomspace if way == "geomspace" else np.linspace
+        return tuple(self._scaled(float(value)) for value in space(first, last, count))
+
+    def _ends(self, way: str, asked: tuple[float, ...]) -> tuple[Row, ...]:
+        if len(asked) != 2:
+            raise SceneError(way, f"got {shown(list(asked))}", "[lowest, highest]")
+        low, high = asked
+        if self.scale == "log":
+            positive(low, f"{way}[0]")
+        if not low < high:
+            raise SceneError(way, f"an empty range, from {low:g} to {high:g}", "lowest < highest")
+        return ()
+
+
+@dataclass(frozen=True)
+class Units(Checked):
+    """Names of the units of a scene, which is in any consistent system; numbers are not converted."""
+
+    length: Annotated[str, Key("unit of length")] = "length"
+    force: Annotated[str, Key("unit of force")] = "force"
+    time: Annotated[str, Key("unit of time")] = "time"
+
+    def named(self, dimension: str) -> str:
+        """A product of powers of length, force and time by these names."""
+        for kind, name in vars(self).items():
+            dimension = dimension.replace(kind, name)
+        return dimension
+
+
+@dataclass(frozen=True)
+class SweepPlan(Checked):
+    """What is to be run."""
+
+    scene: Annotated[SceneTable, Key("built-in scene, or a scene file beside the plan")]
+    coordinates: Annotated[tuple[Coordinate, ...], Key("what is varied of it")]
+    title: Annotated[str, Key("of data set and figures")] = ""
+    solver: Annotated[str, Key("name of a solver")] = solvers.REFERENCE
+    resolution: Annotated[int | None, whole_from(1), Key("by default the solver's choice")] = None
+    max_steps: Annotated[int | None, whole_from(1), Key("most steps of a run")] = None
+    design: Annotated[
+        Literal["grid", "points", "latin-hypercube", "sobol"],
+        Key("all values with all, the first values of all, the second, ..., or a sample"),
+    ] = "grid"
+    points: Annotated[int | None, whole_from(1), Key("runs of a sample")] = None
+    seed: Annotated[int, whole_from(0), Key("of a sample: which")] = 0
+    estimate: Annotated[bool, Key("whether errors are estimated")] = True
+    measures: Annotated[tuple[str, ...], Key("those that the data set holds; by default all")] = ()
+    traces: Annotated[Literal["hdf5", "parquet"] | None, Key("files of the time series")] = None
+    drawn: Annotated[tuple[str, ...], Key("measures of the figures")] = DRAWN
+    units: Annotated[Units, Key("names of the scene's units")] = Units()
+
+    def rules(self) -> None:
+        one_of(self.solver, "solver", tuple(solvers.SOLVERS))
+        if self.resolution is not None:
+            whole_number(self.resolution, "resolution", solvers.solver(self.solver).least_resolution)
+        if (self.points is None) == (self.design in SAMPLES):
+            problem = f'given with design = "{self.design}"' if self.points else "is missing"
+            raise SceneError("points", problem, f"a whole number >= 1, for {', '.join(SAMPLES)} only")
+        if not self.coordinates:
+            raise SceneError("coordinates", "got []", "at least one table [[coordinates]]")
+        for index, coordinate in enumerate(self.coordinates):
+            if (coordinate.range is None) == (self.design in SAMPLES):
+                problem = "no range" if coordinate.range is None else "got range"
+                allowed = "for a sample range; for a grid or points values, linspace or geomspace"
+                raise SceneError(f"coordinates[{index}]", problem, allowed)
+        known = measure_names(self.scene.with_values({}))
+        names = [coordinate.name for coordinate in self.coordinates]
+        keys = [".".join(parts(path)) for coordinate in self.coordinates for path in coordinate.paths]
+        for what, listed in (("name", names), ("key", keys)):
+            for one, count in Counter(listed).items():
+                if count > 1:
+                    raise SceneError("coordinates", f"the {what} {one} comes twice", f"every {what} once")
+        for name in names:
+            if name.removesuffix("_error") in known:
+                problem = f"the coordinate {name} has the name of a measure"
+                raise SceneError("coordinates", problem, "another name")
+        lengths = [len(coordinate.rows) for coordinate in self.coordinates]
+        if self.design == "points" and len(set(lengths)) > 1:
+            problem = "got " + ", ".join(f"{n} of {name}" for n, name in zip(lengths, names, strict=True))
+            raise SceneError("coordinates", problem, "as many values of each, for a list of points")
+        for key, asked in (("measures", self.measures), ("drawn", self.drawn)):
+            for name in asked:
+                if name not in known and asked is not DRAWN:
+                    raise SceneError(key, f"no measure {shown(name)}", ", ".join(known))
+        if self.count > MOST_RUNS:
+            raise SceneError("coordinates", f"make {self.count} runs", f"at most {MOST_RUNS}")
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Runs along each dimension of the data set."""
         if self.design == "grid":
             return tuple(len(coordinate.rows) for coordinate in self.coordinates)
-        return (self.points if self.design in SAMPLES else len(self.coordinates[0].rows),)
+        return (self.points or len(self.coordinates[0].rows),)
 
     @property
     def count(self) -> int:
         """Number of runs."""
         return math.prod(self.shape)
 
-    def rows(self) -> Iterator[Rows]:
+    def rows(self) -> Iterator[tuple[Row, ...]]:
         """For each run, in the order of the data set, the row of every coordinate."""
         if self.design == "grid":
             yield from itertools.product(*(coordinate.rows for coordinate in self.coordinates))
-        elif self.design in SAMPLES:
+        elif self.points is None:
+            yield from zip(*(coordinate.rows for coordinate in self.coordinates), strict=True)
+        else:
             for point in shares(self.design, len(self.coordinates), self.points, self.seed):
                 pairs = zip(self.coordinates, point, strict=True)
                 yield tuple(coordinate.sampled(float(share)) for coordinate, share in pairs)
-        else:
-            yield from zip(*(coordinate.rows for coordinate in self.coordinates), strict=True)
 
-    def scene(self, rows: Rows) -> Scene:
-        """The scene of a run.
-
-        Raises
-        ------
-        SceneError
-            If the scene refuses the values, or has no such key; says where in the plan.
-        """
-        pairs = [(c.keys, row) for c, row in zip(self.coordinates, rows, strict=True)]
-        settings = {key: value for keys, row in pairs for key, value in zip(keys, row, strict=True)}
+    def scene_of(self, rows: tuple[Row, ...]) -> Scene:
+        """The scene of a run; a refusal says at which values."""
+        pairs = list(zip(self.coordinates, rows, strict=True))
+        settings = {path: value for c, row in pairs for path, value in zip(c.paths, row, strict=True)}
         try:
-            return self.base.scene(settings)
+            return self.scene.with_values(settings)
         except SceneError as error:
-            at = ", ".join(
-                f"{c.name} = {shown(row[0])}" for c, row in zip(self.coordinates, rows, strict=True)
-            )
+            at = ", ".join(f"{coordinate.name} = {shown(row[0])}" for coordinate, row in pairs)
             raise SceneError(f"{error.key or 'scene'} at {at}", error.problem, error.allowed) from None
 
     def check(self) -> None:
-        """Build every scene, so that a bad value is refused before anything runs.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Build every scene, so that a bad value is refused before anything runs."""
         for rows in self.rows():
-            self.scene(rows)
+            self.scene_of(rows)
 
 
-def read_plan(name: str) -> SweepPlan:
-    """A plan file, or a built-in plan by name; every scene of it is one that can be built.
+def measure_names(scene: Scene) -> list[str]:
+    """Names of all measures of a run: those of one that gave no row."""
+    none = np.empty(0)
+    outcome = Outcome(OutcomeKind.COMPLETED, "", 0.0)
+    trace = Trace("", none, none, none, none, none, none, none, outcome, Counters())
+    return list(measure(trace, scene, 0.0))
 
-    Raises
-    ------
-    SceneError
-        One line: file, key, what is wrong, what is allowed.
+
+def shares(kind: str, dimensions: int, count: int, seed: int) -> np.ndarray:
+    """A sample of the unit cube, shape (count, dimensions).
+
+    The first points of a longer Sobol sample with the same seed are those of a shorter one: a plan that asks
+    for more points later shares the ones it has.
     """
-    file = PLANS / f"{name}.toml" if name in plan_names() else Path(name)
-    if not os.path.isfile(file):
-        allowed = f"a TOML file, or one of {', '.join(plan_names())}"
-        raise SceneError("PLAN", f"{shown(name)} is no file and no built-in plan", allowed)
-    try:
-        data = tomllib.loads(read_text(file))
-    except ValueError as error:
-        if isinstance(error, SceneError):
-            raise
-        raise SceneError("", f"not a TOML file: {error}", "a plan of a sweep", str(file)) from None
-    try:
-        plan = plan_from_dict(data, file.parent)
-        plan.check()
-    except SceneError as error:
-        raise error.in_file(str(file)) from None
-    return plan
+    random = np.random.default_rng(seed)
+    if kind == "sobol":
+        return np.asarray(qmc.Sobol(dimensions, seed=random).random_base2((count - 1).bit_length())[:count])
+    return np.asarray(qmc.LatinHypercube(dimensions, seed=random).random(count))
 
 
 def plan_names() -> list[str]:
@@ -188,57 +372,25 @@ def plan_names() -> list[str]:
     return sorted(file.stem for file in PLANS.glob("*.toml"))
 
 
-def plan_from_dict(data: dict[str, Any], folder: Path, base: SceneTable | None = None) -> SweepPlan:
-    """A plan from the contents of its file.
+def plan_from_dict(data: dict[str, Any], folder: Path, scene: SceneTable | None = None) -> SweepPlan:
+    """A plan from the contents of its file, of a scene in place of the one that is named."""
+    check_keys(data, fields_of(SweepPlan))
+    found = builtin_or_file(data.get("scene"), folder) if scene is None else scene
+    plan: SweepPlan = from_table([SweepPlan], data | {"scene": found}, folder)
+    return plan
 
-    Parameters
-    ----------
-    data : dict
-    folder : Path
-        In which scene files are looked up.
-    base : SceneTable, optional
-        The scene, in place of the one that is named.
 
-    Returns
-    -------
-    SweepPlan
-
-    Raises
-    ------
-    SceneError
-    """
-    for key in data:
-        if key not in _KEYS:
-            raise SceneError(str(key), "unknown key", ", ".join(_KEYS))
-    if base is None:
-        name = data.get("scene")
-        if not isinstance(name, str) or not name:
-            raise SceneError("scene", f"got {shown(name)}", "the name of a built-in scene or of a scene file")
-        base = builtin_or_file(name, folder)
-    design = one_of(data.get("design", "grid"), "design", DESIGNS)
-    coordinates = read_coordinates(data.get("coordinates"), design)
-    refuse_names_of_measures(coordinates, base)
-    solver = one_of(data.get("solver", solvers.REFERENCE), "solver", tuple(solvers.SOLVERS))
-    least = solvers.solver(solver).least_resolution
-    title = data.get("title", "")
-    if not isinstance(title, str):
-        raise SceneError("title", f"got {shown(title)}", "a string")
-    plan = SweepPlan(
-        base,
-        coordinates,
-        solver,
-        read_optional(data, "resolution", least),
-        read_optional(data, "max_steps", 1),
-        design,
-        read_points(data, design),
-        whole_number(data.get("seed", 0), "seed", 0),
-        read_flag(data, "estimate", True),
-        read_measures(data, "measures", (), base),
-        "" if data.get("traces") is None else one_of(data["traces"], "traces", TRACE_FILES),
-        read_measures(data, "drawn", DRAWN, base),
-        read_units(data.get("units", {})),
-        title,
-    )
-    if plan.count > MOST_RUNS:
-        raise SceneError("coordinates", f"make {plan.count} runs", f"at most {MOST_RUNS}")
+def read_plan(name: str) -> SweepPlan:
+    """A plan file, or a built-in plan by name; every scene of it is one that can be built."""
+    file = PLANS / f"{name}.toml" if name in plan_names() else Path(name)
+    if not os.path.isfile(file):
+        allowed = f"a TOML file, or one of {', '.join(plan_names())}"
+        raise SceneError("PLAN", f"{shown(name)} is no file and no built-in plan", allowed)
+    try:
+        plan = plan_from_dict(tomllib.loads(read_text(file)), file.parent)
+        plan.check()
+    except SceneError as error:
+        raise error.in_file(str(file)) from None
+    except ValueError as error:
+        raise SceneError("", f"not a TOML file: {error}", "a plan of a sweep", str(file)) from None
     return plan

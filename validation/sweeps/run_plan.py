@@ -7,103 +7,162 @@ Without an executor a batch spares the writing of each run by itself.
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
+from contact_scene import Scene
 from contact_scene.errors import SceneError
+from validation.cases import Case
 from validation.execution.engines import Engine
-from validation.execution.pool import Task, TaskResult, completed_tasks
+from validation.execution.pool import Task, completed_tasks
 from validation.execution.process import keep_freed
 from validation.execution.progress import duration
-from validation.execution.provenance import version
-from validation.execution.run_table import RunRecord, RunTable, StoredRun
-from validation.sweeps.batch import BatchedRun, OtherVersion, SweepOptions, run_batch
-from validation.sweeps.plan import Rows, SweepPlan
+from validation.execution.provenance import fingerprint, version
+from validation.execution.run import Run, run
+from validation.execution.run_table import Columns, RunRecord, RunTable, StoredRun
+from validation.execution.solver_tasks import origin_of
+from validation.sweeps.plan import Row, SweepPlan, measure_names
 
+NOT_REPEATABLE = ("wall_seconds",)
+"""Measures that differ from one attempt to the next."""
 TAIL = 2
 """Batches for each place of an engine that the runs left are divided into, so that all workers end
 together."""
 SHORTEST = 4
 """Part of a full batch that is the least for that: a task costs Dask 2 to 8 ms of processor time, which is
 to stay small beside its work, as is the start of a job in a queue."""
+SAMPLED = 200
+"""Stored runs whose time a forecast looks up; of more, so many are, evenly chosen."""
+BYTES_OF_NUMBER = 8 + 20 + 40
+"""A number in the data set, its digits in the table, and name and digits in the file of stored runs."""
+FIGURES_BYTES = 250_000
+"""PNG and SVG of a measure, about."""
+Missing = dict[str, tuple[Row, ...]]
+"""Runs that are not stored: rows of the coordinates by fingerprint."""
+
+
+class OtherVersion(RuntimeError):
+    """A worker has other sources of this program than the process that asks it."""
+
+
+@dataclass(frozen=True)
+class RunSettings:
+    """How every run of a sweep is carried out; ``traces``: whether their traces are kept."""
+
+    solver: str
+    resolution: int | None = None
+    max_steps: int | None = None
+    estimate: bool = True
+    traces: bool = False
+
+    @classmethod
+    def of(cls, plan: SweepPlan) -> RunSettings:
+        """Of the runs of a plan."""
+        return cls(plan.solver, plan.resolution, plan.max_steps, plan.estimate, plan.traces is not None)
+
+    def fingerprint(self, scene: Scene) -> str:
+        """Of a run on a scene: two plans that ask for it share it."""
+        settings = (self.solver, self.resolution, self.max_steps, self.estimate)
+        return fingerprint("sweep", scene, *settings, *origin_of(self.solver))
+
+
+def run_batch(scenes: Sequence[tuple[str, Scene]], settings: RunSettings, sources: str) -> list[StoredRun]:
+    """Carry out runs one after the other, in a worker; ``sources``: ``version()`` where the batch was made.
+
+    Raises
+    ------
+    OtherVersion
+        If this process has other sources: its numbers would be kept under a wrong fingerprint.
+    """
+    if sources != version():
+        raise OtherVersion("a worker has another version of crosscontact, NumPy, SciPy or Python")
+    return [_stored(key, scene, settings) for key, scene in scenes]
+
+
+def _stored(key: str, scene: Scene, settings: RunSettings) -> StoredRun:
+    case, how = Case("sweep", scene), settings
+    result = run(case, how.solver, how.resolution, estimate=how.estimate, max_steps=how.max_steps)
+    columns = result.trace.columns() if settings.traces and result.trace is not None else None
+    return StoredRun(key, record_of(result), result.cpu_seconds + result.estimate_seconds, columns)
+
+
+def record_of(result: Run) -> RunRecord:
+    """What a sweep keeps of a run: finite numbers."""
+    trace = result.trace
+    if trace is None:
+        return RunRecord(result.outcome, result.failure)
+    measures, errors = (
+        {name: float(value) for name, value in found.items() if value is not None and math.isfinite(value)}
+        for found in (result.measures, result.errors)
+    )
+    for name in NOT_REPEATABLE:
+        measures.pop(name, None)
+    reason, warnings = trace.outcome.reason, result.warnings
+    return RunRecord(result.outcome, reason, result.finished, measures, errors, warnings, len(trace))
 
 
 @dataclass(frozen=True)
 class SweepRuns:
-    """The runs of a plan, carried out.
+    """The runs of a plan: fingerprints in the order of ``plan.rows()``, and the table that holds them.
 
-    Parameters
-    ----------
-    keys : list of str
-        Fingerprints, in the order of ``plan.rows()``.
-    table : RunTable
-        Holds them.
-    failed : dict of str to StoredRun
-        Those that the table does not hold because another attempt may end otherwise.
+    ``failed`` are those that the table does not hold because another attempt may end otherwise: the memory or
+    the worker gave out.
     """
 
     keys: list[str]
     table: RunTable
-    failed: dict[str, StoredRun] = field(default_factory=dict)
+    failed: dict[str, RunRecord] = field(default_factory=dict)
 
     def record(self, key: str) -> RunRecord:
         """What is known about a run."""
-        known = self.failed[key].record if key in self.failed else self.table.record(key)
+        known = self.failed.get(key) or self.table.record(key)
         if known is None:
             raise LookupError(key)
         return known
 
+    def columns(self, key: str) -> Columns | None:
+        """The trace of a run, if it is kept."""
+        return None if key in self.failed else self.table.columns(key)
 
-def options_of(plan: SweepPlan) -> SweepOptions:
-    """How the runs of a plan are carried out."""
-    return SweepOptions(plan.solver, plan.resolution, plan.max_steps, plan.estimate)
+    def keep(self, runs: Sequence[StoredRun]) -> None:
+        """Store what a batch has carried out."""
+        failed = {run.fingerprint: run.record for run in runs if run.record.reason.startswith("MemoryError")}
+        self.table.put(run for run in runs if run.fingerprint not in failed)
+        self.failed.update(failed)
 
 
-def missing_runs(plan: SweepPlan, table: RunTable) -> tuple[list[str], dict[str, Rows]]:
-    """Fingerprints of all runs of a plan, and those that are not stored, each once, with their rows."""
-    options = options_of(plan)
-    keys, missing = [], {}
+def missing_runs(plan: SweepPlan, table: RunTable) -> tuple[list[str], Missing]:
+    """Fingerprints of all runs of a plan, and those that are not stored, each once."""
+    settings, keys, missing = RunSettings.of(plan), [], {}
     for rows in plan.rows():
-        key = options.fingerprint(plan.scene(rows))
+        key = settings.fingerprint(plan.scene_of(rows))
         keys.append(key)
-        if key not in missing and not table.holds(key, bool(plan.traces)):
+        if key not in missing and not table.holds(key, settings.traces):
             missing[key] = rows
     return keys, missing
 
 
 class _Batches:
-    """Batches of the runs that are missing, sized by what the runs before them took.
+    """Batches of the runs that are missing, sized by what the runs before them took, or ``largest``."""
 
-    Parameters
-    ----------
-    plan : SweepPlan
-    runs : list of (str, Rows)
-        What is missing.
-    engine : Engine
-    largest : int or None
-        Most runs of a batch, where it is known better than by their cost.
-    """
-
-    def __init__(
-        self, plan: SweepPlan, runs: list[tuple[str, Rows]], engine: Engine, largest: int | None = None
-    ) -> None:
-        self._plan, self._runs, self._engine, self._largest = plan, runs, engine, largest
+    def __init__(self, plan: SweepPlan, missing: Missing, engine: Engine, largest: int | None = None) -> None:
+        self._plan, self._runs, self._engine, self._largest = plan, list(missing.items()), engine, largest
         self._seconds, self._done = 0.0, 0
 
-    def measured(self, runs: list[BatchedRun]) -> None:
+    def measured(self, runs: Sequence[StoredRun]) -> None:
         """Take note of what runs took."""
-        self._seconds += sum(run.stored.seconds for run in runs)
+        self._seconds += sum(run.seconds for run in runs)
         self._done += len(runs)
 
     def __iter__(self) -> Iterator[tuple[int, Task]]:
-        options, at = options_of(self._plan), 0
+        settings, at = RunSettings.of(self._plan), 0
         while at < len(self._runs):
             size = self._size(len(self._runs) - at)
-            scenes = [(key, self._plan.scene(rows)) for key, rows in self._runs[at : at + size]]
+            scenes = [(key, self._plan.scene_of(rows)) for key, rows in self._runs[at : at + size]]
             label = f"runs {at + 1} to {at + len(scenes)}"
-            arguments = (scenes, options, bool(self._plan.traces), version())
-            yield at, Task(scenes[0][0], label, run_batch, arguments)
+            yield at, Task(scenes[0][0], label, run_batch, (scenes, settings, version()))
             at += len(scenes)
 
     def _size(self, left: int) -> int:
@@ -121,82 +180,68 @@ def carry_out(
     engine: Engine | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> SweepRuns:
-    """Run what is missing.
+    """Run what the table does not hold of a plan whose scenes can all be built, and store it there.
 
-    Parameters
-    ----------
-    plan : SweepPlan
-        Whose scenes can all be built.
-    table : RunTable
-        Holds the runs of earlier attempts and of other plans, and receives new ones.
-    engine : Engine, optional
-        By default this process.
-    progress : callable, optional
-        Called with the share of the runs that is done, 0 to 1, and a line of text: their number, rate and
-        the remaining time.
-
-    Returns
-    -------
-    SweepRuns
-
-    Raises
-    ------
-    SceneError
-        If a worker has another version of the program.
+    ``progress`` is called with the share of the missing runs that is done, 0 to 1, and a line of text: the
+    number of runs, their rate and the remaining time.
     """
     engine = engine or Engine()
     if engine.executor is None:
         keep_freed()  # as a worker process does
-    keys, missing = missing_runs(plan, table)
-    found = SweepRuns(keys, table)
-    tell = _Teller(len(missing), len(keys), progress)
-    left, largest = list(missing.items()), None
+    keys, left = missing_runs(plan, table)
+    found, began, asked, done, largest = SweepRuns(keys, table), time.monotonic(), len(left), 0, None
     while left:
         batches = _Batches(plan, left, engine, largest)
-        again: list[tuple[str, Rows]] = []
-        for at, result in completed_tasks(batches, engine.executor, engine.outstanding):
+        again: Missing = {}
+        for _, result in completed_tasks(batches, engine.executor, engine.outstanding):
+            sent = [key for key, _ in result.task.arguments[0]]
             if result.value is not None:
                 batches.measured(result.value)
-                _keep(result.value, found)
-                tell(len(result.value))
+                found.keep(result.value)
+            elif result.failure.startswith(OtherVersion.__name__):
+                problem = result.failure.partition(": ")[2]
+                raise SceneError("executor", problem, "the same installation on every worker")
+            elif len(sent) > 1:  # one run may have ended the process of all: each for itself
+                again |= {key: left[key] for key in sent}
                 continue
-            _refuse_other_version(result)
-            lost = left[at : at + len(result.task.arguments[0])]
-            if len(lost) > 1:  # one run may have ended the process of all: each for itself
-                again += lost
-                continue
-            found.failed[lost[0][0]] = StoredRun(lost[0][0], RunRecord("failed", result.failure), 0.0)
-            tell(1)
+            else:
+                found.failed[sent[0]] = RunRecord("failed", result.failure)
+            done += len(sent)
+            if progress is not None:
+                rate = done / max(time.monotonic() - began, 1e-9)
+                text = f"{len(keys) - asked + done}/{len(keys)} runs, {rate:.3g} a second"
+                rest = f", about {duration((asked - done) / rate)} left" if done < asked else ""
+                progress(done / asked, text + rest)
         left, largest = again, 1
     return found
 
 
-def _keep(runs: list[BatchedRun], found: SweepRuns) -> None:
-    found.table.put(run.stored for run in runs if run.repeatable)
-    found.failed.update({run.stored.fingerprint: run.stored for run in runs if not run.repeatable})
+@dataclass(frozen=True)
+class SweepForecast:
+    """What a sweep will take: ``runs`` of which some are ``stored``, processor time of the others and
+    ``per_run`` (s) as ``measured`` on so many stored runs (0: on the first one, carried out), bytes of all
+    files."""
+
+    runs: int
+    stored: int
+    seconds: float
+    per_run: float
+    measured: int
+    bytes: float
 
 
-def _refuse_other_version(result: TaskResult) -> None:
-    if result.failure.startswith(OtherVersion.__name__):
-        problem = result.failure.partition(": ")[2]
-        raise SceneError("executor", problem, "the same installation on every worker")
-
-
-class _Teller:
-    """Tells how many runs are done, how many a second, and how long the rest will take."""
-
-    def __init__(self, missing: int, total: int, progress: Callable[[float, str], None] | None) -> None:
-        self._missing, self._total, self._progress = missing, total, progress
-        self._done, self._began = 0, time.monotonic()
-
-    def __call__(self, count: int) -> None:
-        self._done += count
-        if self._progress is None:
-            return
-        lasted = max(time.monotonic() - self._began, 1e-9)
-        rate = self._done / lasted
-        done = self._total - self._missing + self._done
-        text = f"{done}/{self._total} runs, {rate:.3g} a second"
-        if self._done < self._missing:
-            text += f", about {duration((self._missing - self._done) / rate)} left"
-        self._progress(self._done / self._missing, text)
+def forecast(plan: SweepPlan, table: RunTable) -> SweepForecast:
+    """Forecast a sweep by the runs that are stored; where there are none, its first run is carried out."""
+    keys, missing = missing_runs(plan, table)
+    stored = [key for key in keys if key not in missing]
+    spent = [seconds for key in stored[:: max(1, len(stored) // SAMPLED)] if (seconds := table.seconds(key))]
+    names = plan.measures or measure_names(plan.scene.with_values({}))
+    numbers = len(names) * (2 if plan.estimate else 1)
+    size = float(BYTES_OF_NUMBER * numbers * len(keys) + FIGURES_BYTES * len(plan.drawn))
+    per_run = sum(spent) / len(spent) if spent else 0.0
+    if missing and (plan.traces or not spent):
+        key, rows = next(iter(missing.items()))
+        first = _stored(key, plan.scene_of(rows), RunSettings.of(plan))
+        per_run = per_run or first.seconds
+        size += len(keys) * sum(8.0 * len(column) for column in (first.columns or {}).values())
+    return SweepForecast(len(keys), len(stored), per_run * len(missing), per_run, len(spent), size)
