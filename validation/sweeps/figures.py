@@ -55,49 +55,46 @@ def figures(data: xarray.Dataset) -> dict[str, Figure]:
 def _figure(data: xarray.Dataset, name: str) -> Figure:
     measure = data[name]
     if measure.dims == (RUN,):
-        return _of_points(data, name)
+        return _points(data, name)
     dimensions = [str(dim) for dim in measure.dims]
-    numeric = [dim for dim in dimensions if np.issubdtype(data[dim].dtype, np.number) and data[dim].size > 1]
-    words = [dim for dim in dimensions if dim not in numeric]
-    numeric.sort(key=lambda dim: -data[dim].size)
-    varied = [dim for dim in words if data[dim].size > 1]
-    across = numeric[:2] or varied[:1] or dimensions[:1]
-    outer = [dim for dim in (*numeric[2:], *varied) if dim not in across]
+    varied = sorted((dim for dim in dimensions if data[dim].size > 1), key=lambda dim: -data[dim].size)
+    numeric = [dim for dim in varied if _is_numeric(data[dim].values)]
+    words = [dim for dim in dimensions if dim in varied and dim not in numeric]
+    across = numeric[:2] or words[:1] or dimensions[:1]
+    outer = [dim for dim in (*numeric[2:], *words) if dim not in across]
     measure = measure.squeeze([dim for dim in dimensions if dim not in across and dim not in outer])
-    if len(across) == 1 and outer and math.prod(data[dim].size for dim in outer) <= MOST_CURVES:
-        return _curves(data, name, measure, across[0], outer)
-    panels = _panels(data, outer)
+    chosen = _chosen(data, outer)
+    in_one = len(across) == 1 and math.prod(data[dim].size for dim in outer) <= MOST_CURVES
+    panels = [chosen] if in_one else [[at] for at in chosen]
     figure, axes = _grid(len(panels), data)
-    limits = (float(measure.min()), float(measure.max()))
-    for one, chosen in zip(axes, panels, strict=True):
-        part = measure.isel(chosen)
-        if len(across) == 2:
-            picture = _map(one, data, part, across[0], across[1], limits)
-        else:
-            _curve(one, data, name, part, across[0], 0, "")
-        one.set_title(_title(data, chosen), fontsize="small")
+    limits = {"vmin": float(measure.min()), "vmax": float(measure.max())}
+    for one, parts in zip(axes, panels, strict=True):
+        for index, at in enumerate(parts):
+            if len(across) == 2:
+                picture = _map(one, data, measure.isel(at), across[0], across[1], limits)
+            else:
+                label = _title(data, at) if in_one else ""
+                _curve(one, data, name, measure.isel(at), across[0], index, label)
+        if not in_one:
+            one.set_title(_title(data, parts[0]), fontsize="small")
+        elif outer:
+            one.legend(frameon=False, fontsize="small")
     if len(across) == 2:
         bar = figure.colorbar(picture, ax=axes, shrink=0.9 if len(panels) == 1 else 0.6)
         bar.set_label(_label(data, name))
     return figure
 
 
-def _curves(
-    data: xarray.Dataset, name: str, measure: xarray.DataArray, across: str, outer: list[str]
-) -> Figure:
-    figure, axes = _grid(1, data)
-    for index, chosen in enumerate(_panels(data, outer)):
-        _curve(axes[0], data, name, measure.isel(chosen), across, index, _title(data, chosen))
-    axes[0].legend(frameon=False, fontsize="small")
-    return figure
+def _is_numeric(values: Any) -> bool:
+    return bool(np.issubdtype(np.asarray(values).dtype, np.number))
 
 
 def _curve(
     axes: Axes, data: xarray.Dataset, name: str, part: xarray.DataArray, across: str, index: int, label: str
 ) -> None:
     x, y = data[across].values, part.values
-    numeric = np.issubdtype(x.dtype, np.number)
     style: dict[str, Any] = {"color": SERIES[index % len(SERIES)], "marker": MARKERS[index % len(MARKERS)]}
+    numeric = _is_numeric(x)
     if numeric:
         style |= {"linestyle": DASHES[index % len(DASHES)], "linewidth": 1.3, "markersize": 3}
     else:  # between two words there is nothing that a line could show
@@ -106,60 +103,56 @@ def _curve(
     axes.plot(x, y, label=label, **style)
     known = np.isfinite(y)
     if numeric and not known.all() and known.any():
-        axes.plot(x[~known], np.full((~known).sum(), 0.03), "x", color=INK, markersize=4,
-                  transform=axes.get_xaxis_transform())  # fmt: skip
-    _scales(axes, data, across, None)
-    axes.set(xlabel=_label(data, across), ylabel=_label(data, name))
+        foot = axes.get_xaxis_transform()
+        axes.plot(x[~known], np.full((~known).sum(), 0.03), "x", color=INK, markersize=4, transform=foot)
+    _label_axes(axes, data, across, name)
     format_axes(axes)
 
 
 def _map(
-    axes: Axes, data: xarray.Dataset, part: xarray.DataArray, across: str, up: str,
-    limits: tuple[float, float],
-) -> Any:  # fmt: skip
-    x, y, z = data[across].values, data[up].values, part.transpose(up, across).values
-    picture = axes.pcolormesh(
-        x, y, np.ma.masked_invalid(z), cmap=COLOURS, vmin=limits[0], vmax=limits[1], shading="nearest",
-        rasterized=True,
-    )  # fmt: skip
+    axes: Axes,
+    data: xarray.Dataset,
+    part: xarray.DataArray,
+    across: str,
+    up: str,
+    limits: dict[str, float],
+) -> Any:
+    x, y, z = data[across].values, data[up].values, np.ma.masked_invalid(part.transpose(up, across).values)
+    picture = axes.pcolormesh(x, y, z, cmap=COLOURS, **limits, shading="nearest", rasterized=True)
     axes.set_facecolor(NO_VALUE)
-    _scales(axes, data, across, up)  # before the labels of contours, whose gaps are measured on the page
+    _label_axes(axes, data, across, up)  # before the labels of contours, whose gaps are measured on the page
     axes.autoscale_view()
-    known = np.isfinite(z)
-    if known.any() and min(z.shape) > 2 and z[known].max() > z[known].min():
+    if z.count() and min(z.shape) > 2 and z.max() > z.min():
         from matplotlib.patheffects import withStroke
 
         outline: list[Any] = [withStroke(linewidth=2.0, foreground="#0a0a0a99")]
-        lines = axes.contour(x, y, np.ma.masked_invalid(z), LEVELS, colors="white", linewidths=0.8)
+        lines = axes.contour(x, y, z, LEVELS, colors="white", linewidths=0.8)
         lines.set(path_effects=outline)
         for label in axes.clabel(lines, fontsize=7, fmt="%.3g"):
             label.set_path_effects(outline)
-    if not known.all():
+    if z.count() < z.size:
         box = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
         note: dict[str, Any] = {"fontsize": 7, "color": INK, "ha": "right", "va": "bottom", "bbox": box}
         axes.text(0.98, 0.02, "grey: no value", transform=axes.transAxes, **note)
-    axes.set(xlabel=_label(data, across), ylabel=_label(data, up))
     axes.tick_params(which="both", colors=INK, labelcolor=INK)
     return picture
 
 
-def _of_points(data: xarray.Dataset, name: str) -> Figure:
+def _points(data: xarray.Dataset, name: str) -> Figure:
     """A list of points or a sample: the measure over each coordinate."""
     coordinates = [str(entry) for entry in data.coords if entry != RUN]
     figure, axes = _grid(len(coordinates), data)
     size = float(np.clip(200.0 / math.sqrt(data.sizes[RUN]), 2.0, 25.0))
+    style: dict[str, Any] = {"s": size, "color": SERIES[0], "linewidths": 0, "alpha": 0.6}
     for one, coordinate in zip(axes, coordinates, strict=True):
-        one.scatter(
-            data[coordinate].values, data[name].values, s=size, color=SERIES[0], linewidths=0, alpha=0.6
-        )
-        _scales(one, data, coordinate, None)
-        one.set(xlabel=_label(data, coordinate), ylabel=_label(data, name))
+        one.scatter(data[coordinate].values, data[name].values, **style)
+        _label_axes(one, data, coordinate, name)
         format_axes(one)
     return figure
 
 
-def _panels(data: xarray.Dataset, outer: list[str]) -> list[dict[str, int]]:
-    """Indices of the outer coordinates for each panel."""
+def _chosen(data: xarray.Dataset, outer: list[str]) -> list[dict[str, int]]:
+    """Indices of the outer coordinates for each panel or curve."""
     chosen = list(itertools.product(*(range(data[dim].size) for dim in outer)))
     if len(chosen) > MOST_PANELS:
         chosen = [chosen[int(at)] for at in np.linspace(0, len(chosen) - 1, MOST_PANELS).round()]
@@ -176,25 +169,22 @@ def _grid(count: int, data: xarray.Dataset) -> tuple[Figure, list[Axes]]:
     axes = list(figure.subplots(rows, columns, squeeze=False).flat)
     for empty in axes[count:]:
         empty.remove()
-    title = str(data.attrs.get("title", ""))
-    if title:
-        figure.suptitle(title, fontsize="small", color=INK, wrap=True)
+    if data.attrs.get("title"):
+        figure.suptitle(str(data.attrs["title"]), fontsize="small", color=INK, wrap=True)
     return figure, axes[:count]
 
 
-def _scales(axes: Axes, data: xarray.Dataset, across: str, up: str | None) -> None:
-    for axis, dim in (("x", across), ("y", up)):
-        if dim is not None and data[dim].attrs.get("scale") == "log":
+def _label_axes(axes: Axes, data: xarray.Dataset, across: str, up: str) -> None:
+    """Scales and labels of both axes by the attributes of what is drawn along them."""
+    for axis, name in (("x", across), ("y", up)):
+        axes.set(**{f"{axis}label": _label(data, name)})
+        if data[name].attrs.get("scale") == "log":
             axes.set(**{f"{axis}scale": "log"})
 
 
-def _title(data: xarray.Dataset, chosen: dict[str, int]) -> str:
-    def shown(value: Any) -> str:
-        return (
-            format(float(value), ".3g") if np.issubdtype(np.asarray(value).dtype, np.number) else str(value)
-        )
-
-    return ", ".join(f"{dim} = {shown(data[dim].values[index])}" for dim, index in chosen.items())
+def _title(data: xarray.Dataset, at: dict[str, int]) -> str:
+    values = {dim: data[dim].values[index] for dim, index in at.items()}
+    return ", ".join(f"{dim} = {v:.3g}" if _is_numeric(v) else f"{dim} = {v}" for dim, v in values.items())
 
 
 def _label(data: xarray.Dataset, name: str) -> str:
