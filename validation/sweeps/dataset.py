@@ -57,8 +57,8 @@ def check_writable(plan: SweepPlan | None = None) -> None:
     for package in ("xarray", "h5netcdf"):
         if find_spec(package) is None:
             raise SceneError("sweep", f"{package} is not installed", "pip install 'crosscontact[sweep]'")
-    package = _PACKAGES.get(str(plan.traces)) if plan is not None else None
-    if package is not None and find_spec(package) is None:
+    if plan is not None and plan.traces is not None and find_spec(_PACKAGES[plan.traces]) is None:
+        package = _PACKAGES[plan.traces]
         raise SceneError("traces", f"{package} is not installed", f"pip install {package}")
 
 

@@ -67,7 +67,7 @@ def _figure(data: xarray.Dataset, name: str) -> Figure:
     in_one = len(across) == 1 and math.prod(data[dim].size for dim in outer) <= MOST_CURVES
     panels = [chosen] if in_one else [[at] for at in chosen]
     figure, axes = _grid(len(panels), data)
-    limits = {"vmin": float(measure.min()), "vmax": float(measure.max())}
+    limits: dict[str, Any] = {"vmin": float(measure.min()), "vmax": float(measure.max())}
     for one, parts in zip(axes, panels, strict=True):
         for index, at in enumerate(parts):
             if len(across) == 2:
@@ -115,7 +115,7 @@ def _map(
     part: xarray.DataArray,
     across: str,
     up: str,
-    limits: dict[str, float],
+    limits: dict[str, Any],
 ) -> Any:
     x, y, z = data[across].values, data[up].values, np.ma.masked_invalid(part.transpose(up, across).values)
     picture = axes.pcolormesh(x, y, z, cmap=COLOURS, **limits, shading="nearest", rasterized=True)
