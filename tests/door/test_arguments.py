@@ -180,7 +180,7 @@ TABLE = {
             "batch_seconds": None,
             "progress": None,
         },
-        {"estimate_errors": FLAG, "out": OPTIONAL | TEXT}
+        {"estimate_errors": FLAG, "out": OPTIONAL | TEXT, "measures": {"empty array"}}
         | dict.fromkeys(("resolution", "points", "traces", "max_steps", "executor"), OPTIONAL)
         | dict.fromkeys(("batch_seconds", "progress"), OPTIONAL),
     ),

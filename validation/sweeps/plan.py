@@ -143,7 +143,7 @@ class Coordinate(Checked):
     linspace: Annotated[tuple[Finite, ...] | None, Key("first, last, how many, evenly spaced")] = None
     geomspace: Annotated[tuple[Positive, ...] | None, Key("the same, in equal ratios")] = None
     range: Annotated[tuple[Finite, ...] | None, Key("lowest and highest value, of a sample")] = None
-    scale: Annotated[Literal["linear", "log"] | None, Key("in which a sample is even")] = None
+    scale: Annotated[Literal["linear", "log"], Key("in which a sample is even")] = "linear"
     paths: tuple[str, ...] = field(init=False)
     rows: tuple[Row, ...] = field(init=False)
 
@@ -170,7 +170,7 @@ class Coordinate(Checked):
         if len(stated) != 1:
             problem = f"got {' and '.join(stated)}" if stated else "no values"
             raise SceneError("", problem, f"one of {', '.join(ways)}")
-        if self.scale is not None and self.range is None:
+        if self.scale != "linear" and self.range is None:
             raise SceneError("scale", "given without range", "scale and range together")
         object.__setattr__(self, "name", name)
         object.__setattr__(self, "paths", paths)
