@@ -132,6 +132,7 @@ def test_an_unknown_key_is_refused_beside_those_there_are(tmp_path, place):
         (ZONE | {"linspace": [1.0, 1.0, 4]}, {}, "linspace: an empty range"),
         (ZONE | {"geomspace": [0.0, 1.0, 4]}, {}, "geomspace[0]: got 0.0"),
         (ZONE | {"linspace": [0.1, 1.0, 0]}, {}, "linspace[2]: got 0"),
+        (ZONE | {"linspace": [0.1, 1.0, 2.5]}, {}, "linspace[2]: got 2.5"),
         (ZONE | {"linspace": [0.1, 1.0, 10**9]}, {}, "linspace[2]: got 1000000000 values"),
         (ZONE | {"linspace": [0.1, 1.0]}, {}, "linspace: got [0.1, 1.0]; allowed: [first, last, count]"),
         (ZONE, {}, "no values"),
