@@ -28,29 +28,12 @@ from validation.measure.windows import cycle_times
 class Run:
     """The outcome of one solver on one scene.
 
-    Parameters
-    ----------
-    scene, solver : str
-        Names.
-    trace : Trace or None
-        ``None`` if the solver gave no answer at all; then ``failure`` says why.
-    failure : str
-        One line.
-    refused : bool
-        Whether the solver does not take this scene (as opposed to a breakdown).
-    details : str
-        Traceback of a breakdown.
-    wall_seconds, cpu_seconds : float
-        Run and processor time around the call; imports, and error estimates that are a run of their own, left
-        out.
-    estimate_seconds : float
-        Processor time of that other run.
-    measures : dict
-        Every scalar by name (see :func:`measure`).
-    errors : dict
-        Relative error estimates by observable and column (see ``error_estimate``); empty if not estimated.
-    warnings : tuple of str
-        Where the model, or the resolution, comes to its limits in this run, one line each.
+    ``trace`` is ``None`` if there is no answer at all; then ``failure`` says why in one line, ``refused``
+    whether the solver does not take this scene (as opposed to a breakdown), ``details`` has the traceback.
+    Run and processor time are those around the call, without imports and without an error estimate that is
+    a run of its own, whose processor time is ``estimate_seconds``. ``measures`` are all scalars by name,
+    ``errors`` relative error estimates by observable and column, ``warnings`` say where model or resolution
+    come to their limits, one line each.
     """
 
     scene: str

@@ -37,25 +37,12 @@ _COLUMNS = (
 _DAMAGED = sqlite3.DatabaseError, UnicodeDecodeError
 """What is raised over a damaged file; the latter where SQLite's message quotes it."""
 Columns = dict[str, NDArray[np.float64]]
-
-
 _Kind = TypeVar("_Kind")
 
 
 @dataclass(frozen=True)
 class RunRecord:
-    """What a sweep keeps of a run.
-
-    Parameters
-    ----------
-    outcome, reason : str
-    finished : bool
-    measures, errors : dict of str to float
-        What applies, and its relative error estimates.
-    warnings : tuple of str
-    rows : int
-        Of its trace.
-    """
+    """What a sweep keeps of a run: measures and relative error estimates that apply, rows of its trace."""
 
     outcome: str
     reason: str
@@ -68,18 +55,7 @@ class RunRecord:
 
 @dataclass(frozen=True)
 class StoredRun:
-    """A run as it is stored.
-
-    Parameters
-    ----------
-    fingerprint : str
-        Of what was computed (see ``provenance``).
-    record : RunRecord
-    seconds : float
-        Processor time.
-    columns : dict of str to (rows,) array, or None
-        The trace by column, if it is kept.
-    """
+    """A run by the fingerprint of what was computed, its processor time (s), and its columns, if kept."""
 
     fingerprint: str
     record: RunRecord
@@ -94,21 +70,10 @@ def _is_foreign(error: Exception) -> bool:
 
 
 class RunTable:
-    """Runs by fingerprint.
+    """Runs by fingerprint, in a folder or, without one, in memory; ``fresh`` removes what is stored.
 
-    Parameters
-    ----------
-    folder : Path or None
-        Of the command; without one the runs are kept in memory.
-    fresh : bool
-        Whether to remove what is stored.
-
-    Raises
-    ------
-    SceneError
-        If the file is damaged, or another program's.
-    OSError
-        With the name of the file, if the disk is full or fails; of every method that stores too.
+    Raises ``SceneError`` if the file is damaged or another program's; every method that stores, too,
+    ``OSError`` with the name of the file if the disk is full or fails.
     """
 
     def __init__(self, folder: Path | None = None, fresh: bool = False) -> None:

@@ -57,19 +57,10 @@ class _Header:
 
 
 class Store:
-    """Answers by fingerprint (see ``provenance``), each a file: a digest, a header and the answer as JSON.
+    """Answers by fingerprint, each a file in the command's folder: a digest, a header and the answer as JSON.
 
-    Parameters
-    ----------
-    out : Path or None
-        The command's folder; without one nothing is stored.
-    fresh : bool
-        Whether to remove what is stored. What another version has stored is removed in any case.
-
-    Attributes
-    ----------
-    taken_over : int
-        Answers of an earlier attempt so far.
+    Without a folder nothing is stored. ``fresh`` removes what is stored; what another version has stored is
+    removed in any case. ``taken_over`` counts the answers of an earlier attempt so far.
     """
 
     def __init__(self, out: Path | None = None, fresh: bool = False) -> None:
