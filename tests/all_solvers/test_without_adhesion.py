@@ -29,8 +29,8 @@ from contact_scene import (
     TabulatedProfile,
 )
 from contact_scene.run_control.early_outcomes import outcome_of_loss
-from validation import reference
 from validation.measure.observables import observe
+from validation.reference import tracking as reference
 
 GEL, SOFT = Material(2e4, 0.45, (Branch(1e4, 0.3),)), Material(1e3, 0.49, (Branch(2e4, 1.0),))
 PUNCH, BALL, BLUNT = FlatPunch(1e-3), Sphere(5e-3), PowerLaw(4.0, 5e7)

@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.interpolate import PchipInterpolator
-from support.bem_runs import GLASSY, SCALED, bem, front, observed_order
-from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, WORK, ZONE, cycle, scene
+from support.bem_runs import SCALED, bem, front, observed_order
+from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, WORK, cycle, scene
 
 from bem_solver import Options, solve
 from contact_scene import Adhesion, OutcomeKind, Ramp
 from validation.measure.observables import observe
-from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-from validation.reference.ting import Ting
 
 # rate: F~ and a at the end of approach, pull-off over JKR, D where contact is lost, loop of F~ dD~
 CYCLES = {
@@ -24,28 +22,6 @@ CYCLES = {
     0.1: (2.13035e-2, 0.20092, 1.7023, 0.0042386, 7.469e-5),
 }
 FAST = scene(Ramp(-0.5, 10.0), start="relaxed", at=0.032)
-
-
-def test_relaxed_equilibrium():
-    trace = bem(scene(start="relaxed", at=0.032))
-    exact = FiniteZone(1.0, 1.0, WORK, ZONE).at_penetration(0.032)
-    assert trace.outcome.kind is OutcomeKind.COMPLETED
-    assert_allclose(trace.contact_radius[0], exact.contact_radius, rtol=2e-4)
-    assert_allclose(trace.force[0], exact.force, rtol=2e-4)
-    # and as written down: a and F of the same state
-    assert_allclose(trace.contact_radius[0], 0.245149, rtol=2e-4)
-    assert_allclose(trace.force[0] / SCALED, 1.8677e-3, rtol=3e-4)
-
-
-@pytest.mark.parametrize(("material", "written"), [(ELASTIC, 1.02693), (GLASSY, 1.05837)])
-def test_elastic_pull_off(material, written):
-    modulus = material.relaxed_plane_modulus
-    trace = bem(scene(Ramp(-0.5, 0.01), start="relaxed", at=0.01, material=material))
-    exact = FiniteZone(1.0, modulus, WORK, ZONE)
-    assert_allclose(trace.force.min(), exact.pull_off_force_control().force, rtol=2e-4)
-    assert_allclose(-trace.force.min() / PULL, written, rtol=2e-4)
-    lost = exact.pull_off_penetration_control().penetration
-    assert_allclose(trace.outcome.time, (0.01 - lost) / 0.01, rtol=1e-3)
 
 
 @pytest.mark.parametrize("rate", [0.02, *(pytest.param(v, marks=pytest.mark.slow) for v in (0.002, 0.1))])
@@ -82,31 +58,6 @@ def test_fast_retraction_approaches_its_limit_from_below():
     assert np.all(np.array(lacks) > 0.0)
     assert np.all(np.diff(lacks) < 0.0)
     assert lacks[-1] < 6e-3
-
-
-@pytest.mark.slow
-def test_lee_radok_loading_and_ting_unloading():
-    trace = bem(scene(Ramp(0.05, 0.05), Ramp(-0.5, 0.05), start="relaxed", adhesion=None))
-    exact = Ting(ONE, SPHERE, 0.05, 1.0, 0.05)
-    for time, radius, force in (
-        (0.5, 0.1581139, 0.04443517),
-        (1.0, 0.2236068, 0.10786683),
-        (1.2710490, 0.1795367, 0.03680143),
-    ):
-        assert_allclose(exact.force(time), force, rtol=1e-6)
-        assert_allclose(exact.contact_radius(time), radius, rtol=1e-6)
-    contact = trace.contact_radius > 0.0
-    times = trace.time[contact]
-    assert_allclose(trace.force[contact], exact.force(times), atol=1e-3 * trace.force.max())
-    radii = exact.contact_radius(times)
-    middle = (times > 0.005) & (times < 1.54)  # the radius vanishes as a root of the time at both ends
-    assert_allclose(trace.contact_radius[contact][middle], radii[middle], rtol=1e-3)
-    for time in (0.5, 1.0, 1.2710490):
-        row = int(np.argmin(np.abs(times - time)))
-        assert_allclose(trace.force[contact][row], exact.force(times[row]), rtol=1e-3)
-        assert_allclose(trace.contact_radius[contact][row], radii[row], rtol=1e-3)
-    assert_allclose(trace.outcome.time, 1.5420981, rtol=1e-3)
-    assert trace.outcome.kind is OutcomeKind.DETACHED
 
 
 def force_missed(trace, exact):

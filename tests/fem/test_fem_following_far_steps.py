@@ -25,7 +25,7 @@ from contact_scene import (
 from fem_solver.following.components import Components
 from fem_solver.following.surface_record import EdgePassage, SurfaceRecord, interpolated
 from fem_solver.prony import Prony
-from validation import reference
+from validation.reference import tracking as reference
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.fitted_meshes import peels
 

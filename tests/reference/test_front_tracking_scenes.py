@@ -34,7 +34,6 @@ from contact_scene import (
     UnsupportedScene,
 )
 from validation.measure.observables import observe
-from validation.reference.creep_compliance import creep_compliance
 from validation.reference.ting import Ting
 from validation.reference.tracking import Options, solve
 
@@ -61,26 +60,6 @@ def _after_jump(trace: Trace) -> int:
     return int(np.searchsorted(trace.time, 0.0, side="right")) - 1
 
 
-@pytest.mark.slow
-def test_lee_radok_and_ting() -> None:
-    """Adhesionless sphere, V = 0.05, reversal at t = 1 (closed forms)."""
-    trace = solve(
-        _scene((Ramp(0.05, 0.05), Ramp(-0.05, 0.05)), adhesion=None), Options(profile_times=(0.5, 1.2710490))
-    )
-    for time, radius, force in (
-        (0.5, 0.1581139, 0.04443517),
-        (1.0, 0.2236068, 0.10786683),
-        (1.2710490, 0.1795367, 0.03680143),
-    ):
-        row = _at(trace, time)
-        assert trace.contact_radius[row] == pytest.approx(radius, abs=1e-6)
-        assert trace.force[row] == pytest.approx(force, abs=2e-8)
-    assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert trace.time[-1] == pytest.approx(1.5420981, abs=1e-7)
-    assert trace.penetration[-1] == pytest.approx(0.0228951, abs=1e-7)
-    assert trace.contact_radius[0] == 0.0
-
-
 def test_contact_that_begins_later() -> None:
     """Nothing happens until the indenter is there; from then on the same curve, shifted in time."""
     late = solve(_scene((Ramp(0.03, 0.05),), depth=-0.01, adhesion=None), COARSE)
@@ -90,18 +69,6 @@ def test_contact_that_begins_later() -> None:
     never = solve(_scene((Ramp(-0.03, 0.05),), depth=-0.01, adhesion=None))
     assert never.outcome.kind is OutcomeKind.COMPLETED
     assert not never.contact_radius.any()
-
-
-@pytest.mark.slow
-def test_adhesionless_creep_under_constant_force() -> None:
-    """``8 a^3/(3 R) = J(t) F`` (Lee and Radok, growing contact)."""
-    force = 0.01
-    trace = solve(_scene((Force(force, 30.0),), adhesion=None), Options(profile_times=(1.0, 10.0)))
-    for time in (1.0, 10.0, 30.0):
-        row = _at(trace, time)
-        compliance = float(creep_compliance(RUBBER)(time)) * 0.75
-        assert trace.contact_radius[row] == pytest.approx((0.75 * force * compliance) ** (1 / 3), rel=2e-5)
-    assert np.ptp(trace.force[trace.time > 0.0]) < 1e-7 * force  # nodes are dropped
 
 
 @pytest.mark.slow

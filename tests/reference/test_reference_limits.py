@@ -26,8 +26,8 @@ from contact_scene import (
     Sphere,
     TabulatedProfile,
 )
-from validation import reference
 from validation.reference import hertz, jkr, lee_radok, punch, punch_oscillation, sneddon
+from validation.reference import tracking as reference
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
 from validation.reference.maugis_dugdale import MaugisDugdale

@@ -22,7 +22,7 @@ from contact_scene import (
     Sphere,
     Trace,
 )
-from validation import reference
+from validation.reference import tracking as reference
 from validation.solvers.fitted_meshes import mesh_for
 
 TIMES = (0.0, 0.05, 0.35)  # of profiles: the start, within the approach, within the oscillation

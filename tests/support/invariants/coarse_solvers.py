@@ -19,7 +19,7 @@ import bem_solver
 import fem_solver
 import meshes
 from contact_scene import Scene, Trace
-from validation import reference
+from validation.reference import tracking as reference
 from validation.reference.tracking.step_error import FORCE_SHARE
 from validation.solvers.contact_range import largest_contact_radius
 
