@@ -20,12 +20,11 @@ from typing import Any
 from contact_scene import COLUMNS, SceneError, read_columns, read_scene
 from validation.cases import Case
 from validation.claims.claim import Finding, Part, Verdict
-from validation.compare.suite import SceneComparison
+from validation.compare.suite import SceneComparison, SuiteComparison
 from validation.execution.files import from_json, in_words
 from validation.execution.run import Run
 from validation.execution.run_folder import read_run
 from validation.measure.check import Check
-from validation.report.report import Report
 from validation.stability.measure import MISSING
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell, CellVerdict
@@ -41,8 +40,8 @@ DOCUMENTS = ("report.json", "stability.json", "study.md")
 """Files of a folder that are packed as they are, beside the runs."""
 
 
-def read(source: Path) -> Report:
-    """A report from its folder or archive, as far as its pages need it."""
+def read(source: Path) -> SuiteComparison:
+    """The scenes of a report from its folder or archive."""
     if source.is_dir():
         return _report(source)
     with tempfile.TemporaryDirectory() as folder:
@@ -113,13 +112,12 @@ def _drawn_columns(path: Path) -> bytes:
     return text.getvalue().encode()
 
 
-def _report(folder: Path) -> Report:
+def _report(folder: Path) -> SuiteComparison:
     file = folder / "report.json"
     try:
         data = from_json(file.read_text("utf-8"))
         scenes = [_scene(folder, scene) for scene in data["scenes"]]
-        stability = matrix(data["stability"]) if "stability" in data else None
-        return Report(data["suite"], scenes, data["environment"], data["wall_seconds"], stability=stability)
+        return SuiteComparison(data["suite"], scenes, data["environment"], data["wall_seconds"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         if isinstance(error, SceneError):
             raise

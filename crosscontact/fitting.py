@@ -17,21 +17,20 @@ from crosscontact import arguments
 from crosscontact.arguments import case_of, checked_path, checked_resolution
 from crosscontact.result import html_table
 from validation.execution.files import output_folder
+from validation.execution.report_folder import FIT, check_kind
 from validation.execution.store import Store
+from validation.fits import charts
 from validation.fits.afm_files import is_afm_file, read_file, write_afm
 from validation.fits.curve_files import write_csv
 from validation.fits.fit import fit_curves
-from validation.fits.fit_question import RESULT, check_folder, question
+from validation.fits.fit_question import check_folder, question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import REGULARISATION, FitSettings
 from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.page import lead, statements, table, write_fit
 from validation.fits.statistics import Estimate
 from validation.fits.synthetic import synthetic
-from validation.report.figures import fit_chart
-from validation.report.report_folder import check_kind
-from validation.report.sections.fit import lead, statements, table
 from validation.report.terminal import aligned
-from validation.report.write_fit import write_fit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,7 +84,7 @@ class Fit:
 
     def figure(self) -> Figure:
         """Data, fit and residuals."""
-        return fit_chart.draw_curves(self.result.curves)
+        return charts.draw_curves(self.result.curves)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write ``index.html``, ``fit.json``, ``scene.toml``, ``fit.png`` and ``fit.svg``."""
@@ -233,7 +232,7 @@ def _fit_and_write(
 ) -> FitResult:
     """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
     if folder is not None:
-        check_kind(folder, RESULT, "out")
+        check_kind(folder, FIT, "out")
         check_folder(folder, question(curves, guess, settings), guess, "out")
     store = Store(folder)
     try:

@@ -18,8 +18,8 @@ from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, checked_path
 from validation.execution.engines import engine_of, own_engine
 from validation.execution.folder_lock import locked_folder
+from validation.execution.report_folder import SWEEP, check_kind
 from validation.execution.run_table import RunTable
-from validation.report.report_folder import SWEEP, check_kind
 from validation.sweeps.dataset import check_writable, to_dataset, write_results
 from validation.sweeps.plan import DESIGNS, SAMPLES, SceneTable, builtin_or_file, of_scene, plan_from_dict
 from validation.sweeps.run_plan import carry_out

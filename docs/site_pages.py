@@ -33,15 +33,15 @@ from contact_scene.material_models import MODELS  # noqa: E402
 from contact_scene.temperature_shift import SHIFTS  # noqa: E402
 from crosscontact.commands import parser  # noqa: E402
 from validation.cases import Case, load  # noqa: E402
+from validation.claims import page as statements  # noqa: E402
 from validation.claims.claim import Finding  # noqa: E402
-from validation.compare.suite import SceneComparison  # noqa: E402
+from validation.claims.paper_figures import FIGURES  # noqa: E402
+from validation.compare import page as overview  # noqa: E402
+from validation.compare import scene_page as scene_section  # noqa: E402
+from validation.compare.suite import SceneComparison, SuiteComparison  # noqa: E402
 from validation.report import html  # noqa: E402
 from validation.report.document import DataTable, Fold, Part, Section, number, plain  # noqa: E402
-from validation.report.figures.paper_figures import FIGURES  # noqa: E402
-from validation.report.report import Report  # noqa: E402
-from validation.report.sections import checks, environment, overview  # noqa: E402
-from validation.report.sections import claims as statements  # noqa: E402
-from validation.report.sections import scene as scene_section  # noqa: E402
+from validation.report.tables import environment, of_checks  # noqa: E402
 from validation.scenes import names, suite  # noqa: E402
 from validation.solvers import REFERENCE, SOLVERS  # noqa: E402
 
@@ -154,7 +154,7 @@ def _cell(text: str) -> str:
     return " ".join(text.split()).replace("|", "\\|")
 
 
-def accuracy(report: Report) -> str:
+def accuracy(report: SuiteComparison) -> str:
     """Differences from the reference and processor time of each solver over the scenes of a report."""
     scenes = [scene for scene in report.scenes if scene.case.scene.is_adhesive and REFERENCE in scene.runs]
     lines = [f"| solver | {' | '.join(QUANTITIES.values())} | processor seconds |", "|---|---|---|---|"]
@@ -187,7 +187,7 @@ def with_table(readme: str, table: str) -> str:
     return marks.sub(lambda found: f"{found.group(1)}{table}{found.group(2)}", readme)
 
 
-def gallery(report: Report, judged: Sequence[Finding]) -> dict[str, str]:
+def gallery(report: SuiteComparison, judged: Sequence[Finding]) -> dict[str, str]:
     """A page for every built-in scene, one for the paper's statements, and one that lists them."""
     packages: Any = report.environment["packages"]
     time, version = str(report.environment["time"]).partition("T")[0], packages.get("crosscontact", "")
@@ -196,7 +196,7 @@ def gallery(report: Report, judged: Sequence[Finding]) -> dict[str, str]:
     cases = {name: load(name) for name in names()}
     pages = {name: scene_page(case, compared.get(name), note) for name, case in cases.items()}
     pages["statements"] = statements_page(judged)
-    lines = ["# Verification gallery", "", note, "", overview.lead(report).text, ""]
+    lines = ["# Verification gallery", "", note, "", overview.lead(report, report.checks).text, ""]
     lines += ["What the paper says, with verdicts: [statements](statements.md).", ""]
     lines += ["| scene | title | figure | checks passed |", "|---|---|---|---|"]
     for name, case in cases.items():
@@ -204,7 +204,7 @@ def gallery(report: Report, judged: Sequence[Finding]) -> dict[str, str]:
         counted = f"{'' if all(passed) else '**FAIL** '}{sum(passed)}/{len(passed)}" if passed else "–"
         lines += [f"| [{name}]({name}.md) | {case.scene.title} | {case.figure or '–'} | {counted} |"]
     lines += ["", "```{toctree}", ":hidden:", "", "statements", *cases, "```", ""]
-    stamp = environment.section(report.environment, report.wall_seconds)
+    stamp = environment(report.environment, report.wall_seconds)
     return pages | {"index": "\n".join([*lines, raw([stamp])])}
 
 
@@ -226,10 +226,10 @@ def scene_page(case: Case, scene: SceneComparison | None, note: str) -> str:
         for solver in dict.fromkeys(check.solver for check in scene.checks):
             own = [check for check in scene.checks if check.solver == solver]
             title = f"{SOLVERS[solver].title}: {sum(check.passed for check in own)} of {len(own)} passed"
-            folds.append(Fold(f"{solver}, {title}", (checks.table(own),)))
+            folds.append(Fold(f"{solver}, {title}", (of_checks(own),)))
         failed = [check for check in scene.checks if not check.passed]
         parts += [scene_section.figures(scene), Section("Runs", (scene_section.runs(scene),))]
-        parts += [Section("Not passed", (checks.table(failed),))] if failed else []
+        parts += [Section("Not passed", (of_checks(failed),))] if failed else []
         parts += [Section("Checks", tuple(folds))]
     rows = [
         {

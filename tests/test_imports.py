@@ -29,9 +29,11 @@ PACKAGES = {
 # Inside ``validation``, upwards only: exact solutions, scenes and solvers; measuring, and carrying out runs,
 # which measures each at its end; drawing; six kinds of evidence beside each other, fits of measured curves
 # among them, which compare runs with a record instead of another run; sweeps, which ask for runs as the
-# evidence does and judge nothing; the report.
+# evidence does and judge nothing. The report is a model of documents with its renderers, below all evidence:
+# each kind hands in its own chapter.
 BELOW_RUNS = {"reference", "scenes", "solvers", "cases"}
-BELOW_EVIDENCE = BELOW_RUNS | {"measure", "execution", "drawing"}
+BELOW_REPORT = BELOW_RUNS | {"measure", "execution", "drawing"}
+BELOW_EVIDENCE = BELOW_REPORT | {"report"}
 EVIDENCE = {"compare", "studies", "stability", "claims", "fields", "fits"}
 ROOMS = {
     "reference": set(),
@@ -45,7 +47,7 @@ ROOMS = {
     "sweeps": BELOW_EVIDENCE,
     # Beside the evidence: it judges answers of other codes, as the evidence does runs of our solvers.
     "exam": BELOW_EVIDENCE,
-    "report": BELOW_EVIDENCE | EVIDENCE | {"exam"},
+    "report": BELOW_REPORT,
 }
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.

@@ -6,16 +6,15 @@ import argparse
 
 from crosscontact import arguments
 from crosscontact.commands import shared
-from validation.compare.suite import all_pairs
+from validation.compare import page
+from validation.compare.scene_page import verdicts
+from validation.compare.suite import all_pairs, compare_scenes
 from validation.execution.files import output_folder
 from validation.execution.pool import processes
 from validation.execution.progress import Progress
+from validation.execution.report_folder import REPORT, check_report_unused
 from validation.execution.store import Store
 from validation.report import terminal
-from validation.report.build import build
-from validation.report.report_folder import REPORT, check_report_unused
-from validation.report.sections.scene import verdicts
-from validation.report.write import write
 from validation.solvers import SOLVERS
 
 
@@ -55,7 +54,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     with shared.telling_what_is_kept(folder, store), processes(min(jobs, len(pairs))) as executor:
         progress = Progress("compare")
         progress.phase("runs")
-        result = build(
+        result = compare_scenes(
             "compare", loaded, executor, progress, store=store, solvers=solvers, max_steps=max_steps
         )
         refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
@@ -68,7 +67,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         if folder is not None:
             with Progress("compare") as writing:
                 writing.phase("drawing and writing")
-                write(result, folder, executor, writing)
+                page.write(result, folder, executor, writing)
             store.clear()
             print(f"written to {folder / 'index.html'}")
     code = shared.exit_code(result.failures)

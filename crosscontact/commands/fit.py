@@ -14,13 +14,13 @@ from validation import cases
 from validation.execution.files import output_folder
 from validation.execution.pool import processes
 from validation.execution.progress import Progress
+from validation.execution.report_folder import FIT, check_kind
 from validation.execution.store import Store
 from validation.fits.fit import fit_curves
-from validation.fits.fit_question import RESULT, check_folder, question
+from validation.fits.fit_question import check_folder, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
-from validation.report.report_folder import check_kind
-from validation.report.write_fit import write_fit
+from validation.fits.page import write_fit
 
 SETTINGS = (
     "vary", "tie", "per_curve", "free", "prony", "starts", "seed", "profile", "resolution", "max_steps",
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         raise SceneError("", str(error), "a CSV file, or the extra") from None
     folder = None if options.out is None else output_folder(options.out)
     if folder is not None and not options.fresh:
-        check_kind(folder, RESULT)
+        check_kind(folder, FIT)
         check_folder(folder, question(curves, scene, settings), scene)
     store = Store(folder, options.fresh)
     try:

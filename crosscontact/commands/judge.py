@@ -7,15 +7,15 @@ import sys
 from pathlib import Path
 
 from crosscontact.commands import shared
+from validation.exam import page
 from validation.exam.answer_folder import read_folder
 from validation.exam.judge import judge_folder
 from validation.execution.files import output_folder
 from validation.execution.pool import processes
 from validation.execution.progress import Progress
+from validation.execution.report_folder import EXAM, check_report_unused
 from validation.execution.store import Store
-from validation.report import exam_report, terminal
-from validation.report.exam_report import lead, overview
-from validation.report.report_folder import EXAM, check_report_unused
+from validation.report import terminal
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -39,10 +39,10 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     ):
         progress.phase("reference")
         judgement = judge_folder(found, executor, store, progress)
-    print(terminal.text(overview(judgement)))
-    print(lead(judgement).text)
+    print(terminal.text(page.overview(judgement)))
+    print(page.lead(judgement).text)
     if target is not None:
-        exam_report.write(judgement, target, store.seconds)
+        page.write(judgement, target, store.seconds)
         store.clear()
         print(f"written to {target / 'index.html'}")
     sys.stdout.flush()

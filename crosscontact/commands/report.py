@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import replace
 
 from crosscontact import arguments
 from crosscontact.commands import stability
 from crosscontact.commands.shared import exit_code, failed, run_options, telling_what_is_kept
 from validation import cases, scenes
-from validation.compare import regression
-from validation.compare.suite import SceneComparison, all_pairs
+from validation.claims import evidence
+from validation.claims import page as claims_page
+from validation.claims.all import findings
+from validation.compare import page, regression
+from validation.compare.suite import SceneComparison, all_pairs, compare_scenes
 from validation.execution.files import output_folder
 from validation.execution.pool import processes
 from validation.execution.progress import Progress
+from validation.execution.report_folder import REPORT, check_report_unused
 from validation.execution.store import Store
 from validation.fields import cycle_fields
-from validation.report.build import build
+from validation.fields import page as fields_page
 from validation.report.document import counted, number
-from validation.report.json_data import of_report
-from validation.report.report_folder import REPORT, check_report_unused
-from validation.report.write import write
+from validation.stability import page as stability_page
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -60,23 +61,33 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     with telling_what_is_kept(folder, store), processes(min(jobs, len(all_pairs(loaded)))) as executor:
         progress = Progress("report")
         progress.phase("runs")
-        claims = suite != "quick"
-        result = build(
-            suite, loaded, executor, progress, estimate=options.estimates, claims=claims, store=store
+        judged = suite != "quick"
+        planned = all_pairs(loaded)
+        further = evidence.missing_runs(planned) if judged else []
+        compared = compare_scenes(
+            suite, loaded, executor, progress, estimate=options.estimates, store=store, further=further
         )
-        if suite == "full":
-            result = replace(result, stability=stability.compute(jobs, store))
-        if options.fields:
-            result = replace(result, fields=_fields(result.scenes))
-        if old is not None:
-            result = replace(result, baseline=regression.compare(baseline, old, of_report(result), loaded))
+        matrix = stability.compute(jobs, store) if suite == "full" else None
+        fields = _fields(compared.scenes) if options.fields else None
         with Progress("report") as writing:
             writing.phase("drawing and writing")
-            write(result, folder, executor, writing)
+            others = []
+            if judged:
+                collected = evidence.collect([*planned, *further], compared.runs)
+                others.append(claims_page.chapter(findings(collected), collected))
+            if matrix is not None:
+                others.append(stability_page.chapter(matrix))
+            if fields is not None:
+                others.append(fields_page.chapter(fields))
+            new = page.data(compared, others)
+            moved = None if old is None else regression.compare(baseline, old, new, loaded)
+            page.write(compared, folder, executor, writing, others, moved)
     store.clear()
-    print(f"{counted(len(result.checks), 'check')}, {len(result.failures)} failed: {folder / 'index.html'}")
-    code = exit_code(result.failures)
-    return code if result.baseline is None else max(code, _moved(result.baseline))
+    checks = page.checks(compared, others)
+    failures = [check for check in checks if not check.passed]
+    print(f"{counted(len(checks), 'check')}, {len(failures)} failed: {folder / 'index.html'}")
+    code = exit_code(failures)
+    return code if moved is None else max(code, _moved(moved))
 
 
 def _moved(since: regression.ReportComparison) -> int:

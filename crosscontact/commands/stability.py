@@ -11,11 +11,10 @@ from crosscontact import arguments
 from crosscontact.commands import shared
 from validation.execution.files import output_folder
 from validation.execution.progress import Progress
+from validation.execution.report_folder import STABILITY, check_report_unused
 from validation.execution.store import Store
-from validation.report.report_folder import STABILITY, check_report_unused
-from validation.report.write import write_cells, write_matrix
 from validation.solvers import SOLVERS
-from validation.stability import runner
+from validation.stability import page, runner
 from validation.stability.limits import limits
 from validation.stability.matrix import AXES, cases
 from validation.stability.runner import StabilityMatrix
@@ -50,7 +49,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     if folder is not None:
         with Progress("stability") as writing:
             writing.phase("drawing and writing")
-            write_matrix(matrix, folder)
+            page.write(matrix, folder)
         store.clear()
         print(f"written to {folder / 'index.html'}")
     return shared.failed([f"failed: {cell.name}: {cell.verdict}" for cell in matrix.faults])
@@ -73,7 +72,7 @@ def compute(
             len(cells) / total, f"{len(cells)}/{total} {cell.name}: {cell.verdict}, {cell.seconds:.1f} s"
         )
         if folder is not None and time.monotonic() >= due:
-            write_cells(StabilityMatrix(tuple(cells), 0.0), folder, complete=False)
+            page.write_cells(cells, folder)
             due = time.monotonic() + WRITE_INTERVAL
 
     with Progress("stability") as progress:

@@ -14,15 +14,11 @@ from validation.cases import Case
 from validation.execution.files import output_folder
 from validation.execution.pool import processes
 from validation.execution.progress import Progress
+from validation.execution.report_folder import STUDY, check_report_unused, poisson_json, zones_json
 from validation.execution.store import Store
 from validation.report import terminal
-from validation.report.report_folder import STUDY, check_report_unused, poisson_json, zones_json
-from validation.report.sections import poisson as poisson_section
-from validation.report.sections import zones as zones_section
-from validation.report.sections.study import short
-from validation.report.write import write_poisson, write_study, write_zones
 from validation.solvers import REFERENCE, SOLVERS, solvers
-from validation.studies import poisson, zones
+from validation.studies import page, poisson, poisson_page, zone_page, zones
 from validation.studies.poisson import compare_ratios
 from validation.studies.study import study
 from validation.studies.zones import zone_runs
@@ -86,11 +82,11 @@ def _refinement(options: argparse.Namespace, jobs: int) -> int:
         progress = Progress("study")
         progress.phase("runs")
         result = study(loaded, jobs, progress, store, options.max_steps)
-        print(terminal.text(short(result)))
+        print(terminal.text(page.short(result)))
         if folder is not None:
             with Progress("study") as writing:
                 writing.phase("drawing and writing")
-                write_study(result, folder)
+                page.write(result, folder)
             print(f"written to {folder / 'index.html'}")
     return shared.failed(
         [
@@ -112,9 +108,9 @@ def _poisson(options: argparse.Namespace, jobs: int) -> int:
             with Progress(f"{case.name} poisson") as progress:
                 progress.phase("runs")
                 compared = compare_ratios(case, ratios, None, executor, progress, store, options.max_steps)
-            print(terminal.text(poisson_section.section(case.name, compared)))
+            print(terminal.text(poisson_page.section(case.name, compared)))
             if folder is not None:
-                print(f"written to {write_poisson(case, compared, folder)}")
+                print(f"written to {poisson_page.write(case, compared, folder)}")
             for one in compared:
                 where = f"{case.name}: K/G = {one.ratio:g}"
                 unfinished = ((label, run) for label, run in one.runs.items() if not run.finished)
@@ -137,9 +133,9 @@ def _zones(options: argparse.Namespace) -> int:
                 processes(1, isolated=True, tasks_per_process=1) as executor,
             ):
                 runs = zone_runs(case, asked, ratios, progress, executor, store, options.max_steps)
-            print(terminal.text(zones_section.section(case.name, runs)))
+            print(terminal.text(zone_page.section(case.name, runs)))
             if folder is not None:
-                print(f"written to {write_zones(case, runs, folder)}")
+                print(f"written to {zone_page.write(case, runs, folder)}")
             failures += [
                 f"not finished: {case.name}: {one.solver}, zone {one.ratio:g} of the radius: {one.run.ending}"
                 for one in runs

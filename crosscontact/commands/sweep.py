@@ -13,8 +13,8 @@ from validation.execution.engines import own_engine
 from validation.execution.files import in_words
 from validation.execution.folder_lock import locked_folder
 from validation.execution.progress import Progress, duration
+from validation.execution.report_folder import SWEEP, check_kind
 from validation.execution.run_table import RunTable
-from validation.report.report_folder import SWEEP, check_kind
 from validation.report.terminal import aligned
 from validation.sweeps.dataset import FILE, check_writable, endings, read_dataset, summary_rows, write_results
 from validation.sweeps.figures import draw

@@ -12,9 +12,9 @@ from support.unlaid_figures import without_layout
 from contact_scene import Branch, BulkRelaxation, Loading, Material, Scene, Sphere, UnsupportedScene
 from validation import solvers
 from validation.cases import load
+from validation.compare.page import write
+from validation.compare.suite import compare_scenes
 from validation.execution.progress import Progress
-from validation.report.build import build
-from validation.report.write import write
 from validation.solvers import Solver, register, unregister
 from validation.stability.matrix import cases
 from validation.studies.ladders import ladders
@@ -47,7 +47,7 @@ def registered(monkeypatch):
 def test_a_whole_report(registered, tmp_path):
     scene = tmp_path / "small.toml"
     scene.write_text(SCENE)
-    report = build("quick", [load(str(scene))], None, Progress("test"))
+    report = compare_scenes("quick", [load(str(scene))], None, Progress("test"))
     with without_layout():
         write(report, tmp_path / "out")
     (entry,) = json.loads((tmp_path / "out" / "report.json").read_text())["scenes"]

@@ -19,8 +19,8 @@ from contact_scene import SceneError
 from crosscontact import arguments
 from crosscontact.cli import main
 from validation.cases import load
-from validation.compare.premises import of_case
 from validation.exam.grading import grade
+from validation.execution.premises import of_case
 from validation.execution.run import run
 from validation.solvers import PEERS, Solver, plugins, solvers
 from validation.solvers.boundary_elements import BoundaryElements

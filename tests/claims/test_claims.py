@@ -16,6 +16,7 @@ from support.unlaid_figures import without_layout
 from contact_scene import OutcomeKind
 from validation.cases import Case, load
 from validation.claims import cycles, measures, model, oscillations, relaxed
+from validation.claims import page as claims_page
 from validation.claims.all import CLAIMS
 from validation.claims.all import findings as all_findings
 from validation.claims.claim import FAILS, HOLDS, IN_PART, Finding, Part, Verdict, claim
@@ -30,10 +31,10 @@ from validation.claims.evidence import (
     retraction,
     without_title,
 )
+from validation.compare import page
+from validation.compare.suite import SuiteComparison
 from validation.execution.run import Run
 from validation.measure.scalars import measure
-from validation.report.report import Claims, Report
-from validation.report.write import write
 from validation.solvers import SOLVERS
 
 GOOD, BAD = Part("as said", True), Part("otherwise", False)
@@ -238,40 +239,43 @@ def test_a_real_claim():
 def written(tmp_path_factory):
     """A report of nothing but claims, most of them unjudged."""
     findings = all_findings(springs(lambda v: 1.0))
-    claims = Claims(findings, springs(lambda v: 1.0))
     folder = tmp_path_factory.mktemp("claims")
     environment = {"python": "3", "processor": "none"}
-    report = Report("paper", [], environment, 1.0, claims=claims)
     with without_layout():
-        write(report, folder)
-    return report, folder
+        chapter = claims_page.chapter(findings, springs(lambda v: 1.0))
+        page.write(SuiteComparison("paper", [], environment, 1.0), folder, others=[chapter])
+    return findings, chapter.checks, folder
 
 
 def test_report_tells_every_statement(written):
-    report, folder = written
-    assert len(report.checks) == len(CLAIMS)
+    findings, checks, folder = written
+    assert len(checks) == len(CLAIMS)
     data = json.loads((folder / "report.json").read_text())
     assert [one["name"] for one in data["claims"]] == [one.name for one in CLAIMS]
     assert data["checks"] == len(CLAIMS)
-    page, short = (folder / "index.html").read_text(), (folder / "summary.md").read_text()
-    for one in report.claims.findings:
-        assert str(escape(one.wording)) in page
+    whole, short = (folder / "index.html").read_text(), (folder / "summary.md").read_text()
+    for one in findings:
+        assert str(escape(one.wording)) in whole
         assert one.verdict is HOLDS or one.wording in short
     root = tree.parse(folder / "junit.xml").getroot()
     assert len(root.findall(".//testcase")) == len(CLAIMS) == int(root.attrib["tests"])
-    assert len(root.findall(".//failure")) == len(report.failures) == int(root.attrib["failures"])
+    assert (
+        len(root.findall(".//failure"))
+        == sum(not one.passed for one in checks)
+        == int(root.attrib["failures"])
+    )
 
 
 def test_only_a_changed_verdict_fails(written):
-    report, _ = written
-    changed = {one.name for one in report.claims.findings if one.changed}
-    assert {check.quantity for check in report.failures} == changed
-    kept = {one.name: one for one in report.claims.findings if not one.changed}
+    findings, checks, _ = written
+    changed = {one.name for one in findings if one.changed}
+    assert {check.quantity for check in checks if not check.passed} == changed
+    kept = {one.name: one for one in findings if not one.changed}
     assert kept["plane modulus is multiplied"].verdict is FAILS
 
 
 def test_figures_are_drawn_where_their_runs_are_there(written):
-    _, folder = written
+    _, _, folder = written
     drawn = {file.name for file in (folder / "figures").iterdir()}
     assert drawn == {"fig2a.png", "fig2b.png", "fig2c.png", "fig7b.png"}
     assert (folder / "figures" / "fig2a.png").read_bytes().startswith(b"\x89PNG")

@@ -14,19 +14,19 @@ import crosscontact as cc
 from contact_scene.scene import scene_from_dict
 from crosscontact.cli import main
 from validation import cases, solvers
-from validation.compare.premises import of_case
-from validation.execution.run import Run
-from validation.execution.run_folder import write_run
-from validation.report import json_data
-from validation.report.report_folder import (
+from validation.execution.premises import of_case
+from validation.execution.report_folder import (
+    FIT,
     KINDS,
-    RESULT,
     STABILITY,
     SWEEP,
     check_kind,
     poisson_json,
     zones_json,
 )
+from validation.execution.run import Run
+from validation.execution.run_folder import write_run
+from validation.studies import poisson_page, zone_page
 
 OWN = {
     "compare SCENE": "report.json",
@@ -123,7 +123,7 @@ def test_numbers_on_another_scene_are_kept(capsys, tmp_path, command):
 def test_a_fit_does_not_replace_a_report(tmp_path):
     (tmp_path / "report.json").write_text("{}")
     with pytest.raises(ValueError, match="holds a report"):
-        check_kind(tmp_path, RESULT)
+        check_kind(tmp_path, FIT)
     with pytest.raises(ValueError, match=r"^out: .* holds a report, report\.json; allowed: another folder$"):
         cc.fit(hertz_curve(), elastic_scene(), ["material.modulus"], out=tmp_path)
 
@@ -155,7 +155,7 @@ def test_a_sweep_does_not_join_another_command_s_page(capsys, tmp_path, monkeypa
 def test_premises_are_what_is_written(tmp_path):
     """Studies that are written are known again, by the same command."""
     case = cases.load(small_scene(tmp_path))
-    for numbers in (json_data.of_compressibilities(case, []), json_data.of_zones(case, [])):
+    for numbers in (poisson_page.data(case, []), zone_page.data(case, [])):
         assert numbers["scene"] == "small"
         assert numbers["premises"] == of_case(case)
 

@@ -39,7 +39,7 @@ from validation import solvers
 from validation.drawing import export
 from validation.execution import pool, process
 from validation.fields import files
-from validation.report import pictures
+from validation.report import document
 from validation.studies import schemes
 from validation.sweeps import run_plan
 
@@ -91,7 +91,7 @@ def _stand_ins(monkeypatch):
 @pytest.fixture
 def quick_pictures(monkeypatch):
     """Figures are made, not rendered."""
-    monkeypatch.setattr(pictures.export, "svg", lambda *given: "<svg></svg>")
+    monkeypatch.setattr(document.export, "svg", lambda *given: "<svg></svg>")
     monkeypatch.setattr(export, "png", lambda *given: b"PNG")
     for module in ("crosscontact.commands.shared", "validation.fields.figures.figure_set"):
         monkeypatch.setattr(f"{module}.png", lambda *given: b"PNG")

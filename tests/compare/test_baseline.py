@@ -27,9 +27,7 @@ def report_writer(monkeypatch, tmp_path):
     monkeypatch.setattr(
         "crosscontact.commands.report.exit_code", lambda failures: 0
     )  # only the baseline counts here
-    monkeypatch.setattr(
-        "validation.report.sections.scene.figures", lambda scene: Figures(())
-    )  # drawn elsewhere
+    monkeypatch.setattr("validation.compare.scene_page.figures", lambda scene: Figures(()))  # drawn elsewhere
 
     def report(name: str, *more: str, **factories):
         for solver in arguments.names():

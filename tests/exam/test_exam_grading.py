@@ -13,13 +13,13 @@ from support.unlaid_figures import without_layout
 
 from contact_scene import COLUMNS, Adhesion, Machine, PowerRate
 from validation.exam import griffith_limit, judge
+from validation.exam import page as exam_page
 from validation.exam.answer import Answer, Header
 from validation.exam.answer_folder import read_folder
 from validation.exam.grading import Grade, balance_error, decade, grade
 from validation.exam.judge import VerdictKind, judge_folder
 from validation.measure.difference import Difference
 from validation.reference.maugis_dugdale import MaugisDugdale
-from validation.report import exam_report
 
 BASE = hertz_run()
 
@@ -151,7 +151,7 @@ def judged(tmp_path_factory):
         patch.setattr(judge, "reference_runs", lambda cases, *rest: {SCENE: BASE})
         judgement = judge_folder(read_folder(folder))
     with without_layout():
-        exam_report.write(judgement, folder / "report", 1.0)
+        exam_page.write(judgement, folder / "report", 1.0)
     return judgement, folder / "report"
 
 

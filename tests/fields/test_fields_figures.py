@@ -234,9 +234,9 @@ def test_screens_are_recognised(monkeypatch, display, said, expected):
 @pytest.mark.slow
 def test_nothing_that_draws_is_loaded_before_something_is_drawn():
     code = (
-        "import sys, validation.fields.figures.figure_set, validation.report.sections.fields as f\n"
+        "import sys, validation.fields.figures.figure_set, validation.fields.page as f\n"
         "from validation.report import document, html\n"
-        "html.text(document.Document('', (), (f.section(f.CycleFields(None)),)))\n"
+        "html.text(document.Document('', (), f.chapter(f.CycleFields(None)).sections))\n"
         "print(*sorted({m.split('.')[0] for m in sys.modules}))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)

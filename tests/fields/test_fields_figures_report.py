@@ -18,12 +18,12 @@ from validation.cases import load
 from validation.drawing import export
 from validation.execution.run import Run
 from validation.fields import cycle_fields
+from validation.fields import page as fields
 from validation.fields.cycle_fields import CycleFields, Image
 from validation.fields.figures import animation, rendering
 from validation.fields.figures.moments import key_moments
 from validation.report import html
 from validation.report.document import Document, figures_of
-from validation.report.sections import fields
 
 
 def small_png(inches) -> bytes:
@@ -66,7 +66,7 @@ def test_section_holds_strips_edge_body_and_film(section, monkeypatch):
     assert section.images[1].caption == "Key moments: stress σzz (force/length²)"
     monkeypatch.setattr(export, "png", lambda drawn: b"")
     with without_layout():
-        part = fields.section(section)
+        (part,) = fields.chapter(section).sections
     text = html.text(Document("", (), (part,)))
     assert text.count("<img ") == len(names)
     assert text.count("<svg ") == 1  # Fig. 3, drawn in the page itself
@@ -84,7 +84,7 @@ def test_fig3_needs_both_solvers():
     assert cycle_fields.surface_figure(runs(bem=run, fem=short), CASE) is None
     assert cycle_fields.surface_figure({}, CASE) is None
     failed = CycleFields(None, failure="PyVista cannot <draw>")
-    text = html.text(Document("", (), (fields.section(failed),)))
+    text = html.text(Document("", (), fields.chapter(failed).sections))
     assert "No Fig. 3: a run is missing." in text
     assert '<p class="fail">No pictures of fields: PyVista cannot &lt;draw&gt;</p>' in text
 

@@ -24,7 +24,7 @@ from crosscontact.cli import main
 from validation.fits.curve_files import write_csv
 from validation.fits.fit import fit_curves
 from validation.fits.fit_question import check_folder, question
-from validation.report.sections.fit_statements import statements
+from validation.fits.page import statements
 
 pytestmark = pytest.mark.usefixtures("closed_form")
 

@@ -17,12 +17,12 @@ from crosscontact import arguments
 from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
+from validation.compare import scene_page as scene_section
+from validation.compare.page import write
+from validation.compare.suite import compare_scenes
 from validation.execution.pool import processes
 from validation.execution.progress import Progress
-from validation.report.build import build
 from validation.report.document import Bullets
-from validation.report.sections import scene as scene_section
-from validation.report.write import write
 
 
 def refuse(*arguments, **options):
@@ -38,7 +38,7 @@ def built(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for name in arguments.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
-        report = build("quick", [load(str(own)), load("cycle-v0.1")], None, Progress("test"))
+        report = compare_scenes("quick", [load(str(own)), load("cycle-v0.1")], None, Progress("test"))
     with without_layout():
         write(report, folder / "out")
     return report, folder / "out"
@@ -170,7 +170,7 @@ def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
     monkeypatch.setitem(solvers.SOLVERS, "bem", FunctionSolver(refuse))
     monkeypatch.setitem(solvers.SOLVERS, "fem", named("fem", fake(1.1)))
     monkeypatch.setitem(solvers.SOLVERS, "reference", named("reference", fake(kind=OutcomeKind.STEP_BUDGET)))
-    report = build("quick", [load("cycle-v0.1")], None, Progress("test"))
+    report = compare_scenes("quick", [load("cycle-v0.1")], None, Progress("test"))
     with without_layout():
         write(report, tmp_path)
     text = (tmp_path / "index.html").read_text()
@@ -186,7 +186,7 @@ def test_a_run_without_an_answer_is_shown(tmp_path, monkeypatch):
 def test_no_curve_at_all(tmp_path, monkeypatch):
     for name in arguments.names():
         monkeypatch.setitem(solvers.SOLVERS, name, FunctionSolver(refuse, name))
-    report = build("quick", [load("cycle-v0.1")], None, Progress("test"))
+    report = compare_scenes("quick", [load("cycle-v0.1")], None, Progress("test"))
     write(report, tmp_path)
     assert "No run gave a curve" in (tmp_path / "index.html").read_text()
 
@@ -220,7 +220,7 @@ def test_estimates_stand_beside_differences_unless_left_out(tmp_path, monkeypatc
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake(1.001 if name == "bem" else 1.0)))
     found = {}
     for estimate in (True, False):
-        report = build("quick", [load("cycle-v0.1")], None, Progress("test"), estimate=estimate)
+        report = compare_scenes("quick", [load("cycle-v0.1")], None, Progress("test"), estimate=estimate)
         (found[estimate],) = [c for c in report.checks if (c.solver, c.quantity) == ("bem", "loop_energy")
                               and c.source == "front tracking"]  # fmt: skip
     assert (found[True].passed, found[True].estimate, found[True].base_estimate) == (False, 0.0, 0.0)

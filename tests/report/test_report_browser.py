@@ -9,11 +9,11 @@ from support.spring_solver import fake, named
 from crosscontact import arguments
 from validation import solvers
 from validation.cases import load
+from validation.compare.page import write
+from validation.compare.suite import compare_scenes
 from validation.execution.progress import Progress
 from validation.report import html
-from validation.report.build import build
 from validation.report.document import DataTable, Document, Paragraph, Section
-from validation.report.write import write
 
 pytestmark = pytest.mark.skipif(
     CHROMIUM is None, reason=f"no Chromium on PATH (looked for {', '.join(NAMES)})"
@@ -29,7 +29,7 @@ def page(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for name in arguments.names():
             patch.setitem(solvers.SOLVERS, name, named(name, fake(1.0 if name == "reference" else 1.1)))
-        write(build("quick", [load("cycle-v0.1")], None, Progress("test")), folder)
+        write(compare_scenes("quick", [load("cycle-v0.1")], None, Progress("test")), folder)
     return (folder / "index.html").read_text()
 
 

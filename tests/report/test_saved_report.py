@@ -13,10 +13,11 @@ from support.unlaid_figures import without_layout
 
 from benchmarks import saved_report as saved
 from contact_scene import SceneError
+from validation.claims import page as claims_page
 from validation.claims.all import checks as claim_checks
 from validation.claims.claim import Finding, Part, Verdict
-from validation.report import json_data
-from validation.report.sections import scene as scene_section
+from validation.compare import scene_page as scene_section
+from validation.stability import page as stability_page
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell, CellVerdict
 
@@ -38,10 +39,10 @@ def test_checks_and_runs_are_those_of_report_json(report):
     for scene in data["scenes"]:
         assert [asdict(check) for check in by_name[scene["name"]].checks] == scene["checks"]
         assert by_name[scene["name"]].case.statement == scene["statement"]
-    runs = {run.scene: run for run in report.runs if run.solver == "reference"}
+    runs = {name: run for (name, solver), run in report.runs.items() if solver == "reference"}
     forces = {s["name"]: s["runs"]["reference"].get("pull_off_force") for s in data["scenes"]}
     assert {name: runs[name].measures.get("pull_off_force") for name in runs} == forces
-    assert any(run.refused for run in report.runs)
+    assert any(run.refused for run in report.runs.values())
 
 
 @pytest.mark.slow
@@ -67,7 +68,7 @@ def test_figures_are_drawn_from_the_saved_rows(report):
 
 def test_findings_and_cells_survive():
     finding = Finding("a", "Sec. 1", "it sticks", Verdict.IN_PART, (Part("1 > 2", False, {"x": 1.0}),))
-    data = json.loads(json.dumps([json_data._finding(finding)]))
+    data = json.loads(json.dumps([claims_page.data(finding)]))
     assert saved.findings(data) == (finding,)
     cell = Cell(
         "stiff",
@@ -79,7 +80,7 @@ def test_findings_and_cells_survive():
         errors={"force": 1e-3, "ending (detached)": math.inf},
         tolerance=1e-2,
     )
-    written = json.loads(json.dumps(json_data.of_matrix(StabilityMatrix((cell,), 2.0))))
+    written = json.loads(json.dumps(stability_page.data(StabilityMatrix((cell,), 2.0))))
     assert saved.matrix(written) == StabilityMatrix((cell,), 2.0)
 
 

@@ -11,11 +11,12 @@ from support.unlaid_figures import without_layout
 
 import crosscontact.commands.stability as command
 from crosscontact.cli import main
-from validation.report import html, json_data, junit, markdown
+from validation.compare.suite import SuiteComparison
+from validation.report import html, junit, markdown
 from validation.report.document import Document
-from validation.report.figures import stability_map
-from validation.report.sections import stability as section
-from validation.stability.checks import checks
+from validation.report.report import Chapter
+from validation.stability import heat_map, page
+from validation.stability.page import checks
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import FAULTS, Cell, CellVerdict
 
@@ -43,11 +44,11 @@ MATRIX = StabilityMatrix(CELLS, 3.0)
 
 @pytest.mark.slow
 def test_page_and_markdown_show_faults_refusals_and_limits():
-    page = html.text(Document("", (), (section.section(MATRIX),)))
-    assert "SILENTLY WRONG" in page
-    assert "a | b &lt;c&gt;" in page
-    assert page.count("<svg") == 2
-    lines = markdown.text(Document("", (), (section.summary(MATRIX),))).splitlines()
+    shown = html.text(Document("", (), (page.section(MATRIX),)))
+    assert "SILENTLY WRONG" in shown
+    assert "a | b &lt;c&gt;" in shown
+    assert shown.count("<svg") == 2
+    lines = markdown.text(Document("", (), (page.summary(MATRIX),))).splitlines()
     assert sum(line.startswith("| ") for line in lines) == 1 + 4  # the head, and what is not within tolerance
     said = "\n".join(lines)
     assert "fem reports no answer: contrast, 1 (refused)" in said
@@ -59,7 +60,7 @@ def test_page_and_markdown_show_faults_refusals_and_limits():
 def test_json_is_strict_and_whole():
     from validation.execution.files import to_json
 
-    told = json.loads(to_json(json_data.of_matrix(MATRIX)))
+    told = json.loads(to_json(page.data(MATRIX)))
     assert [entry["number"] for entry in told["cells"]] == [1, 1, 2, 2, 3, 3]
     assert told["cells"][3]["error"] is None  # without bound
     assert told["complete"] is True
@@ -70,27 +71,27 @@ def test_checks_and_junit_fail_where_a_cell_is_at_fault():
     assert [(by_solver[s].found, by_solver[s].passed) for s in ("bem", "fem")] == [(1.0, False), (1.0, False)]
     assert "10: SILENTLY WRONG" in by_solver["bem"].note
     assert checks(CELLS[:2])[0].passed
-    suite = junit.element(junit.CheckSuite("stability", checks(CELLS)))
+    suite = junit.element(Chapter("stability", checks(CELLS)))
     assert suite.attrib["failures"] == "2"
     assert len(tree.tostring(suite)) > 100
 
 
 @pytest.mark.parametrize("verdict", FAULTS)
 def test_a_fault_is_seen_without_colour(verdict):
-    numbers = section.numbers(CELLS[:1])
-    plain = stability_map.draw([cell("1")], numbers).axes[0]
-    fault = stability_map.draw([cell("1", verdict=verdict)], numbers).axes[0]
+    numbers = page.numbers(CELLS[:1])
+    plain = heat_map.draw([cell("1")], numbers).axes[0]
+    fault = heat_map.draw([cell("1", verdict=verdict)], numbers).axes[0]
     assert (len(fault.lines), len(fault.patches)) == (len(plain.lines) + 1, len(plain.patches) + 1)
 
 
 def test_colours_stay_in_range_and_every_outcome_has_its_letter():
     from contact_scene import OutcomeKind
 
-    levels = [stability_map.level(one) for one in CELLS]
-    assert levels == [-3.0, None, pytest.approx(-0.30103), 0.0, None, stability_map.LEAST]
+    levels = [heat_map.level(one) for one in CELLS]
+    assert levels == [-3.0, None, pytest.approx(-0.30103), 0.0, None, heat_map.LEAST]
     kinds = [*map(str, OutcomeKind), "hung", "raised", "died", "refused"]
-    assert "?" not in {stability_map.letter(cell("1", outcome=kind)) for kind in kinds}
-    assert stability_map.letter(CELLS[4]) == "?"
+    assert "?" not in {heat_map.letter(cell("1", outcome=kind)) for kind in kinds}
+    assert heat_map.letter(CELLS[4]) == "?"
 
 
 def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monkeypatch, capsys):
@@ -119,11 +120,9 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
 
 
 def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch, capsys):
-    from validation.report.report import Report
-
-    empty = Report("full", [], {"processor": "made up"}, 1.0)
+    empty = SuiteComparison("full", [], {"processor": "made up"}, 1.0)
     asked = []
-    monkeypatch.setattr("crosscontact.commands.report.build", lambda *given, **more: empty)
+    monkeypatch.setattr("crosscontact.commands.report.compare_scenes", lambda *given, **more: empty)
     monkeypatch.setattr(command, "compute", lambda jobs, store: asked.append(jobs) or MATRIX)
     with without_layout():
         assert main(["report", "--suite", "full", "--jobs", "2", "--out", str(tmp_path / "full")]) == 1

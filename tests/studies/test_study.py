@@ -17,11 +17,11 @@ from crosscontact.cli import main
 from validation.cases import load
 from validation.execution.files import to_json
 from validation.execution.progress import Progress
-from validation.report import html, json_data, markdown
-from validation.report.figures import study_charts
-from validation.report.sections.study import document
-from validation.studies import schemes, study
+from validation.report import html, markdown
+from validation.studies import charts, schemes, study
 from validation.studies.ladders import ladders
+from validation.studies.page import data as data_of
+from validation.studies.page import document
 
 
 @pytest.fixture
@@ -46,7 +46,7 @@ def fakes(monkeypatch):
 def studied(scene_file) -> tuple[study.Study, dict]:
     """A study and its JSON, without the figures, which take their time."""
     found = study.study([load(scene_file)], 1, Progress("test"))
-    return found, json.loads(to_json(json_data.of_study(found)))
+    return found, json.loads(to_json(data_of(found)))
 
 
 def page_without_figures(found: study.Study) -> str:
@@ -135,8 +135,8 @@ def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
     assert ladder_of(data, "paper-scheme")["levels"][0]["failure"].startswith("ModuleNotFoundError")
     assert "FAILED: ModuleNotFoundError" in page_without_figures(found)
     assert "FAILED: ModuleNotFoundError" in markdown.text(document(found, figures=False))
-    for chart in (study_charts.CONVERGENCE[0], study_charts.PRICES[0]):
-        drawn = study_charts.draw(chart, found.scenes[0].timed)
+    for chart in (charts.CONVERGENCE[0], charts.PRICES[0]):
+        drawn = charts.draw(chart, found.scenes[0].timed)
         assert drawn is not None
         labels = drawn.axes[0].get_legend_handles_labels()[1]
         assert "paper-scheme: 5 failed" in labels

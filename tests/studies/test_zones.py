@@ -12,9 +12,8 @@ from validation import cases
 from validation.execution.pool import TaskEnding, TaskResult
 from validation.execution.run import Run
 from validation.report import terminal
-from validation.report.figures.zone_chart import draw
-from validation.report.sections.zones import section
 from validation.studies import zones
+from validation.studies.zone_page import draw, section
 from validation.studies.zones import MeasuredRun, ZoneRun, growth, zone_runs
 
 ROWS = {name: np.array([0.0, 1.0]) for name in ("time", "penetration", "force", "contact_radius")}

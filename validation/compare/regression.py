@@ -9,8 +9,8 @@ than round-off, and it moved *beyond tolerance* if
 - a run ends in another way, a check that passed no longer does or is missing;
 - a scene or a solver is missing from a report of the same suite.
 
-Changes of input, tolerances or version are said first (see :mod:`validation.compare.premises`); by themselves
-they move nothing.
+Changes of input, tolerances or version are said first (see
+:mod:`validation.execution.premises`); by themselves they move nothing.
 
 Exit code rule of ``crosscontact report --baseline``: 1 if anything moved beyond tolerance or a check fails.
 Run times are not compared: they belong to the machine.
@@ -27,8 +27,8 @@ from typing import Any, TypeGuard
 from contact_scene.errors import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
-from validation.compare.premises import changes
 from validation.execution.files import from_json
+from validation.execution.premises import changes
 from validation.measure.check import Check
 from validation.measure.difference import relative
 from validation.measure.scaling import Magnitudes

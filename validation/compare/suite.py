@@ -1,14 +1,15 @@
-"""All solvers on a list of scenes, and the verdicts on every run."""
+"""All solvers on the scenes of a suite, and the verdicts on every run."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from validation.cases import Case
 from validation.compare.against_reference import check_case
 from validation.execution.progress import Progress
+from validation.execution.provenance import stamp
 from validation.execution.run import Run
 from validation.execution.solver_tasks import run_all
 from validation.execution.store import Store
@@ -30,7 +31,38 @@ class SceneComparison:
         return all(check.passed for check in self.checks)
 
 
+@dataclass(frozen=True)
+class SuiteComparison:
+    """The scenes of a suite, where and in how long they were computed, and runs beside for other evidence.
+
+    ``further`` runs are named by scene and solver.
+    """
+
+    suite: str
+    scenes: list[SceneComparison]
+    environment: dict[str, object]
+    wall_seconds: float
+    further: dict[tuple[str, str], Run] = field(default_factory=dict)
+
+    @property
+    def checks(self) -> list[Check]:
+        """All checks on the scenes."""
+        return [check for scene in self.scenes for check in scene.checks]
+
+    @property
+    def failures(self) -> list[Check]:
+        """Checks that are not passed."""
+        return [check for check in self.checks if not check.passed]
+
+    @property
+    def runs(self) -> dict[tuple[str, str], Run]:
+        """All runs by scene and solver, those for other evidence last."""
+        own = {(scene.case.name, solver): run for scene in self.scenes for solver, run in scene.runs.items()}
+        return own | self.further
+
+
 def compare_scenes(
+    suite: str,
     cases: Sequence[Case],
     executor: Executor | None,
     progress: Progress,
@@ -40,12 +72,13 @@ def compare_scenes(
     further: Sequence[tuple[Case, str]] = (),
     solvers: Sequence[str] | None = None,
     max_steps: int | None = None,
-    quick: bool = False,
-) -> tuple[list[SceneComparison], dict[tuple[str, str], Run]]:
+) -> SuiteComparison:
     """Run every solver on every scene and check the runs.
 
     Parameters
     ----------
+    suite : str
+        Name, for the title; ``quick`` has a resolution of its own (``Solver.quick_resolution``).
     cases : sequence of Case
     executor : Executor or None
         ``None``: in this process.
@@ -61,26 +94,24 @@ def compare_scenes(
         Names; ``None``: all for which the scene does not take too long.
     max_steps : int or None
         Of every run; ``None``: the solver's own bound.
-    quick : bool
-        Whether runs have the resolution of the quick suite, not each solver's default.
 
     Returns
     -------
-    comparisons : list of SceneComparison
-    runs : dict of (str, str) to Run
-        All of them by scene and solver, the further ones included.
+    SuiteComparison
     """
+    store = store or Store()
     pairs = [*all_pairs(cases, solvers), *further]
     estimated = [case.name for case in cases] if estimate else []
     try:
-        runs = run_all(pairs, executor, store, progress, estimated, max_steps, quick)
+        runs = run_all(pairs, executor, store, progress, estimated, max_steps, suite == "quick")
     finally:
         progress.close()
-    comparisons = []
+    scenes = []
     for case in cases:
         by_solver = {solver: runs[case.name, solver] for _, solver in all_pairs([case], solvers)}
-        comparisons.append(SceneComparison(case, by_solver, check_case(case, by_solver)))
-    return comparisons, runs
+        scenes.append(SceneComparison(case, by_solver, check_case(case, by_solver)))
+    beside = {(case.name, solver): runs[case.name, solver] for case, solver in further}
+    return SuiteComparison(suite, scenes, stamp(), store.seconds, beside)
 
 
 def all_pairs(cases: Sequence[Case], solvers: Sequence[str] | None = None) -> list[tuple[Case, str]]:

@@ -12,12 +12,10 @@ from contact_scene import Scene, SceneError
 from contact_scene.files import read_text
 from validation.execution.files import from_json
 from validation.execution.provenance import canonical
+from validation.execution.report_folder import FIT
 from validation.execution.run_folder import check_unused, occupied
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
-
-RESULT = "fit.json"
-"""File of a fit's numbers, by which a folder is known as one of a fit."""
 
 
 def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
@@ -48,7 +46,7 @@ def check_folder(folder: Path, asked: dict[str, str], scene: Scene, key: str = "
     ------
     SceneError
     """
-    file = folder / RESULT
+    file = folder / FIT
     if not file.exists():
         check_unused(folder, scene, key)
         return
@@ -56,7 +54,7 @@ def check_folder(folder: Path, asked: dict[str, str], scene: Scene, key: str = "
         there = from_json(read_text(file))["question"]
         differing = [name for name, value in asked.items() if there[name] != value]
     except (SceneError, ValueError, TypeError, KeyError):
-        holds = f"a {RESULT} that is not of a fit of this program"
+        holds = f"a {FIT} that is not of a fit of this program"
     else:
         if not differing:
             return

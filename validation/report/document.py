@@ -1,16 +1,22 @@
 """A report before it has a form: sections of paragraphs, lists, tables and figures.
 
-Modules of :mod:`validation.report.sections` build it; HTML, Markdown and terminal have one renderer each.
+Each kind of evidence builds its own; HTML, Markdown and terminal have one renderer each.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import ClassVar
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, ClassVar
+
+from validation.drawing import export
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
 ABSENT = "–"  # a cell without a value
+MISSING = "No figure: a run is missing."
 _NUMBER = re.compile(r"[≤≥<+−-]*\s?\d[\d.,]*(e[+-]?\d+)?( s| %)?|[+-]?inf|nan")
 
 
@@ -195,6 +201,21 @@ def figures_of(parts: tuple[Part, ...]) -> Iterator[Figure]:
             yield from part.figures
         elif isinstance(part, (Section, Fold)):
             yield from figures_of(part.parts)
+
+
+def with_drawing(figure: Figure, drawing: Drawing | None, description: str = "") -> Figure:
+    """The figure with its picture as SVG; without a drawing with the reason, the figure's own or ``MISSING``.
+
+    ``description`` is for readers who do not see the picture; without one, the caption is.
+    """
+    if drawing is None:
+        return replace(figure, missing=figure.missing or MISSING)
+    return replace(figure, picture=export.svg(drawing, figure.name, description or figure.caption))
+
+
+def valid_id(text: str) -> str:
+    """Letters, digits and hyphens of any text, as ids in a page are."""
+    return "".join(c if c.isascii() and c.isalnum() else "-" for c in text)
 
 
 def number(value: object, digits: int = 6) -> str:

@@ -15,8 +15,7 @@ from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from validation.report.document import Document, Fold, Paragraph, Part, Section, VerdictCell
-from validation.report.pictures import valid_id
+from validation.report.document import Document, Fold, Paragraph, Part, Section, VerdictCell, valid_id
 
 INDEX = "index.html"
 FOLDER = "pages"

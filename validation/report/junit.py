@@ -4,36 +4,18 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as tree
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
 
 from validation.measure.check import Check
-from validation.report.sections.checks import cells
+from validation.report.report import Chapter
+from validation.report.tables import cells
 
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-@dataclass(frozen=True)
-class CheckSuite:
-    """Checks under a name, the seconds behind them, and what each wants to be printed (or nothing).
-
-    ``seconds`` are those of the run of each solver, which its checks share alike; under the empty name, those
-    that all checks of the suite share.
-    """
-
-    name: str
-    checks: Sequence[Check]
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    outputs: Sequence[str] = ()
-
-    def time_of(self, check: Check) -> float:
-        """Seconds of a check."""
-        own = sum(other.solver == check.solver for other in self.checks)
-        return self.seconds.get(check.solver, 0.0) / own + self.seconds.get("", 0.0) / len(self.checks)
-
-
-def text(name: str, suites: Sequence[CheckSuite], seconds: float) -> str:
-    """The whole file."""
+def text(name: str, chapters: Iterable[Chapter], seconds: float) -> str:
+    """The whole file: a suite for each chapter that has checks."""
+    suites = [chapter for chapter in chapters if chapter.checks]
     root = tree.Element("testsuites", name=_allowed(name))
     _count(root, [check for suite in suites for check in suite.checks], seconds)
     root.extend(map(element, suites))
@@ -41,7 +23,7 @@ def text(name: str, suites: Sequence[CheckSuite], seconds: float) -> str:
     return '<?xml version="1.0" encoding="utf-8"?>\n' + tree.tostring(root, encoding="unicode") + "\n"
 
 
-def element(suite: CheckSuite) -> tree.Element:
+def element(suite: Chapter) -> tree.Element:
     """One suite."""
     made = tree.Element("testsuite", name=_allowed(suite.name))
     _count(made, suite.checks, sum(suite.seconds.values()))

@@ -1,75 +1,70 @@
-"""A report: all evidence on a suite of scenes. :mod:`validation.report.write` gives it its forms."""
+"""What each kind of evidence hands in to a report, and the folder that a report is written to."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
-from validation.claims.all import checks as claim_checks
-from validation.claims.claim import Finding
-from validation.claims.evidence import Evidence
-from validation.compare.regression import ReportComparison
-from validation.compare.suite import SceneComparison
-from validation.execution.run import Run
-from validation.fields.cycle_fields import CycleFields
+from validation.execution.files import write_whole
 from validation.measure.check import Check
-from validation.stability.checks import checks as stability_checks
-from validation.stability.runner import StabilityMatrix
+from validation.report import html
+from validation.report.document import Document, Part, Section, figures_of
 
 
 @dataclass(frozen=True)
-class Claims:
-    """The findings on the paper's statements, and the runs they rest on."""
-
-    findings: tuple[Finding, ...]
-    evidence: Evidence
-
-
-@dataclass(frozen=True)
-class Report:
-    """The evidence; sections put it into words, tables and figures.
+class Chapter:
+    """One kind of evidence, or one scene of it, as it stands in a report.
 
     Parameters
     ----------
-    suite : str
-    scenes : list of SceneComparison
-    environment : dict
-        Of ``provenance.stamp``.
-    wall_seconds : float
-    baseline : ReportComparison, optional
-        What moved since an earlier report.
-    claims : Claims, optional
-        The paper's statements.
-    fields : CycleFields, optional
-        Fields in the body.
-    stability : StabilityMatrix, optional
-        Stiff and extreme cases.
+    name : str
+        Of its suite in ``junit.xml``.
+    checks : sequence of Check
+    sections : tuple of Section
+        Of the page.
+    summary : tuple of Part
+        Of ``summary.md``.
+    data : mapping
+        The keys of ``report.json`` that are its own.
+    seconds : mapping of str to float
+        Of the run of each solver, which its checks share alike; under the empty name, those that all checks
+        share.
+    outputs : sequence of str
+        What each check wants to be printed, or nothing.
     """
 
-    suite: str
-    scenes: list[SceneComparison]
-    environment: dict[str, object]
-    wall_seconds: float
-    baseline: ReportComparison | None = None
-    claims: Claims | None = None
-    fields: CycleFields | None = None
-    stability: StabilityMatrix | None = None
+    name: str
+    checks: Sequence[Check] = ()
+    sections: tuple[Section, ...] = ()
+    summary: tuple[Part, ...] = ()
+    data: Mapping[str, Any] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)
+    outputs: Sequence[str] = ()
 
-    @property
-    def checks(self) -> list[Check]:
-        """All checks, those of the paper's statements and of the matrix too."""
-        checks = [check for scene in self.scenes for check in scene.checks]
-        checks += [] if self.claims is None else claim_checks(self.claims.findings)
-        return checks + ([] if self.stability is None else stability_checks(self.stability.cells))
+    def time_of(self, check: Check) -> float:
+        """Seconds of a check."""
+        own = sum(other.solver == check.solver for other in self.checks)
+        return self.seconds.get(check.solver, 0.0) / own + self.seconds.get("", 0.0) / len(self.checks)
 
-    @property
-    def runs(self) -> list[Run]:
-        """All runs, those behind the paper's statements too; each once."""
-        runs = [run for scene in self.scenes for run in scene.runs.values()]
-        if self.claims is not None:
-            runs += self.claims.evidence.runs.values()
-        return list({(run.scene, run.solver): run for run in runs}.values())
 
-    @property
-    def failures(self) -> list[Check]:
-        """Checks that are not passed."""
-        return [check for check in self.checks if not check.passed]
+def write(folder: Path, page: Document, files: Mapping[str, str | bytes]) -> None:
+    """Write files by their names, copies of the figures, and the page.
+
+    ``index.html`` is last: where it exists, the set is complete. What passed has pages of its own in
+    ``pages/`` where one page would be too large.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / html.INDEX).unlink(missing_ok=True)
+    for name, content in files.items():
+        write_whole(folder / name, content)
+    for figure in figures_of(page.parts):
+        for name, data in figure.files.items():
+            (folder / "figures").mkdir(exist_ok=True)
+            write_whole(folder / "figures" / name, data)
+    for old in (folder / html.FOLDER).glob("*.html"):
+        old.unlink()
+    for name, text in reversed(html.pages(page).items()):
+        (folder / name).parent.mkdir(exist_ok=True)
+        write_whole(folder / name, text)

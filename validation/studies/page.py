@@ -1,14 +1,21 @@
-"""A study: observed orders, process zones, every ladder; ``study_prices`` has the error against run time.
+"""A study: observed orders, error against run time, process zones, every ladder; ``study.json``.
 
-Orders are signed; a dash stands where there is none (values to and fro, no difference, a failed level).
+Orders are signed; a dash stands where there is none (values to and fro, no difference, a failed level). The
+keys of ``study.json`` are a fixed contract with whoever reads it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
 
 from validation.drawing import export
+from validation.execution.files import to_json
+from validation.execution.premises import of_case
+from validation.execution.report_folder import STUDY
+from validation.report import markdown, report
 from validation.report.document import (
     ABSENT,
     DataTable,
@@ -24,16 +31,16 @@ from validation.report.document import (
     formatted,
     number,
     plain,
+    valid_id,
+    with_drawing,
 )
-from validation.report.figures import study_charts
-from validation.report.pictures import valid_id, with_drawing
-from validation.report.sections import environment, study_prices
-from validation.report.sections.scene import COUNTERS
-from validation.studies import schemes, work_precision
+from validation.report.tables import COUNTERS, environment, in_words
+from validation.studies import charts, schemes, work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
 from validation.studies.schemes import scheme
 from validation.studies.study import SceneStudy, Study
 
+FORMAT = 1
 TITLE = "crosscontact study"
 HEADLINE = ("pull_off_force", "loop_energy", "approach_force", "approach_radius", "detachment_penetration")
 SCHEMES = (
@@ -64,10 +71,62 @@ DOMAIN_NOTE = (
 )
 
 
+def write(study: Study, folder: Path) -> None:
+    """Write ``index.html``, ``study.md``, ``study.json`` and ``figures/SCENE-NAME.png`` and ``.svg``."""
+    page = document(study)
+    report.write(folder, page, {STUDY: to_json(data(study)), "study.md": markdown.text(page)})
+
+
+def data(study: Study) -> dict[str, Any]:
+    """``study.json``."""
+    return {
+        "format": FORMAT,
+        "wall_seconds": study.wall_seconds,
+        "environment": study.environment,
+        "scenes": [_data_of(scene) for scene in study.scenes],
+    }
+
+
+def _data_of(scene: SceneStudy) -> dict[str, Any]:
+    cheapest = [
+        {"measure": measure, "asked": error, "cheapest": best.scheme if best else None}
+        | {"seconds": {entry.scheme: entry.seconds for entry in prices}}
+        for measure in work_precision.measures(scene.timed)
+        for error in work_precision.ERRORS
+        for best, prices in [work_precision.cheapest(scene.timed, measure, error)]
+    ]
+    return {
+        "name": scene.case.name,
+        "title": scene.case.scene.title,
+        "premises": of_case(scene.case),
+        "reference": scene.reference,
+        "reference_uncertainty": scene.uncertainty,
+        "failed_levels": len(scene.failed),
+        "ladders": [_ladder(entry) for entry in scene.ladders],
+        "cheapest": cheapest,
+        "growth": [
+            asdict(work_precision.growth(entry, work))
+            for entry in scene.timed
+            for work in work_precision.WORK
+        ],
+    }
+
+
+def _ladder(entry: Convergence) -> dict[str, Any]:
+    return {
+        "scheme": entry.ladder.scheme,
+        "kind": entry.ladder.kind,
+        "refined": entry.ladder.refined,
+        "nominal_order": entry.nominal,
+        "levels": [asdict(run) for run in entry.runs],
+        "observables": [asdict(row) for row in entry.rows],
+    }
+
+
 def document(study: Study, figures: bool = True) -> Document:
     """The whole study; ``figures`` leaves them out where nobody looks at them."""
     parts = (*(_scene(scene, study, figures) for scene in study.scenes),
-             environment.section(study.environment, study.wall_seconds))  # fmt: skip
+             environment(study.environment, study.wall_seconds))  # fmt: skip
     return Document(TITLE, (Paragraph(verdict(study)), Paragraph(SCHEMES)), parts, contents_depth=2)
 
 
@@ -90,14 +149,14 @@ def verdict(study: Study) -> str:
 
 
 def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
-    threads = environment.in_words(study.environment.get("threads", "unknown"))
+    threads = in_words(study.environment.get("threads", "unknown"))
     first = (
-        (overview(scene), study_charts.CONVERGENCE),
-        (study_prices.section(scene.timed, threads), study_charts.PRICES),
+        (overview(scene), charts.CONVERGENCE),
+        (_prices(scene.timed, threads), charts.PRICES),
     )
     shown = (
-        replace(one, parts=(*((_charts(scene, charts),) if figures else ()), *one.parts))
-        for one, charts in first
+        replace(one, parts=(*((_charts(scene, drawn),) if figures else ()), *one.parts))
+        for one, drawn in first
     )
     beside = zones(scene)
     folded = (Fold(one.title, one.parts) for one in map(ladder, scene.ladders))
@@ -105,11 +164,11 @@ def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
     return Section(scene.case.scene.title or scene.case.name, parts)
 
 
-def _charts(scene: SceneStudy, charts: Sequence[study_charts.Chart]) -> Figures:
+def _charts(scene: SceneStudy, shown: Sequence[charts.Chart]) -> Figures:
     """Charts in which something is known, with their copies as PNG and SVG."""
     figures = []
-    for chart in charts:
-        drawing = study_charts.draw(chart, scene.timed)
+    for chart in shown:
+        drawing = charts.draw(chart, scene.timed)
         if drawing is not None:
             file = f"{scene.case.name}-{chart.name}"
             files = {f"{file}.png": export.png(drawing), f"{file}.svg": export.svg_file(drawing)}
@@ -253,3 +312,54 @@ def _section(title: str, paragraphs: Sequence[str], *tables: DataTable) -> Secti
 
 def _orders(values: Sequence[float | None]) -> str:
     return " ".join(formatted(value, ".2f") for value in values) or ABSENT
+
+
+def _prices(studies: list[Convergence], threads: str) -> Section:
+    """Error against run time, in words and as tables."""
+    stated = [
+        "Each run alone, after a warm-up run of its scheme: the smallest of the repeats stated below (fewer "
+        f"where a run takes longer than a second), threads {threads}. Meshing and assembly count, imports "
+        "do not. Prices below are processor seconds, on one thread the run time of a quiet machine; between "
+        "levels they are interpolated on logarithms, never extrapolated.",
+        "By the RMS error of F(t) over the run, relative to the largest force: "
+        + " ".join(work_precision.in_words(studies)),
+        "By the pull-off force: " + " ".join(work_precision.in_words(studies, "pull_off_force")),
+        "By the loop integral: " + " ".join(work_precision.in_words(studies, "loop_energy")),
+        "Growth of cost (least squares over the ladder, the error that of F(t), RMS): "
+        + " ".join(work_precision.growth_in_words(studies)),
+    ]
+    share = work_precision.busy(studies)
+    if share > work_precision.BUSY:
+        stated.insert(1, f"The machine was busy: run times are up to {share:.1f} times the processor times.")
+    skipped = work_precision.left_out(studies)
+    if skipped:
+        stated.append("Left out because the scene did not need it: " + " ".join(skipped))
+    tables = _price_table(studies), _growth_table(studies)
+    return Section("Error against run time", (*map(Paragraph, stated), *tables))
+
+
+def _price_table(studies: list[Convergence]) -> DataTable:
+    rows = []
+    for measure in work_precision.measures(studies):
+        for asked in work_precision.ERRORS:
+            best, found = work_precision.cheapest(studies, measure, asked)
+            bounds = ("≤ " if price.at_most else "" for price in found)
+            seconds = (formatted(price.seconds, ".2g") for price in found)
+            shown = (s if s == ABSENT else f"{b}{s} s" for b, s in zip(bounds, seconds, strict=True))
+            rows.append(
+                {"error in": plain(measure), "asked": f"{asked:.0e}"}
+                | dict(zip((study.ladder.scheme for study in studies), shown, strict=True))
+                | {"cheapest": best.scheme if best else ABSENT}
+            )
+    return DataTable.of(rows, "Processor seconds to an error")
+
+
+def _growth_table(studies: list[Convergence]) -> DataTable:
+    rows = []
+    for study in studies:
+        fitted = {plain(work): work_precision.growth(study, work) for work in work_precision.WORK}
+        by_resolution = {work: formatted(one.with_resolution, ".2f") for work, one in fitted.items()}
+        by_error = {work: formatted(one.with_error, ".2f") for work, one in fitted.items()}
+        rows.append({"scheme": study.ladder.scheme} | by_resolution)
+        rows.append({"scheme": f"{study.ladder.scheme}, over 1/error"} | by_error)
+    return DataTable.of(rows, "Exponents of cost over resolution, and over 1/error of F(t)")

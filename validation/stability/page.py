@@ -1,14 +1,26 @@
-"""The stiff and extreme matrix: limits in words, heat maps, growth of work, all cells."""
+"""The stiff and extreme matrix: limits in words, heat maps, growth of work, all cells; ``stability.json``.
+
+The keys of ``stability.json`` are a fixed contract with whoever reads it.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
 
 from validation.drawing import export
+from validation.execution.files import to_json, write_whole
+from validation.execution.provenance import stamp
+from validation.execution.report_folder import STABILITY
+from validation.measure.check import Check
+from validation.report import markdown, report
 from validation.report.document import (
     Bullets,
     DataTable,
+    Document,
     Figure,
     Figures,
     Fold,
@@ -17,14 +29,17 @@ from validation.report.document import (
     Section,
     VerdictCell,
     counted,
+    with_drawing,
 )
-from validation.report.figures import stability_map
-from validation.report.pictures import with_drawing
+from validation.report.report import Chapter
+from validation.report.tables import environment
+from validation.stability import heat_map
 from validation.stability import verdict as judged
 from validation.stability.growth import work_growth
 from validation.stability.limits import limits
 from validation.stability.runner import StabilityMatrix
 
+FORMAT = 1
 TITLE = "Stiff and extreme cases"
 EXPLAINED = (
     "Every field is one run of one solver on one scene, in a process of its own that is killed if it hangs. "
@@ -35,6 +50,75 @@ EXPLAINED = (
     "the edge, each integrated on its own, leave of the work, relative to the largest of them."
 )
 MAP_DOTS = 150  # per inch of a heat map saved as PNG: its numbers are small
+
+
+def chapter(matrix: StabilityMatrix) -> Chapter:
+    """The matrix within a report."""
+    return Chapter(
+        "stability",
+        checks(matrix.cells),
+        (section(matrix),),
+        (summary(matrix),),
+        {"stability": data(matrix)},
+        {"": matrix.wall_seconds},
+    )
+
+
+def checks(cells: Sequence[judged.Cell]) -> list[Check]:
+    """No cell at fault: one check for every axis and solver, in the order of the cells."""
+    groups: dict[tuple[str, str], list[judged.Cell]] = {}
+    for cell in cells:
+        groups.setdefault((cell.axis, cell.solver), []).append(cell)
+    return [
+        Check(
+            "stability",
+            solver,
+            f"faults: {axis}",
+            "within tolerance, or no answer reported",
+            0.0,
+            float(sum(cell.fault for cell in group)),
+            not any(cell.fault for cell in group),
+            relation="<=",
+            note="; ".join(f"{cell.label}: {cell.verdict}" for cell in group if cell.fault),
+        )
+        for (axis, solver), group in groups.items()
+    ]
+
+
+def data(matrix: StabilityMatrix, complete: bool = True) -> dict[str, Any]:
+    """The matrix in ``report.json``; ``complete`` is false while cells are still missing."""
+    counted = numbers(matrix.cells)
+    return {
+        "complete": complete,
+        "wall_seconds": matrix.wall_seconds,
+        "limits": limits(matrix.cells),
+        "growth": [
+            asdict(growth) | {"logarithmic": growth.logarithmic} for growth in work_growth(matrix.cells)
+        ],
+        "cells": [
+            asdict(cell)
+            | {"number": counted[cell.axis, cell.label], "error": cell.error, "worst": cell.worst}
+            for cell in matrix.cells
+        ],
+    }
+
+
+def write(matrix: StabilityMatrix, folder: Path) -> None:
+    """Write ``index.html``, ``stability.md``, ``stability.json`` and ``figures/``."""
+    title, lead = "crosscontact stability", (_lead(matrix),)
+    parts = section(matrix), environment(stamp(), matrix.wall_seconds)
+    short = Document(title, lead, (summary(matrix),))
+    texts = {STABILITY: _json(matrix, True), "stability.md": markdown.text(short)}
+    report.write(folder, Document(title, lead, parts), texts)
+
+
+def write_cells(cells: Sequence[judged.Cell], folder: Path) -> None:
+    """Write ``stability.json`` alone, of a matrix that is not complete yet."""
+    write_whole(folder / STABILITY, _json(StabilityMatrix(tuple(cells), 0.0), False))
+
+
+def _json(matrix: StabilityMatrix, complete: bool) -> str:
+    return to_json({"format": FORMAT} | data(matrix, complete))
 
 
 def section(matrix: StabilityMatrix) -> Section:
@@ -60,7 +144,7 @@ def summary(matrix: StabilityMatrix) -> Section:
     return Section(TITLE, (Bullets(tuple(limits(matrix.cells))), *table))
 
 
-def lead(matrix: StabilityMatrix) -> Paragraph:
+def _lead(matrix: StabilityMatrix) -> Paragraph:
     """How many cells, and how many at fault."""
     faults = len(matrix.faults)
     verdict = f"{faults} at fault" if faults else "no fault"
@@ -77,8 +161,8 @@ def _maps(matrix: StabilityMatrix) -> Figures:
     counted, figures = numbers(matrix.cells), []
     for solver in dict.fromkeys(cell.solver for cell in matrix.cells):
         name = f"stability-{solver}"
-        drawing = stability_map.draw([cell for cell in matrix.cells if cell.solver == solver], counted)
-        caption = f"{solver}: {stability_map.LEGEND}."
+        drawing = heat_map.draw([cell for cell in matrix.cells if cell.solver == solver], counted)
+        caption = f"{solver}: {heat_map.LEGEND}."
         files = {f"{name}.png": export.png(drawing, MAP_DOTS)}
         figure = Figure(name, caption, wide=True, files=files)
         figures.append(with_drawing(figure, drawing, f"Heat map, {solver}"))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from validation.drawing import export
 from validation.fields.cycle_fields import CycleFields
-from validation.report.document import DataTable, Figure, Figures, Paragraph, Section
-from validation.report.pictures import with_drawing
+from validation.report.document import DataTable, Figure, Figures, Paragraph, Section, with_drawing
+from validation.report.report import Chapter
 
 TITLE = "Under the surface"
 SURFACES = (
@@ -20,23 +20,17 @@ LOST = "Energy lost in the branches: densities summed over the body, and the tra
 HEAD = ("moment", "time", "penetration", "force", "contact radius", "lost in the body", "in the trace")
 
 
-def section(fields: CycleFields) -> Section:
+def chapter(fields: CycleFields) -> Chapter:
     """Pictures, and the energy balance at the key moments."""
     failed = (Paragraph(f"No pictures of fields: {fields.failure}", False),) if fields.failure else ()
     images = (
         Figure(one.name.partition(".")[0], one.caption, one.data, wide=True, files={one.name: one.data})
         for one in fields.images
     )
-    return Section(
-        TITLE,
-        (
-            Paragraph(EXPLAINED),
-            *failed,
-            Figures((_surfaces(fields), *images)),
-            Section(LOST, (DataTable(HEAD, fields.rows),)),
-        ),
-        "fields",
-    )
+    pictures = Figures((_surfaces(fields), *images))
+    energies = Section(LOST, (DataTable(HEAD, fields.rows),))
+    section = Section(TITLE, (Paragraph(EXPLAINED), *failed, pictures, energies), "fields")
+    return Chapter("fields", sections=(section,))
 
 
 def _surfaces(fields: CycleFields) -> Figure:

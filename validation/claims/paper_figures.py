@@ -10,10 +10,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from validation.claims import paper_panels as panels
 from validation.claims.evidence import Evidence, MissingRun
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import INK
-from validation.report.figures import paper_panels as panels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

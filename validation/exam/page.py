@@ -15,9 +15,10 @@ from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
 from validation.exam.grading import BALANCE, Grade, counted
 from validation.exam.judge import CodeOnScene, Judgement, SceneJudgement
 from validation.exam.tags import tags
-from validation.execution.files import to_json, write_whole
+from validation.execution.files import to_json
 from validation.execution.provenance import stamp
-from validation.report import document, html, junit, markdown
+from validation.execution.report_folder import EXAM
+from validation.report import document, junit, markdown, report
 from validation.report.document import (
     ABSENT,
     Bullets,
@@ -34,10 +35,11 @@ from validation.report.document import (
     VerdictCell,
     formatted,
     plain,
+    valid_id,
+    with_drawing,
 )
-from validation.report.pictures import valid_id, with_drawing
-from validation.report.report_folder import EXAM
-from validation.report.sections import environment
+from validation.report.report import Chapter
+from validation.report.tables import environment
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -233,23 +235,15 @@ def _answer(grade: Grade) -> dict[str, Any]:
 
 def write(judgement: Judgement, folder: Path, wall_seconds: float) -> None:
     """Write ``index.html``, ``exam.md``, ``exam.json``, ``junit.xml`` and ``figures/``, the page last."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "index.html").unlink(missing_ok=True)
-    parts = [
-        overview(judgement),
-        *map(_section, judgement.scenes),
-        environment.section(stamp(), wall_seconds),
-    ]
+    parts = [overview(judgement), *map(_section, judgement.scenes), environment(stamp(), wall_seconds)]
     page = Document(TITLE, (lead(judgement), Paragraph(EXPLAINED)), tuple(parts))
-    write_whole(folder / EXAM, to_json(data(judgement)))
-    suites = [
-        junit.CheckSuite(code, [check for check in judgement.checks if check.solver == code])
+    codes = [
+        Chapter(code, [check for check in judgement.checks if check.solver == code])
         for code in judgement.codes
     ]
-    write_whole(folder / "junit.xml", junit.text(TITLE, suites, wall_seconds))
-    write_whole(folder / "exam.md", markdown.text(page))
-    for figure in document.figures_of(page.parts):
-        for name, picture in figure.files.items():
-            (folder / "figures").mkdir(exist_ok=True)
-            write_whole(folder / "figures" / name, picture)
-    write_whole(folder / "index.html", html.text(page))
+    texts = {
+        EXAM: to_json(data(judgement)),
+        "junit.xml": junit.text(TITLE, codes, wall_seconds),
+        "exam.md": markdown.text(page),
+    }
+    report.write(folder, page, texts)

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
 
+from validation.claims.all import checks
 from validation.claims.claim import Finding, Verdict
+from validation.claims.evidence import Evidence
+from validation.claims.paper_figures import FIGURES, draw_figure
 from validation.drawing import export
 from validation.report.document import (
     DataTable,
@@ -15,10 +20,9 @@ from validation.report.document import (
     Section,
     VerdictCell,
     counted,
+    with_drawing,
 )
-from validation.report.figures.paper_figures import FIGURES, draw_figure
-from validation.report.pictures import with_drawing
-from validation.report.report import Claims
+from validation.report.report import Chapter
 
 TITLE = "What the paper says"
 COUNTED = dict(zip(Verdict, ("hold", "hold in part", "do not hold", "could not be judged"), strict=True))
@@ -31,19 +35,27 @@ EXPLAINED = (
 )
 
 
-def section(claims: Claims) -> Section:
-    """Figures, and every statement."""
-    figures = Figures(tuple(_figures(claims)))
-    table = DataTable.of(map(cells, claims.findings))
-    return Section(
-        TITLE, (Paragraph(in_words(claims.findings)), Paragraph(EXPLAINED), figures, table), "claims"
+def chapter(findings: Sequence[Finding], evidence: Evidence) -> Chapter:
+    """Figures and every statement; in short the count, and whatever does not simply hold."""
+    said, figures = Paragraph(in_words(findings)), Figures(tuple(_figures(evidence)))
+    shown = (one for one in findings if one.verdict is not Verdict.HOLDS or one.changed)
+    section = Section(
+        TITLE, (said, Paragraph(EXPLAINED), figures, DataTable.of(map(cells, findings))), "claims"
+    )
+    return Chapter(
+        "claims",
+        checks(findings),
+        (section,),
+        (Section(TITLE, (said, DataTable.of(map(cells, shown)))),),
+        {"claims": list(map(data, findings))},
+        outputs=[f"{one.verdict}: {one.wording} Found: {one.shown}" for one in findings],
     )
 
 
-def summary(claims: Claims) -> Section:
-    """The count, and whatever does not simply hold."""
-    shown = (one for one in claims.findings if one.verdict is not Verdict.HOLDS or one.changed)
-    return Section(TITLE, (Paragraph(in_words(claims.findings)), DataTable.of(map(cells, shown))))
+def data(finding: Finding) -> dict[str, Any]:
+    """A finding in ``report.json``."""
+    shown = {"verdict": str(finding.verdict), "changed": finding.changed, "found": finding.shown}
+    return asdict(finding) | shown
 
 
 def in_words(findings: Sequence[Finding]) -> str:
@@ -55,15 +67,10 @@ def in_words(findings: Sequence[Finding]) -> str:
     return f"{counted(len(findings), 'statement')}: {verdicts}; {changes} changed."
 
 
-def outputs(findings: Sequence[Finding]) -> list[str]:
-    """What is printed beside each check: verdict, statement and what was found."""
-    return [f"{one.verdict}: {one.wording} Found: {one.shown}" for one in findings]
-
-
-def _figures(claims: Claims) -> list[Figure]:
+def _figures(evidence: Evidence) -> list[Figure]:
     figures = []
     for paper in FIGURES:
-        drawing = draw_figure(paper, claims.evidence)
+        drawing = draw_figure(paper, evidence)
         files = {} if drawing is None else {f"{paper.name}.png": export.png(drawing)}
         figure = Figure(f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files)
         figures.append(with_drawing(figure, drawing))

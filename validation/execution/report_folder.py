@@ -14,19 +14,19 @@ from typing import Any
 from contact_scene import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
-from validation.compare.premises import of_case
 from validation.execution.files import from_json
+from validation.execution.premises import of_case
 from validation.execution.run_folder import OUTPUT, check_unused, occupied
 from validation.execution.run_table import FILE as SWEEP
-from validation.fits.fit_question import RESULT
 
-REPORT, STUDY, STABILITY, EXAM = "report.json", "study.json", "stability.json", "exam.json"
+REPORT, STUDY, STABILITY = "report.json", "study.json", "stability.json"
+EXAM, FIT = "exam.json", "fit.json"
 KINDS = {
     REPORT: "a report",
     STUDY: "a study",
     STABILITY: "a stability matrix",
     EXAM: "the verdicts on an exam",
-    RESULT: "a fit",
+    FIT: "a fit",
     SWEEP: "a sweep",
 }
 """Files by which a folder is known, and what they are."""

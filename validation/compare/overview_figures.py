@@ -9,8 +9,7 @@ from validation.compare.suite import SceneComparison
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.curves import of_trace
 from validation.drawing.styles import INK, curve_style
-from validation.report.document import Figure, LinkCell, passed_or_not
-from validation.report.pictures import with_drawing
+from validation.report.document import Figure, LinkCell, passed_or_not, with_drawing
 from validation.solvers import REFERENCE
 
 if TYPE_CHECKING:

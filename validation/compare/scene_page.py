@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from contact_scene import Adhesion, PowerRate
+from validation.compare import overview_figures
 from validation.compare.suite import SceneComparison
 from validation.drawing import run_figures
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
@@ -20,19 +21,11 @@ from validation.report.document import (
     Section,
     number,
     passed_or_not,
+    valid_id,
+    with_drawing,
 )
-from validation.report.figures import overview_figures
-from validation.report.pictures import valid_id, with_drawing
-from validation.report.sections import checks
+from validation.report.tables import COUNTERS, of_checks
 from validation.solvers import REFERENCE
-
-COUNTERS = {
-    "steps": "steps",
-    "rejected": "rejected_steps",
-    "closure": "closure_evaluations",
-    "solves": "linear_solves",
-    "factorisations": "factorisations",
-}
 
 
 def section(scene: SceneComparison) -> Section:
@@ -43,7 +36,7 @@ def section(scene: SceneComparison) -> Section:
         Fold("Parameters (scene units)", (parameters(scene),)),
         figures(scene),
         Section("Runs", (runs(scene), *_warnings(scene), Paragraph(skipped_work(scene)))),
-        Section("Checks", (checks.table(scene.checks),)),
+        Section("Checks", (of_checks(scene.checks),)),
     )
     verdict = passed_or_not(scene.passed)
     return Section(case.scene.title or case.name, parts, anchor(scene), verdict, folded=scene.passed)
@@ -56,7 +49,7 @@ def drawn(scene: SceneComparison) -> tuple[Section, Figure]:
 
 def verdicts(scene: SceneComparison) -> Section:
     """The checks alone, for a terminal."""
-    return Section(f"{scene.case.name}: {scene.case.scene.title}", (checks.table(scene.checks),))
+    return Section(f"{scene.case.name}: {scene.case.scene.title}", (of_checks(scene.checks),))
 
 
 def anchor(scene: SceneComparison) -> str:

@@ -1,1 +1,0 @@
-"""Figures that belong to one kind of evidence; matplotlib is loaded when one is drawn."""

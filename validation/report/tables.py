@@ -1,0 +1,95 @@
+"""Tables that several kinds of evidence show: checks, costs, and where they were computed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from validation.execution.run import Run
+from validation.measure.check import Check
+from validation.measure.dimensionless import SYMBOLS
+from validation.report.document import (
+    ABSENT,
+    DataTable,
+    Record,
+    Section,
+    VerdictCell,
+    formatted,
+    number,
+    plain,
+)
+
+_RELATIONS = {"<=": "≤ ", ">=": "≥ "}
+COUNTERS = {
+    "steps": "steps",
+    "rejected": "rejected_steps",
+    "closure": "closure_evaluations",
+    "solves": "linear_solves",
+    "factorisations": "factorisations",
+}
+"""Counters of the work of a run, by the titles of their columns."""
+LONGEST = 10
+"""Runs whose costs are listed one by one, those that took longest."""
+
+
+def of_checks(checks: Iterable[Check], with_scene: bool = False) -> DataTable:
+    """A row for each check; ``with_scene`` adds a column for its scene."""
+    rows = ({**({"scene": check.scene} if with_scene else {}), **cells(check)} for check in checks)
+    return DataTable.of(rows, unbroken=("estimates",))
+
+
+def cells(check: Check) -> Record:
+    """One check in words and numbers, by the title of the column."""
+    unit = SYMBOLS[check.unit]
+    verdict = "pass" if check.passed else ("missing" if check.found is None else "FAIL")
+    return {
+        "solver": check.solver,
+        "quantity": plain(check.quantity) + (f" / {unit}" if unit else ""),
+        "found": number(check.found),
+        "expected": _RELATIONS.get(check.relation, "") + number(check.expected),
+        "difference": formatted(check.difference, "+.1e"),
+        "estimates": estimates(check.estimate, check.base_estimate),
+        "tolerance": formatted(check.tolerance, ".0e"),
+        "verdict": VerdictCell(verdict, check.passed),
+        "source": f"{check.source}; {check.note}" if check.note else check.source,
+    }
+
+
+def estimates(own: float | None, base: float | None) -> str:
+    """Relative error estimates of a run and of what it is compared with."""
+    return ABSENT if own is None or base is None else f"{own:.1e} + {base:.1e}"
+
+
+def costs(runs: Sequence[Run]) -> Section:
+    """Where the processor time went: a line for each solver, one for all, and one for each of the longest."""
+    solvers = dict.fromkeys(run.solver for run in runs)
+    rows = [_costs(solver, [run for run in runs if run.solver == solver]) for solver in solvers]
+    rows.append(_costs("all", runs))
+    longest = sorted(runs, key=spent, reverse=True)[:LONGEST]
+    rows += [_costs(f"{run.scene} by {run.solver}", [run]) for run in longest]
+    return Section("Where the time went", (DataTable.of(rows),))
+
+
+def _costs(name: str, runs: Sequence[Run]) -> Record:
+    return {
+        "": name,
+        "runs": str(len(runs)),
+        "processor seconds": number(float(sum(map(spent, runs))), 3),
+        "of these for error estimates": number(float(sum(run.estimate_seconds for run in runs)), 3),
+    }
+
+
+def spent(run: Run) -> float:
+    """Processor seconds of a run and of the coarser one that estimates its error."""
+    return run.cpu_seconds + run.estimate_seconds
+
+
+def environment(stamp: Mapping[str, object], wall_seconds: float) -> Section:
+    """Versions, machine and threads, one line each, and the wall time of the whole."""
+    rows = [(name, in_words(value)) for name, value in stamp.items()]
+    rows.append(("whole report", f"{wall_seconds:.1f} s"))
+    return Section("Computed on", (DataTable(("", ""), tuple(rows), numeric=False),))
+
+
+def in_words(value: object) -> str:
+    """A fact as text, names and values of a mapping in one line."""
+    return ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
