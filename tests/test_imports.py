@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 import subprocess
 import sys
 from functools import cache
@@ -226,6 +227,32 @@ def test_light_packages_load_nothing_heavy(package):
     assert top in loaded
     assert not loaded & HEAVY
     assert not loaded & (set(PACKAGES) - PACKAGES[top] - {top})
+
+
+OWN_EVIDENCE = {
+    "compare": {"compare"}, "study": {"studies"}, "stability": {"stability"}, "fields": {"fields"},
+    "exam": {"exam"}, "judge": {"exam"}, "fit": {"fits"}, "sweep": {"sweeps"}, "material": set(),
+    "solve": set(),
+}  # fmt: skip
+"""Evidence of ``validation`` that each command may load."""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="one process for each command would take seconds")
+def test_a_command_loads_its_own_evidence_alone():
+    code = (
+        "import importlib, os, sys, crosscontact.commands.solve\n"
+        f"for command in {list(OWN_EVIDENCE)}:\n"
+        "    if os.fork() == 0:\n"
+        "        importlib.import_module(f'crosscontact.commands.{command}')\n"
+        "        rooms = {name.split('.')[1] for name in sys.modules if name.startswith('validation.')}\n"
+        "        print(command, *rooms, flush=True)\n"
+        "        os._exit(0)\n"
+        "    os.wait()\n"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    loaded = {command: set(rooms) for command, *rooms in map(str.split, run.stdout.splitlines())}
+    found = {command: rooms & {*EVIDENCE, "exam", "sweeps"} for command, rooms in loaded.items()}
+    assert found == OWN_EVIDENCE
 
 
 def test_no_test_imports_another_and_no_folder_of_tests_shadows_a_package():

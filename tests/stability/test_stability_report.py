@@ -11,6 +11,7 @@ from support.unlaid_figures import without_layout
 
 import crosscontact.commands.stability as command
 from crosscontact.cli import main
+from validation.claims.evidence import Evidence
 from validation.compare.suite import SuiteComparison
 from validation.report import html, junit, markdown
 from validation.report.document import Document
@@ -123,6 +124,7 @@ def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch,
     empty = SuiteComparison("full", [], {"processor": "made up"}, 1.0)
     asked = []
     monkeypatch.setattr("crosscontact.commands.report.compare_scenes", lambda *given, **more: empty)
+    monkeypatch.setattr("validation.claims.evidence.collect", lambda *given: Evidence({}))
     monkeypatch.setattr(command, "compute", lambda jobs, store: asked.append(jobs) or MATRIX)
     with without_layout():
         assert main(["report", "--suite", "full", "--jobs", "2", "--out", str(tmp_path / "full")]) == 1
