@@ -176,7 +176,7 @@ def test_a_folder_of_something_else_is_refused(capsys, tmp_path, scene_file, mon
 def test_a_comparison_of_another_scene_is_refused(capsys, tmp_path, scene_file, monkeypatch):
     for name in ("bem", "reference"):
         monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
-    monkeypatch.setattr("crosscontact.commands.compare.write", write_runs)
+    monkeypatch.setattr("crosscontact.commands.compare.page.write", write_runs)
     given = [
         "compare",
         scene_file,

@@ -1,11 +1,11 @@
 """The commands of many runs, which write a report of them."""
 
 WORK = {
-    "compare SCENE": "compare.build",
+    "compare SCENE": "compare.compare_scenes",
     "study SCENE": "study.study",
     "study SCENE --poisson 10": "study.compare_ratios",
     "study SCENE --zones 0.01": "study.zone_runs",
     "stability": "stability.compute",
-    "report": "report.build",
+    "report": "report.compare_scenes",
 }
 """The function, in ``crosscontact.commands``, that does the work of each."""
