@@ -24,8 +24,7 @@ from validation.stability.case import (
     Value,
 )
 from validation.stability.case_runs import CaseAnswer, CaseRun, solve_case
-from validation.stability.growth import work_growth
-from validation.stability.limits import limits
+from validation.stability.limits import limits, work_growth
 from validation.stability.matrix import AXES, cases
 from validation.stability.runner import run
 from validation.stability.verdict import Cell, CellVerdict, cell_of

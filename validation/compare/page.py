@@ -123,18 +123,8 @@ def write(
 ) -> None:
     """Write ``index.html``, ``summary.md``, ``report.json``, ``junit.xml``, ``runs/SCENE/SOLVER/``.
 
-    Parameters
-    ----------
-    compared : SuiteComparison
-    folder : Path
-    executor : Executor or None
-        Draws; ``None``: this process.
-    progress : callable or None
-        Called with the share of the scenes that are drawn, 0 to 1.
-    others : sequence of Chapter
-        Other evidence.
-    moved : ReportComparison or None
-        Changes since an earlier report; they are cases of ``junit.xml``, but no checks of this report.
+    The executor draws (without one, this process); ``progress`` takes the share of the scenes drawn, 0 to 1.
+    What has moved since an earlier report are cases of ``junit.xml``, but no checks of this report.
     """
     drawing = (map if executor is None else executor.map)(scene_page.drawn, compared.scenes)
     for one in compared.scenes:  # while the others draw

@@ -47,18 +47,7 @@ def zones_json(scene: str) -> str:
 def check_report_unused(folder: Path, own: str, cases: Sequence[Case] = ()) -> None:
     """Refuse a folder with another kind of report, with one on other scenes, or of another program.
 
-    Parameters
-    ----------
-    folder : Path
-        That a report is to be written to.
-    own : str
-        Name of its file of numbers.
-    cases : sequence of Case
-        Its scenes; none where the user has named none.
-
-    Raises
-    ------
-    SceneError
+    ``own`` is the file of the report's numbers, ``cases`` its scenes; none where the user has named none.
     """
     for case in cases:
         check_unused(folder, case.scene)
@@ -75,21 +64,7 @@ def check_report_unused(folder: Path, own: str, cases: Sequence[Case] = ()) -> N
 
 
 def check_kind(folder: Path, own: str, key: str = "--out") -> None:
-    """Refuse a folder that another kind of command has written to.
-
-    Parameters
-    ----------
-    folder : Path
-        That is to be written to.
-    own : str
-        File by which it will be known, one of ``KINDS``.
-    key : str
-        What named the folder.
-
-    Raises
-    ------
-    SceneError
-    """
+    """Refuse a folder that another kind of command has written to, unless it is known by the file ``own``."""
     for name, kind in KINDS.items():
         if name != own and (folder / name).exists():
             raise occupied(folder, f"{kind}, {name}", key)

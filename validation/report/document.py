@@ -80,20 +80,7 @@ class DataTable:
 
     @classmethod
     def of(cls, records: Iterable[Record], caption: str = "", unbroken: tuple[str, ...] = ()) -> DataTable:
-        """A table of records.
-
-        Parameters
-        ----------
-        records : iterable of mapping of str to cell
-            With the same keys, which become the head.
-        caption : str
-        unbroken : tuple of str
-            Columns whose cells stay on one line.
-
-        Returns
-        -------
-        DataTable
-        """
+        """A table of records with the same keys, which become its head."""
         rows = list(records)
         head = tuple(rows[0]) if rows else ()
         return cls(head, tuple(tuple(row.values()) for row in rows), caption, unbroken)

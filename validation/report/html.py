@@ -36,17 +36,10 @@ class ContentsEntry:
 
 
 def pages(document: Document) -> dict[str, str]:
-    """All pages of a document, by their paths: one, or a first one and one for each folded section.
+    """All pages of a document, by their paths: ``index.html``, and ``pages/ANCHOR.html`` of folded sections.
 
-    Parameters
-    ----------
-    document : Document
-
-    Returns
-    -------
-    dict of str to str
-        ``index.html`` of at most ``MOST_BYTES``, as far as folded sections make up what is beyond; if there
-        are others, ``pages/ANCHOR.html``. Links work from a folder as from a server.
+    The latter only where the first would have more than ``MOST_BYTES``. Links work from a folder as from a
+    server.
     """
     whole = text(document)
     moved = tuple(

@@ -35,8 +35,7 @@ from validation.report.report import Chapter
 from validation.report.tables import environment
 from validation.stability import heat_map
 from validation.stability import verdict as judged
-from validation.stability.growth import work_growth
-from validation.stability.limits import limits
+from validation.stability.limits import limits, work_growth
 from validation.stability.runner import StabilityMatrix
 
 FORMAT = 1
