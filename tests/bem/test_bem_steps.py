@@ -12,7 +12,6 @@ from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
 from bem_solver import Options, solve
 from bem_solver.loading_intervals import LoadingInterval
 from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, AcceptedSteps
-from bem_solver.step_limits import _rounded
 from contact_scene import (
     Adhesion,
     Branch,
@@ -220,15 +219,6 @@ def test_a_closing_edge_knows_no_rate():
         forces.append(trace.force)
     assert counters[0] == counters[1]
     assert np.array_equal(*forces)
-
-
-def test_what_rounding_has_made_of_a_step_is_gone_from_it():
-    step = 0.3141592653589793
-    rounded = _rounded(step)
-    assert abs(rounded / step - 1.0) < 2.0**-20
-    assert _rounded(step * (1.0 + 1e-9)) == rounded
-    assert _rounded(step * 2.0**-70) == rounded * 2.0**-70
-    assert _rounded(0.0) == 0.0
 
 
 @pytest.mark.parametrize("resolution", [8, pytest.param(12, marks=pytest.mark.slow)])

@@ -6,12 +6,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, FunctionSolver, fake, named
+from support.spring_solver import FunctionSolver
 from support.spring_solver import spring as spring_solve
 
 from contact_scene import Counters, Force, ForceRamp, Hold, Loading, Outcome, OutcomeKind, Ramp, Trace
 from crosscontact import arguments
-from crosscontact.cli import main
 from validation import solvers
 from validation.cases import load
 from validation.compare.against_reference import against_reference, check_case
@@ -354,29 +353,6 @@ def test_agreement_is_within_the_estimates_capped_by_the_tolerance(difference, m
     assert verdict.passed is agrees
     assert (verdict.estimate, verdict.base_estimate) == (mine, theirs)
     assert ("parts at t =" in verdict.note) is not agrees
-
-
-def test_compare_prints_estimates_and_names_a_disagreement(capsys, tmp_path, monkeypatch):
-    """A fake gives the same answer at any resolution, hence claims to be exact: a small difference counts."""
-    for name in arguments.names():
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, fake()))
-    scene = tmp_path / "small.toml"
-    scene.write_text(SCENE)
-    assert main(["compare", str(scene), "--jobs", "1"]) == 0
-    assert "estimates" in capsys.readouterr().out
-    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", fake(1.001)))
-
-    def estimating(*given, **options):
-        return dataclasses.replace(spring_solve()(*given, **options), errors={"force": 1e-5})
-
-    monkeypatch.setitem(solvers.SOLVERS, "reference", FunctionSolver(estimating, "reference"))
-    assert main(["compare", str(scene), "--jobs", "1"]) == 1
-    out, err = capsys.readouterr()
-    assert "0.0e+00 + 1.0e-05" in out
-    line = next(line for line in err.splitlines() if "bem: approach_force" in line)
-    assert line.startswith("failed: small: bem: approach_force: found ")
-    assert "expected = " in line
-    assert "parts at t =" in line
 
 
 @pytest.mark.slow

@@ -13,8 +13,7 @@ import crosscontact.commands.stability as command
 from crosscontact.cli import main
 from validation.claims.evidence import Evidence
 from validation.compare.suite import SuiteComparison
-from validation.report import html, junit, markdown
-from validation.report.document import Document
+from validation.report import junit
 from validation.report.report import Chapter
 from validation.stability import heat_map, page
 from validation.stability.page import checks
@@ -41,21 +40,6 @@ CELLS = (
     cell("100", "fem", residual=0.2, errors={"final_force": 0.0}),
 )
 MATRIX = StabilityMatrix(CELLS, 3.0)
-
-
-@pytest.mark.slow
-def test_page_and_markdown_show_faults_refusals_and_limits():
-    shown = html.text(Document("", (), (page.section(MATRIX),)))
-    assert "SILENTLY WRONG" in shown
-    assert "a | b &lt;c&gt;" in shown
-    assert shown.count("<svg") == 2
-    lines = markdown.text(Document("", (), (page.summary(MATRIX),))).splitlines()
-    assert sum(line.startswith("| ") for line in lines) == 1 + 4  # the head, and what is not within tolerance
-    said = "\n".join(lines)
-    assert "fem reports no answer: contrast, 1 (refused)" in said
-    assert "contrast: 10: bem: final_force off by 0.5" in said
-    assert "1 of 3 cells its energy terms" in said
-    assert "Not compared, the expected values are missing: contrast: 100: bem" in said
 
 
 def test_json_is_strict_and_whole():
