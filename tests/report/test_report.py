@@ -70,6 +70,15 @@ def test_pages_drawn_by_two_processes_are_the_same(built, tmp_path):
     assert shares == [0.5, 1.0] * 2
 
 
+def test_a_page_does_not_outlive_the_runs_it_shows(built, tmp_path, monkeypatch):
+    (tmp_path / "index.html").write_text("of an earlier report")
+    monkeypatch.setattr(scene_section, "drawn", lambda scene: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        write(built[0], tmp_path)
+    assert (tmp_path / "runs").exists()
+    assert not (tmp_path / "index.html").exists()
+
+
 def test_json_has_every_check(built):
     report, folder = built
     data = json.loads((folder / "report.json").read_text())

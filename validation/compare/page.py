@@ -22,7 +22,7 @@ from validation.execution.report_folder import REPORT
 from validation.execution.run_folder import summary as summary_of_run
 from validation.execution.run_folder import write_run
 from validation.measure.check import Check
-from validation.report import junit, markdown
+from validation.report import html, junit, markdown
 from validation.report import report as folders
 from validation.report.document import (
     ABSENT,
@@ -126,6 +126,7 @@ def write(
     The executor draws (without one, this process); ``progress`` takes the share of the scenes drawn, 0 to 1.
     What has moved since an earlier report are cases of ``junit.xml``, but no checks of this report.
     """
+    (folder / html.INDEX).unlink(missing_ok=True)  # where it exists, the set is complete
     drawing = (map if executor is None else executor.map)(scene_page.drawn, compared.scenes)
     for one in compared.scenes:  # while the others draw
         for solver, run in one.runs.items():
