@@ -274,8 +274,9 @@ class SweepPlan(Checked):
 
     def rules(self) -> None:
         one_of(self.solver, "solver", tuple(solvers.SOLVERS))
+        least = solvers.solver(self.solver).least_resolution  # one that cannot be loaded says so here
         if self.resolution is not None:
-            whole_number(self.resolution, "resolution", solvers.solver(self.solver).least_resolution)
+            whole_number(self.resolution, "resolution", least)
         if (self.points is None) == (self.design in SAMPLES):
             problem = f'given with design = "{self.design}"' if self.points else "is missing"
             raise SceneError("points", problem, f"a whole number >= 1, for {', '.join(SAMPLES)} only")

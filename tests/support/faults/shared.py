@@ -229,7 +229,7 @@ def _(true):
     }
 
 
-@measure_fault("cycles half a period late", "cycles:cycle_times", PUNCH)
+@measure_fault("cycles half a period late", "windows:cycle_times", PUNCH)
 def _(true):
     def cycle_times(loading):
         times = np.array(true(loading))
