@@ -49,8 +49,7 @@ def test_what_is_kept_is_said_while_figures_are_drawn(capsys, tmp_path, monkeypa
     def stopped(*given, **more):
         raise KeyboardInterrupt
 
-    name = command.split()[0]
-    monkeypatch.setattr(f"crosscontact.commands.{name}.write", stopped)
+    monkeypatch.setattr("validation.compare.page.write", stopped)
     loaded = [cases.load(scene)]
     monkeypatch.setattr(cases, "load_all", lambda names: loaded)
     assert main([*command.replace("SCENE", scene).split(), "--jobs", "1", "--out", str(out)]) == 1

@@ -273,6 +273,12 @@ OWN_SCENES = {
             "jump-in", 0.0, (Table(tuple(_TABLE), tuple(0.032 - 0.02 * abs(_TABLE - 1.6))), Ramp(-0.1, 0.02))
         ),
     ),
+    "pull by a table of 161 rows": Scene(
+        ONE,
+        Sphere(1.0),
+        Loading("relaxed", 0.03, (Table(tuple(_TABLE), tuple(0.03 - 0.01 * _TABLE)), Ramp(-0.1, 0.01))),
+        Adhesion(5.026548e-4, 0.004),
+    ),
 }
 
 

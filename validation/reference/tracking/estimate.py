@@ -3,7 +3,8 @@
 The coarser run may take twice the step, but between the rows of a table, after a kink, or where the
 deviation from an extrapolation of fourth order limits it, it does not: the difference is then a smaller
 part of the error. Curves and the moment at which contact is lost have p = 2. Pull-off and work have p = 1:
-they add up the errors of steps of which some are the same in both runs, and differences of either sign.
+they add up the errors of steps of which some are the same in both runs, and differences of either sign; so
+has the moment at which contact without adhesion has shrunk to a point, which the rows run into.
 What the work differs by at the end may vanish by accident: what it differs by at kinks of the load on the
 way counts as well.
 
@@ -33,7 +34,7 @@ corner, among which the nearest is sought: where an edge collapses, a small shif
 
 
 def estimated_errors(
-    fine: Columns, coarse: Columns, ratio: float = 2.0, detached: bool = False
+    fine: Columns, coarse: Columns, ratio: float = 2.0, detached: bool = False, in_a_point: bool = False
 ) -> dict[str, float]:
     """Relative errors of the finer run.
 
@@ -51,6 +52,8 @@ def estimated_errors(
         Steps of the finer run over those of the other.
     detached : bool
         Whether both runs lose contact.
+    in_a_point : bool
+        Whether contact shrinks to a point before: the moment is then of first order.
 
     Returns
     -------
@@ -72,7 +75,8 @@ def estimated_errors(
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
             if largest > 0.0:
-                errors[f"detachment_{name}"] = max(second * abs(values[0] - values[1]) / largest, least)
+                apart = (first if in_a_point else second) * abs(values[0] - values[1])
+                errors[f"detachment_{name}"] = max(apart / largest, least)
     for name in ("contact_radius", "force"):
         errors[name] = second * _curve_distance(fine, coarse, name)
     return errors

@@ -106,7 +106,8 @@ def solve(
         detached = kinds == {OutcomeKind.DETACHED}
         if coarser.outcome.kind is not OutcomeKind.BREAKDOWN:
             ratio = result.counters.steps / max(coarser.counters.steps, 1)
-            errors = estimated_errors(result.columns, coarser.columns, ratio, detached)
+            point = scene.ends_in_a_point
+            errors = estimated_errors(result.columns, coarser.columns, ratio, detached, point)
     return Trace(
         solver=NAME,
         **{name: result.columns[name] for name in COLUMNS},
