@@ -75,11 +75,16 @@ class Options:
 
 @dataclass(frozen=True)
 class Fineness:
-    """Steps per process zone, and the relative deviation allowed in a step."""
+    """Steps per process zone, and the relative deviation allowed in a step.
+
+    ``first_share``: the first step after a kink, in parts of the time to the next, at most. Between the rows
+    of a table nothing else tells a coarser run from a finer one.
+    """
 
     divisions: float
     deviation: float
+    first_share: float = 1e-2
 
     def coarser(self) -> Fineness:
         """Twice the step."""
-        return Fineness(0.5 * self.divisions, 4.0 * self.deviation)
+        return Fineness(0.5 * self.divisions, 4.0 * self.deviation, 2.0 * self.first_share)

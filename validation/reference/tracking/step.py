@@ -14,7 +14,6 @@ from validation.reference.tracking.limit_points import (
     leave_limit_point,
     prescribed_travel,
 )
-from validation.reference.tracking.options import DEFAULT_TOLERANCE
 from validation.reference.tracking.problem import LONG_ZONE, FrontProblem
 from validation.reference.tracking.root import bracketed
 from validation.reference.tracking.rounding import rounded_length
@@ -35,9 +34,6 @@ LARGEST_GROWTH = 2.0
 """Largest ratio of successive steps, in the variable over which rows are extrapolated."""
 FIRST_STEP = 100.0
 """First step after a kink, in allowed deviations times the shortest time: it has no error estimate."""
-FIRST_SHARE = 1e-2
-"""The same of the time to the next stop, at most, at the default tolerance; it goes with the root of that, as
-the steps do: between the rows of a table nothing else tells a coarse run from a fine one."""
 LEAST_CHANGE = 1e-9
 """Least change of the load in the first step of a new contact, relative to the largest load, however fast a
 branch relaxes: the rounding of the load, 1e-16 of the largest, is then 1e-7 of what the step adds."""
@@ -206,8 +202,7 @@ def _step_error(
 
 def _first_duration(problem: FrontProblem, state: FrontState, segment: Segment, left: float) -> float:
     """Duration of the first step after a kink: a small part of every time scale."""
-    deviation = problem.fineness.deviation
-    part, share = FIRST_STEP * deviation, FIRST_SHARE * math.sqrt(deviation / DEFAULT_TOLERANCE)
+    part, share = FIRST_STEP * problem.fineness.deviation, problem.fineness.first_share
     if state.surface.radius == 0.0:  # a new contact grows as a root of the time
         part, share = part**2, share**2
     quick = min(part * problem.shortest_time, share * left)
