@@ -21,6 +21,7 @@ from contact_scene import (
     Sphere,
     TabulatedProfile,
 )
+from validation import solvers
 from validation.measure.observables import observe
 from validation.reference.jkr import JKR
 
@@ -104,10 +105,12 @@ def test_the_start_is_found_up_to_the_least_penetration():
     assert not radii(1.0 + 1e-7).size
 
 
-@pytest.mark.parametrize("solver", ["reference", pytest.param("bem", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "solver", ["reference", *(pytest.param(n, marks=pytest.mark.slow) for n in ("bem", "fem"))]
+)
 def test_pull_off_from_a_relaxed_contact_under_tension(solver):
     """Boundary elements 5.89038, finite elements 5.88992 JKR forces; the reference refused the start."""
     loading = Loading("relaxed", -0.003, (Ramp(-0.5, 0.01),))
-    trace = SOLVERS[solver].solve(Scene(ONE, Sphere(1.0), loading, Adhesion(WORK, 3.9e-5)))
+    trace = solvers.SOLVERS[solver].solve(Scene(ONE, Sphere(1.0), loading, Adhesion(WORK, 3.9e-5)))
     assert trace.contact_radius[0] == pytest.approx(0.1319715, rel=2e-5)
     assert observe(trace).pull_off_force == pytest.approx(5.8904 * PULL, rel=5e-4)
