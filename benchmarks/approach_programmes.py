@@ -31,7 +31,7 @@ from contact_scene import (
 )
 from contact_scene.indenter import Indenter
 from validation.cases import Case
-from validation.execution.run import Run, run
+from validation.runs.run import Run, run
 
 SOLVERS = {"reference": 4, "bem": 4, "fem": 4}
 """Coarse resolutions."""

@@ -27,15 +27,15 @@ from contact_scene.scene_values import value_at, with_values
 from validation.drawing import export
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
-from validation.execution.files import output_folder, to_json, write_whole
-from validation.execution.pool import Task, TaskResult, processes, run_tasks
-from validation.execution.progress import Progress
-from validation.execution.provenance import fingerprint
-from validation.execution.store import Store
 from validation.fits.fit import fit_curves
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.synthetic import synthetic
+from validation.runs.files import output_folder, to_json, write_whole
+from validation.runs.pool import Task, TaskResult, processes, run_tasks
+from validation.runs.progress import Progress
+from validation.runs.provenance import fingerprint
+from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
 
 if TYPE_CHECKING:

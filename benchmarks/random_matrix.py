@@ -28,12 +28,12 @@ from benchmarks.trace_invariants import broken, energy_gained
 from contact_scene import SceneError, Trace
 from contact_scene.scene import write_scene
 from validation.compare.against_reference import check_case
-from validation.execution.files import output_folder
-from validation.execution.pool import TaskEnding, TaskResult, completed_tasks, processes
-from validation.execution.run import Run
-from validation.execution.solver_tasks import run_of, run_task
 from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import scale
+from validation.runs.files import output_folder
+from validation.runs.pool import TaskEnding, TaskResult, completed_tasks, processes
+from validation.runs.run import Run
+from validation.runs.solver_tasks import run_of, run_task
 from validation.solvers import REFERENCE, SOLVERS, solver
 
 WRONG = 0.05

@@ -20,10 +20,10 @@ from pathlib import Path
 
 from contact_scene import SceneError
 from validation import cases
-from validation.execution.run import Run
-from validation.execution.run_folder import read_run
 from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import Magnitudes
+from validation.runs.run import Run
+from validation.runs.run_folder import read_run
 
 SAME = 1e-9
 """Relative difference that is none: a thousandth of what step control and Newton iterations leave open."""

@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 from contact_scene import Adhesion, Oscillate, Scene, SceneError
 from validation import cases
 from validation.cases import Case
-from validation.execution.run import Run, run
 from validation.measure.norms import CURVES, distance
+from validation.runs.run import Run, run
 from validation.solvers import REFERENCE, SOLVERS, solver
 from validation.studies.zones import RATIOS, relative_errors
 

@@ -18,10 +18,10 @@ from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
 from validation.drawing import run_figures
-from validation.execution import run as runs
 from validation.measure.check import Check
 from validation.report.document import number as in_digits
 from validation.report.terminal import aligned
+from validation.runs import run as runs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -28,7 +28,7 @@ def program() -> int:
     An interruption ends the command once; one that comes while the process ends, ends it at once.
     """
     try:
-        from validation.execution.process import handle_outside
+        from validation.runs.process import handle_outside
 
         handle_outside()
         code = main()
@@ -69,7 +69,7 @@ def _run_to_its_end(arguments: list[str] | None) -> int:
     os.environ["MPLBACKEND"] = "agg"  # figures are files; a notebook's backend may be missing here
     try:  # around the imports, too: an interruption in them is told as any other
         from crosscontact.commands import parser
-        from validation.execution.process import interrupting
+        from validation.runs.process import interrupting
 
         with interrupting():
             options = parser().parse_args(arguments)  # imports the command
@@ -116,14 +116,14 @@ def _prepare_streams() -> None:
 
 def _run(options: argparse.Namespace) -> int:
     """Run the command, alone in its folder."""
-    from validation.execution.process import keep_freed
+    from validation.runs.process import keep_freed
 
     keep_freed()
     jobs = getattr(options, "jobs", None) or _available_cores()
     run: Callable[[argparse.Namespace, int], int] = options.run
     if getattr(options, "out", None) is None or getattr(options, "dry_run", False):
         return run(options, jobs)
-    from validation.execution.folder_lock import locked_folder
+    from validation.runs.folder_lock import locked_folder
 
     with locked_folder(options.out):
         return run(options, jobs)

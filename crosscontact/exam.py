@@ -10,8 +10,8 @@ from validation.exam import page
 from validation.exam.answer_folder import read_folder
 from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.judge import Judgement, judge_folder, reference_runs
-from validation.execution.files import output_folder
-from validation.execution.store import Store
+from validation.runs.files import output_folder
+from validation.runs.store import Store
 from validation.scenes import SUITES
 
 

@@ -16,9 +16,6 @@ from contact_scene.value_checks import as_tuple, function_or_none, of_class
 from crosscontact import arguments
 from crosscontact.arguments import case_of, checked_path, checked_resolution
 from crosscontact.result import html_table
-from validation.execution.files import output_folder
-from validation.execution.report_folder import FIT, check_kind
-from validation.execution.store import Store
 from validation.fits import charts
 from validation.fits.afm_files import is_afm_file, read_file, write_afm
 from validation.fits.curve_files import write_csv
@@ -31,6 +28,9 @@ from validation.fits.page import lead, statements, table, write_fit
 from validation.fits.statistics import Estimate
 from validation.fits.synthetic import synthetic
 from validation.report.terminal import aligned
+from validation.runs.files import output_folder
+from validation.runs.report_folder import FIT, check_kind
+from validation.runs.store import Store
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,11 +15,11 @@ from crosscontact.arguments import checked_path
 from validation.drawing import run_figures
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
-from validation.execution.files import output_folder
-from validation.execution.run import Run
-from validation.execution.run_folder import read_run, write_run
 from validation.measure.dimensionless import SYMBOLS, unit_sizes
 from validation.report.terminal import aligned
+from validation.runs.files import output_folder
+from validation.runs.run import Run
+from validation.runs.run_folder import read_run, write_run
 
 if TYPE_CHECKING:
     import pandas

@@ -16,10 +16,10 @@ from contact_scene.run_control.options import whole_number
 from contact_scene.value_checks import function_or_none, one_of, positive
 from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, checked_path
-from validation.execution.engines import engine_of, own_engine
-from validation.execution.folder_lock import locked_folder
-from validation.execution.report_folder import SWEEP, check_kind
-from validation.execution.run_table import RunTable
+from validation.runs.engines import engine_of, own_engine
+from validation.runs.folder_lock import locked_folder
+from validation.runs.report_folder import SWEEP, check_kind
+from validation.runs.run_table import RunTable
 from validation.sweeps.dataset import check_writable, to_dataset, write_results
 from validation.sweeps.plan import DESIGNS, SAMPLES, SceneTable, builtin_or_file, of_scene, plan_from_dict
 from validation.sweeps.run_plan import carry_out

@@ -33,7 +33,7 @@ PACKAGES = {
 # evidence does and judge nothing. The report is a model of documents with its renderers, below all evidence:
 # each kind hands in its own chapter.
 BELOW_RUNS = {"reference", "scenes", "solvers", "cases"}
-BELOW_REPORT = BELOW_RUNS | {"measure", "execution", "drawing"}
+BELOW_REPORT = BELOW_RUNS | {"measure", "runs", "drawing"}
 BELOW_EVIDENCE = BELOW_REPORT | {"report"}
 EVIDENCE = {"compare", "studies", "stability", "claims", "fields", "fits"}
 ROOMS = {
@@ -42,8 +42,8 @@ ROOMS = {
     "solvers": {"reference"},
     "cases": {"scenes", "solvers"},  # a scene states tolerances for solvers by their names
     "measure": BELOW_RUNS,
-    "execution": BELOW_RUNS | {"measure"},
-    "drawing": BELOW_RUNS | {"measure", "execution"},
+    "runs": BELOW_RUNS | {"measure"},
+    "drawing": BELOW_RUNS | {"measure", "runs"},
     **dict.fromkeys(EVIDENCE, BELOW_EVIDENCE),
     "sweeps": BELOW_EVIDENCE,
     # Beside the evidence: it judges answers of other codes, as the evidence does runs of our solvers.
@@ -68,7 +68,7 @@ LOADED_AT_FIRST_USE |= {"validation.solvers.registry"}
 # Readers that carry out what a file says. Between live processes bytes are pickled, and none of them lie on a
 # disk.
 EXECUTING = {"pickle", "_pickle", "cPickle", "marshal", "shelve", "dill", "cloudpickle", "joblib"}
-BETWEEN_PROCESSES = {("validation.execution.pool", "pickle")}
+BETWEEN_PROCESSES = {("validation.runs.pool", "pickle")}
 
 
 def project() -> ImportGraph:

@@ -9,12 +9,12 @@ from crosscontact.commands import shared
 from validation.compare import page
 from validation.compare.scene_page import verdicts
 from validation.compare.suite import all_pairs, compare_scenes
-from validation.execution.files import output_folder
-from validation.execution.pool import processes
-from validation.execution.progress import Progress
-from validation.execution.report_folder import REPORT, check_report_unused
-from validation.execution.store import Store
 from validation.report import terminal
+from validation.runs.files import output_folder
+from validation.runs.pool import processes
+from validation.runs.progress import Progress
+from validation.runs.report_folder import REPORT, check_report_unused
+from validation.runs.store import Store
 from validation.solvers import SOLVERS
 
 

@@ -15,10 +15,10 @@ from validation.exam.answer_folder import listed_cases
 from validation.exam.export import exam_cases, export_reference, export_scenes
 from validation.exam.judge import reference_runs
 from validation.exam.own_answers import ANSWERS, answer_all, reproduce
-from validation.execution.files import output_folder
-from validation.execution.pool import processes
-from validation.execution.progress import Progress
 from validation.report.document import counted
+from validation.runs.files import output_folder
+from validation.runs.pool import processes
+from validation.runs.progress import Progress
 from validation.scenes import SUITES
 
 

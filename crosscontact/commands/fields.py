@@ -17,17 +17,17 @@ from contact_scene import Scene, SceneError, write_scene
 from crosscontact.commands import shared
 from crosscontact.commands.shared import say
 from validation import cases, solvers
-from validation.execution.files import in_words, output_folder
-from validation.execution.folder_lock import locked_folder
-from validation.execution.process import GracefulStop, interrupting
-from validation.execution.progress import Progress, StepProgress
-from validation.execution.run_folder import check_unused
 from validation.fields.balance import EnergySums, balance
 from validation.fields.figures.figure_set import USUAL, FigureSet
 from validation.fields.figures.quantities import QUANTITIES
 from validation.fields.files import ParaViewSeries
 from validation.fields.request import METHOD, FieldRequest, RecordedFields, check_times, record_fields
 from validation.report.document import counted, plain
+from validation.runs.files import in_words, output_folder
+from validation.runs.folder_lock import locked_folder
+from validation.runs.process import GracefulStop, interrupting
+from validation.runs.progress import Progress, StepProgress
+from validation.runs.run_folder import check_unused
 
 if TYPE_CHECKING:
     from fem_solver import FieldState

@@ -11,16 +11,16 @@ from crosscontact.commands import shared
 from crosscontact.commands.shared import say
 from crosscontact.fitting import Fit, read_curves
 from validation import cases
-from validation.execution.files import output_folder
-from validation.execution.pool import processes
-from validation.execution.progress import Progress
-from validation.execution.report_folder import FIT, check_kind
-from validation.execution.store import Store
 from validation.fits.fit import fit_curves
 from validation.fits.fit_question import check_folder, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.page import write_fit
+from validation.runs.files import output_folder
+from validation.runs.pool import processes
+from validation.runs.progress import Progress
+from validation.runs.report_folder import FIT, check_kind
+from validation.runs.store import Store
 
 SETTINGS = (
     "vary", "tie", "per_curve", "free", "prony", "starts", "seed", "profile", "resolution", "max_steps",

@@ -10,12 +10,12 @@ from crosscontact.commands import shared
 from validation.exam import page
 from validation.exam.answer_folder import read_folder
 from validation.exam.judge import judge_folder
-from validation.execution.files import output_folder
-from validation.execution.pool import processes
-from validation.execution.progress import Progress
-from validation.execution.report_folder import EXAM, check_report_unused
-from validation.execution.store import Store
 from validation.report import terminal
+from validation.runs.files import output_folder
+from validation.runs.pool import processes
+from validation.runs.progress import Progress
+from validation.runs.report_folder import EXAM, check_report_unused
+from validation.runs.store import Store
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

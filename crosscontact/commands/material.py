@@ -15,8 +15,8 @@ from contact_scene.scene import write_material
 from contact_scene.value_checks import one_of, positive
 from crosscontact.commands import shared
 from validation.drawing.material_figure import draw_fit, draw_series
-from validation.execution.files import output_folder
 from validation.report.terminal import aligned
+from validation.runs.files import output_folder
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

@@ -14,14 +14,14 @@ from validation.claims import page as claims_page
 from validation.claims.all import findings
 from validation.compare import page, regression
 from validation.compare.suite import SceneComparison, all_pairs, compare_scenes
-from validation.execution.files import output_folder
-from validation.execution.pool import processes
-from validation.execution.progress import Progress
-from validation.execution.report_folder import REPORT, check_report_unused
-from validation.execution.store import Store
 from validation.fields import cycle_fields
 from validation.fields import page as fields_page
 from validation.report.document import counted, number
+from validation.runs.files import output_folder
+from validation.runs.pool import processes
+from validation.runs.progress import Progress
+from validation.runs.report_folder import REPORT, check_report_unused
+from validation.runs.store import Store
 from validation.stability import page as stability_page
 
 

@@ -15,11 +15,11 @@ from crosscontact import arguments
 from validation import cases
 from validation.cases import Case
 from validation.drawing.export import png, svg_file
-from validation.execution.files import write_whole
-from validation.execution.process import interrupting
-from validation.execution.store import Store
 from validation.measure.check import Check
 from validation.report.document import number as in_digits
+from validation.runs.files import write_whole
+from validation.runs.process import interrupting
+from validation.runs.store import Store
 from validation.solvers import Solver
 
 if TYPE_CHECKING:

@@ -13,14 +13,14 @@ from crosscontact.commands import shared
 from crosscontact.commands.shared import say, warn
 from crosscontact.result import SCALES_IN_WORDS, Result, key_numbers
 from validation import cases, solvers
-from validation.execution.files import output_folder
-from validation.execution.process import GracefulStop
-from validation.execution.progress import Progress, StepProgress
-from validation.execution.run import Run
-from validation.execution.run import run as run_solver
-from validation.execution.run_folder import check_unused, write_run
 from validation.measure.windows import load_steps_begun
 from validation.report.terminal import aligned
+from validation.runs.files import output_folder
+from validation.runs.process import GracefulStop
+from validation.runs.progress import Progress, StepProgress
+from validation.runs.run import Run
+from validation.runs.run import run as run_solver
+from validation.runs.run_folder import check_unused, write_run
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

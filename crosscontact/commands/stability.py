@@ -9,10 +9,10 @@ from pathlib import Path
 
 from crosscontact import arguments
 from crosscontact.commands import shared
-from validation.execution.files import output_folder
-from validation.execution.progress import Progress
-from validation.execution.report_folder import STABILITY, check_report_unused
-from validation.execution.store import Store
+from validation.runs.files import output_folder
+from validation.runs.progress import Progress
+from validation.runs.report_folder import STABILITY, check_report_unused
+from validation.runs.store import Store
 from validation.solvers import SOLVERS
 from validation.stability import page, runner
 from validation.stability.limits import limits

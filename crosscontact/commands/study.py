@@ -11,12 +11,12 @@ from contact_scene import SceneError
 from crosscontact import arguments
 from crosscontact.commands import shared
 from validation.cases import Case
-from validation.execution.files import output_folder
-from validation.execution.pool import processes
-from validation.execution.progress import Progress
-from validation.execution.report_folder import STUDY, check_report_unused, poisson_json, zones_json
-from validation.execution.store import Store
 from validation.report import terminal
+from validation.runs.files import output_folder
+from validation.runs.pool import processes
+from validation.runs.progress import Progress
+from validation.runs.report_folder import STUDY, check_report_unused, poisson_json, zones_json
+from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS, solvers
 from validation.studies import page, poisson, poisson_page, zone_page, zones
 from validation.studies.poisson import compare_ratios

@@ -9,13 +9,13 @@ from pathlib import Path
 from contact_scene import SceneError
 from crosscontact import arguments
 from crosscontact.commands.shared import run_options, say
-from validation.execution.engines import own_engine
-from validation.execution.files import in_words
-from validation.execution.folder_lock import locked_folder
-from validation.execution.progress import Progress, duration
-from validation.execution.report_folder import SWEEP, check_kind
-from validation.execution.run_table import RunTable
 from validation.report.terminal import aligned
+from validation.runs.engines import own_engine
+from validation.runs.files import in_words
+from validation.runs.folder_lock import locked_folder
+from validation.runs.progress import Progress, duration
+from validation.runs.report_folder import SWEEP, check_kind
+from validation.runs.run_table import RunTable
 from validation.sweeps.dataset import FILE, check_writable, endings, read_dataset, summary_rows, write_results
 from validation.sweeps.figures import draw
 from validation.sweeps.plan import SweepPlan, plan_names, read_plan

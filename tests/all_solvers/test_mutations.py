@@ -28,11 +28,11 @@ from support.faults.injection import Fault, seeded, stale, time_limit
 from validation import cases, scenes, solvers
 from validation.compare.against_reference import check_case
 from validation.compare.checks import check_run
-from validation.execution.run import Run, run
-from validation.execution.solver_tasks import quick_resolution
 from validation.measure.error_estimate import ENERGIES
 from validation.measure.norms import distance
 from validation.measure.scaling import column_of, scale
+from validation.runs.run import Run, run
+from validation.runs.solver_tasks import quick_resolution
 
 FAULTS = [*reference.FAULTS, *bem.FAULTS, *fem.FAULTS]
 FAULTS += [*altered_scenes.FAULTS, *altered_answers.FAULTS, *shared.FAULTS]

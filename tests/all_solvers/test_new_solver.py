@@ -14,7 +14,7 @@ from validation import solvers
 from validation.cases import load
 from validation.compare.page import write
 from validation.compare.suite import compare_scenes
-from validation.execution.progress import Progress
+from validation.runs.progress import Progress
 from validation.solvers import Solver, register, unregister
 from validation.stability.matrix import cases
 from validation.studies.ladders import ladders

@@ -11,9 +11,9 @@ from validation.cases import load
 from validation.exam.answer import Answer, Header
 from validation.exam.grading import grade
 from validation.exam.griffith_limit import tracks, zone_of
-from validation.execution.run import run
 from validation.reference.creep_compliance import creep_compliance
 from validation.reference.jkr import JKR
+from validation.runs.run import run
 from validation.solvers import PEERS
 from validation.solvers.peers import tamaas_units
 from validation.solvers.peers.peer import beyond_a_sphere

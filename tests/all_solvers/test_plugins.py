@@ -20,8 +20,8 @@ from crosscontact import arguments
 from crosscontact.cli import main
 from validation.cases import load
 from validation.exam.grading import grade
-from validation.execution.premises import of_case
-from validation.execution.run import run
+from validation.runs.premises import of_case
+from validation.runs.run import run
 from validation.solvers import PEERS, Solver, plugins, solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.registry import SOLVERS, SolverRegistry

@@ -33,8 +33,8 @@ from validation.claims.evidence import (
 )
 from validation.compare import page
 from validation.compare.suite import SuiteComparison
-from validation.execution.run import Run
 from validation.measure.scalars import measure
+from validation.runs.run import Run
 from validation.solvers import SOLVERS
 
 GOOD, BAD = Part("as said", True), Part("otherwise", False)

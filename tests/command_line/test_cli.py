@@ -23,7 +23,7 @@ from crosscontact.cli import main
 from crosscontact.commands import parser
 from crosscontact.result import SCALES_IN_WORDS
 from validation import solvers
-from validation.execution import files
+from validation.runs import files
 from validation.scenes import SUITES, names
 
 CONTRACT = (

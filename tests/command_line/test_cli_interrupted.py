@@ -16,7 +16,7 @@ import crosscontact as cc
 from contact_scene import OutcomeKind
 from crosscontact.cli import main
 from validation import solvers
-from validation.execution.run_folder import write_run
+from validation.runs.run_folder import write_run
 
 
 @pytest.fixture

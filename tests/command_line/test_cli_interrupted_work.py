@@ -14,8 +14,8 @@ from support.spring_solver import FunctionSolver, named, small_scene, spring
 from crosscontact.cli import main
 from crosscontact.commands.shared import telling_what_is_kept
 from validation import cases, solvers
-from validation.execution import pool
-from validation.execution.store import Store
+from validation.runs import pool
+from validation.runs.store import Store
 from validation.studies.poisson import compare_ratios
 from validation.studies.zones import zone_runs
 

@@ -14,8 +14,8 @@ import crosscontact as cc
 from contact_scene.scene import scene_from_dict
 from crosscontact.cli import main
 from validation import cases, solvers
-from validation.execution.premises import of_case
-from validation.execution.report_folder import (
+from validation.runs.premises import of_case
+from validation.runs.report_folder import (
     FIT,
     KINDS,
     STABILITY,
@@ -24,8 +24,8 @@ from validation.execution.report_folder import (
     poisson_json,
     zones_json,
 )
-from validation.execution.run import Run
-from validation.execution.run_folder import write_run
+from validation.runs.run import Run
+from validation.runs.run_folder import write_run
 from validation.studies import poisson_page, zone_page
 
 OWN = {

@@ -37,9 +37,9 @@ from contact_scene.material_models import MODELS
 from crosscontact.cli import main
 from validation import solvers
 from validation.drawing import export
-from validation.execution import pool, process
 from validation.fields import files
 from validation.report import document
+from validation.runs import pool, process
 from validation.studies import schemes
 from validation.sweeps import run_plan
 

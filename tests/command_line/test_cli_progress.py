@@ -7,9 +7,9 @@ import threading
 
 import pytest
 
-from validation.execution import progress
-from validation.execution.pool import Task, run_tasks
-from validation.execution.store import Store
+from validation.runs import progress
+from validation.runs.pool import Task, run_tasks
+from validation.runs.store import Store
 
 
 class Terminal(io.StringIO):

@@ -14,7 +14,7 @@ from support.spring_solver import fake, named, small_scene
 
 from crosscontact.cli import main
 from validation import solvers
-from validation.execution import progress
+from validation.runs import progress
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from contact_scene import Counters
 from crosscontact.cli import main
 from validation.cases import Case
 from validation.compare.against_reference import against_reference
-from validation.execution.run import Run
 from validation.measure.scalars import measure
+from validation.runs.run import Run
 
 SLOW = pytest.mark.slow
 CYCLES = (cc.Oscillate(0.002, 1.0, 14.0),)

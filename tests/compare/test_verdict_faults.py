@@ -14,8 +14,8 @@ from meshes import EdgeMeshes, surface
 from validation.cases import Case, Expected
 from validation.compare.against_reference import against_reference
 from validation.compare.checks import check_run
-from validation.execution.run import Run
 from validation.measure import check, movement_norms, norms
+from validation.runs.run import Run
 
 SCENE = Scene(Material(1.0, 0.5), Sphere(1.0), Loading("relaxed", 0.0, (Ramp(1.0, 0.5),)))
 KNOWN = Expected("loop_energy", "by hand", value=1.0, tolerance={"bem": 0.01})

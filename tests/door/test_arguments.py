@@ -11,7 +11,7 @@ from support.wrong_values import WRONG, refused
 import crosscontact as cc
 from contact_scene import Counters
 from contact_scene.checked import Checked
-from validation.execution.run import Run
+from validation.runs.run import Run
 
 NUMBERS = {"array", "list"}
 OPTIONAL, TEXT, FLAG = {"None"}, {"text"}, {"truth value"}

@@ -13,7 +13,7 @@ import pytest
 from support.spring_solver import spring
 
 import crosscontact as cc
-from validation.execution.run import Run
+from validation.runs.run import Run
 
 ENERGIES = ("stored_energy", "external_work", "dissipated_energy")
 

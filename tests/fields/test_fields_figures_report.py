@@ -16,7 +16,6 @@ from support.unlaid_figures import without_layout
 from crosscontact.cli import main
 from validation.cases import load
 from validation.drawing import export
-from validation.execution.run import Run
 from validation.fields import cycle_fields
 from validation.fields import page as fields
 from validation.fields.cycle_fields import CycleFields, Image
@@ -24,6 +23,7 @@ from validation.fields.figures import animation, rendering
 from validation.fields.figures.moments import key_moments
 from validation.report import html
 from validation.report.document import Document, figures_of
+from validation.runs.run import Run
 
 
 def small_png(inches) -> bytes:

@@ -33,12 +33,12 @@ from contact_scene import (
 from crosscontact.cli import main
 from fem_solver import Options, field_states, record
 from meshes import fit, structured_half_space
-from validation.execution.folder_lock import locked_folder
 from validation.fields import files, request
 from validation.fields.balance import balance
 from validation.fields.grid import cell_data, grid, indenter, point_data, surface, triangle_volumes
 from validation.fields.request import FieldRequest, check_times, ending, record_fields
 from validation.fields.section_mesh import surface_nodes
+from validation.runs.folder_lock import locked_folder
 
 MATERIAL = Material(0.75, 0.4, (Branch(2.0, 0.3),))
 

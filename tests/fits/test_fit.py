@@ -23,7 +23,6 @@ from contact_scene import (
     Table,
     read_scene,
 )
-from validation.execution.store import Store
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
 from validation.fits.fit_result import InterruptedFit
@@ -33,6 +32,7 @@ from validation.fits.parameters import ParameterSet, scene_parameter
 from validation.fits.problem import FitProblem
 from validation.fits.synthetic import synthetic
 from validation.reference.ting import Ting
+from validation.runs.store import Store
 
 pytestmark = pytest.mark.usefixtures("closed_form")
 

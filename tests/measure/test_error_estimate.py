@@ -14,11 +14,11 @@ from crosscontact import arguments
 from validation import solvers
 from validation.cases import load
 from validation.compare.against_reference import against_reference, check_case
-from validation.execution.run import Run, run
 from validation.measure.error_estimate import SAFETY, from_own, from_two_runs
 from validation.measure.norms import distance, interpolation_error
 from validation.measure.scalars import measure
 from validation.measure.scaling import scale
+from validation.runs.run import Run, run
 
 CASE = load("cycle-v0.1")
 

@@ -9,10 +9,10 @@ from support.synthetic_traces import trace
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
 from validation.cases import Case, load
 from validation.compare.against_reference import check_case
-from validation.execution.run import Run, run
 from validation.measure.falling_loss import fall_warnings, largest_fall
 from validation.measure.scalars import measure
 from validation.reference.starting_edge import closing
+from validation.runs.run import Run, run
 
 
 def falling(loss):

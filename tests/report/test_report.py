@@ -20,9 +20,9 @@ from validation.cases import load
 from validation.compare import scene_page as scene_section
 from validation.compare.page import write
 from validation.compare.suite import compare_scenes
-from validation.execution.pool import processes
-from validation.execution.progress import Progress
 from validation.report.document import Bullets
+from validation.runs.pool import processes
+from validation.runs.progress import Progress
 
 
 def refuse(*arguments, **options):

@@ -11,9 +11,9 @@ from validation import solvers
 from validation.cases import load
 from validation.compare.page import write
 from validation.compare.suite import compare_scenes
-from validation.execution.progress import Progress
 from validation.report import html
 from validation.report.document import DataTable, Document, Paragraph, Section
+from validation.runs.progress import Progress
 
 pytestmark = pytest.mark.skipif(
     CHROMIUM is None, reason=f"no Chromium on PATH (looked for {', '.join(NAMES)})"

@@ -13,8 +13,8 @@ from contact_scene import Adhesion, Branch, Loading, Material, Oscillate, Ramp, 
 from contact_scene.run_control.options import MAX_STEPS
 from crosscontact.cli import main
 from validation import solvers
-from validation.execution.pool import run_tasks
 from validation.fields import request
+from validation.runs.pool import run_tasks
 from validation.solvers import SOLVERS
 from validation.solvers.base import step_budget
 from validation.studies import schemes, study, zones

@@ -24,9 +24,9 @@ from contact_scene import (
     Trace,
 )
 from validation import solvers
-from validation.execution.pool import Task, TaskEnding, TaskResult
-from validation.execution.run import Run
 from validation.measure.scalars import measure
+from validation.runs.pool import Task, TaskEnding, TaskResult
+from validation.runs.run import Run
 from validation.solvers.contact_range import largest_contact_radius
 
 SCENE = Scene(

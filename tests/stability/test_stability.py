@@ -12,8 +12,8 @@ from support import scripted_solver as fakes
 
 from contact_scene import OutcomeKind, Scene, SceneError
 from crosscontact.commands import parser
-from validation.execution.pool import Task, TaskResult, WorkerProcesses, run_tasks
-from validation.execution.store import Store
+from validation.runs.pool import Task, TaskResult, WorkerProcesses, run_tasks
+from validation.runs.store import Store
 from validation.stability import base, measure
 from validation.stability.case import (
     ClosedForm,

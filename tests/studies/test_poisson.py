@@ -10,10 +10,10 @@ from numpy.testing import assert_allclose
 from contact_scene import Branch, BulkRelaxation, Counters, Material, Outcome, OutcomeKind, Trace
 from crosscontact.cli import main
 from validation import cases
-from validation.execution import solver_tasks
-from validation.execution.run import Run, run
 from validation.measure.norms import CURVES
 from validation.measure.scalars import measure
+from validation.runs import solver_tasks
+from validation.runs.run import Run, run
 from validation.studies import poisson, poisson_material
 
 GLASSY = 9.0  # G(0)/G(infinity) - 1

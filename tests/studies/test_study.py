@@ -15,9 +15,9 @@ from support.unlaid_figures import without_layout
 from contact_scene import OutcomeKind, SceneError
 from crosscontact.cli import main
 from validation.cases import load
-from validation.execution.files import to_json
-from validation.execution.progress import Progress
 from validation.report import html, markdown
+from validation.runs.files import to_json
+from validation.runs.progress import Progress
 from validation.studies import charts, schemes, study
 from validation.studies.ladders import ladders
 from validation.studies.page import data as data_of

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from validation.cases import load
-from validation.execution.progress import Progress
+from validation.runs.progress import Progress
 from validation.studies import study
 from validation.studies.ladders import ladders
 

@@ -9,9 +9,9 @@ import pytest
 from contact_scene import Counters, Outcome, OutcomeKind, SceneError, Trace
 from crosscontact.cli import main
 from validation import cases
-from validation.execution.pool import TaskEnding, TaskResult
-from validation.execution.run import Run
 from validation.report import terminal
+from validation.runs.pool import TaskEnding, TaskResult
+from validation.runs.run import Run
 from validation.studies import zones
 from validation.studies.zone_page import draw, section
 from validation.studies.zones import MeasuredRun, ZoneRun, growth, zone_runs

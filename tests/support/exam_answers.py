@@ -9,8 +9,8 @@ import numpy as np
 from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace
 from validation.cases import Case, load
 from validation.exam.answer import Answer, Header
-from validation.execution.run import Run
 from validation.measure.scalars import measure
+from validation.runs.run import Run
 
 SCENE = "elastic-press"
 

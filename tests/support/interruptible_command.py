@@ -10,7 +10,7 @@ import sys
 import time
 
 from crosscontact.cli import main
-from validation.execution import process, provenance
+from validation.runs import process, provenance
 
 VERSION = "of the tests"
 BEGUN = "the run has begun"

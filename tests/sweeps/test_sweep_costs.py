@@ -12,7 +12,7 @@ from benchmarks.sweep_price import plan_of
 from contact_scene.run_control import blas_threads
 from contact_scene.run_control.blas_threads import single_threaded
 from validation import solvers
-from validation.execution.run_table import RunTable
+from validation.runs.run_table import RunTable
 from validation.sweeps.dataset import write_results
 from validation.sweeps.figures import draw
 from validation.sweeps.plan import plan_from_dict

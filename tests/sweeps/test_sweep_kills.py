@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from validation.execution.engines import BATCH_SECONDS, Engine
-from validation.execution.run_table import RunTable
+from validation.runs.engines import BATCH_SECONDS, Engine
+from validation.runs.run_table import RunTable
 from validation.sweeps.dataset import to_dataset, write_results
 from validation.sweeps.plan import read_plan
 from validation.sweeps.run_plan import carry_out

@@ -17,9 +17,9 @@ import crosscontact as cc
 from contact_scene import UnsupportedScene
 from crosscontact.cli import main
 from validation import solvers
-from validation.execution import run_table
-from validation.execution.engines import Engine
-from validation.execution.run_table import RunRecord, RunTable, StoredRun
+from validation.runs import run_table
+from validation.runs.engines import Engine
+from validation.runs.run_table import RunRecord, RunTable, StoredRun
 from validation.sweeps import run_plan
 from validation.sweeps.dataset import to_dataset
 from validation.sweeps.plan import plan_from_dict

@@ -12,7 +12,6 @@ from contact_scene import OutcomeKind, Trace
 from contact_scene.trace import Array
 from validation.cases import Case
 from validation.compare.checks import check_run, declined
-from validation.execution.run import Run
 from validation.measure.approach import has_smooth_crests, is_located
 from validation.measure.check import Check, agreement_limit
 from validation.measure.difference import Difference, of_curves, of_movements, of_numbers
@@ -22,6 +21,7 @@ from validation.measure.norms import parting_time
 from validation.measure.observables import Observables
 from validation.measure.scaling import column_of
 from validation.measure.windows import windows
+from validation.runs.run import Run
 from validation.solvers import REFERENCE
 
 SCALARS = {

@@ -15,12 +15,6 @@ from validation.compare import overview_figures, scene_page
 from validation.compare.regression import Move, ReportComparison
 from validation.compare.scene_page import anchor, skipped_work
 from validation.compare.suite import SceneComparison, SuiteComparison
-from validation.execution.files import to_json
-from validation.execution.premises import of_case
-from validation.execution.provenance import version
-from validation.execution.report_folder import REPORT
-from validation.execution.run_folder import summary as summary_of_run
-from validation.execution.run_folder import write_run
 from validation.measure.check import Check
 from validation.report import html, junit, markdown
 from validation.report import report as folders
@@ -46,6 +40,12 @@ from validation.report.document import (
 )
 from validation.report.report import Chapter
 from validation.report.tables import costs, environment, of_checks, spent
+from validation.runs.files import to_json
+from validation.runs.premises import of_case
+from validation.runs.provenance import version
+from validation.runs.report_folder import REPORT
+from validation.runs.run_folder import summary as summary_of_run
+from validation.runs.run_folder import write_run
 from validation.solvers import SOLVERS
 from validation.solvers.base import QUICK_DIVISIONS
 

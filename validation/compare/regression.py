@@ -10,7 +10,7 @@ than round-off, and it moved *beyond tolerance* if
 - a scene or a solver is missing from a report of the same suite.
 
 Changes of input, tolerances or version are said first (see
-:mod:`validation.execution.premises`); by themselves they move nothing.
+:mod:`validation.runs.premises`); by themselves they move nothing.
 
 Exit code rule of ``crosscontact report --baseline``: 1 if anything moved beyond tolerance or a check fails.
 Run times are not compared: they belong to the machine.
@@ -27,11 +27,11 @@ from typing import Any, TypeGuard
 from contact_scene.errors import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
-from validation.execution.files import from_json
-from validation.execution.premises import changes
 from validation.measure.check import Check
 from validation.measure.difference import relative
 from validation.measure.scaling import Magnitudes
+from validation.runs.files import from_json
+from validation.runs.premises import changes
 
 ROUND_OFF = 1e-10
 """Change, relative as for checks, below which a number counts as unchanged."""

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 
 from validation.cases import Case
 from validation.compare.against_reference import check_case
-from validation.execution.progress import Progress
-from validation.execution.provenance import stamp
-from validation.execution.run import Run
-from validation.execution.solver_tasks import run_all
-from validation.execution.store import Store
 from validation.measure.check import Check
+from validation.runs.progress import Progress
+from validation.runs.provenance import stamp
+from validation.runs.run import Run
+from validation.runs.solver_tasks import run_all
+from validation.runs.store import Store
 from validation.solvers import SOLVERS
 
 

@@ -23,7 +23,7 @@ from contact_scene.files import read_text
 from contact_scene.tables import is_number, read_table
 from contact_scene.trace import Array
 from contact_scene.value_checks import SMALLEST, Range, finite, not_negative
-from validation.execution.files import from_json
+from validation.runs.files import from_json
 
 MOST_ROWS = 100_000
 """Rows of an answer: a hundred times those of a fine run of ours."""

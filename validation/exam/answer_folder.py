@@ -19,7 +19,7 @@ from validation.cases import Case, load
 from validation.exam.answer import Answer, read_answer
 from validation.exam.scene_json import difference, expanded
 from validation.exam.tags import BY_REASON, BY_TAG, Declined, read_declined
-from validation.execution.files import from_json
+from validation.runs.files import from_json
 from validation.scenes import names
 
 EXAM = "exam.json"

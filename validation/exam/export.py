@@ -14,9 +14,9 @@ from validation.exam.judge import reference_resolution
 from validation.exam.scene_json import expanded
 from validation.exam.statement import COLUMNS, HOW_TO_ANSWER, page
 from validation.exam.tags import tags
-from validation.execution import provenance
-from validation.execution.files import to_json, write_whole
-from validation.execution.run import Run
+from validation.runs import provenance
+from validation.runs.files import to_json, write_whole
+from validation.runs.run import Run
 from validation.scenes import names
 from validation.scenes import suite as of_suite
 from validation.solvers import REFERENCE, SOLVERS

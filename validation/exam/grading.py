@@ -25,7 +25,6 @@ import numpy as np
 
 from contact_scene import COLUMNS, OutcomeKind, Scene, Trace
 from validation.exam.answer import Answer
-from validation.execution.run import Run
 from validation.measure.approach import is_located
 from validation.measure.difference import Difference, of_movements, of_numbers
 from validation.measure.error_estimate import MOVEMENT
@@ -33,6 +32,7 @@ from validation.measure.norms import Distance, distance
 from validation.measure.scalars import measure
 from validation.measure.scaling import LEAST_SHARE, column_of
 from validation.measure.windows import cycle_times, windows
+from validation.runs.run import Run
 
 FINEST = 6
 """Finest decade that is certified: what the reference is good to at best."""

@@ -29,7 +29,7 @@ from contact_scene import Adhesion, Sphere
 from validation.cases import Case
 from validation.exam.answer import Answer
 from validation.exam.grading import COARSEST, grade
-from validation.execution.run import run
+from validation.runs.run import run
 from validation.solvers import REFERENCE
 from validation.solvers.contact_range import largest_contact_radius
 

@@ -12,11 +12,11 @@ from validation.cases import Case
 from validation.exam.answer_folder import AnswerFolder
 from validation.exam.grading import COARSEST, Grade, grade
 from validation.exam.griffith_limit import GriffithTrack, tracks
-from validation.execution.pool import TellProgress, run_tasks
-from validation.execution.run import Run
-from validation.execution.solver_tasks import run_of, run_task
-from validation.execution.store import Store
 from validation.measure.check import Check
+from validation.runs.pool import TellProgress, run_tasks
+from validation.runs.run import Run
+from validation.runs.solver_tasks import run_of, run_task
+from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
 
 FINER = 2

@@ -16,10 +16,10 @@ from validation.exam.answer import read_answer
 from validation.exam.export import header_of, trace_text
 from validation.exam.scene_json import scene_of
 from validation.exam.tags import BY_REASON
-from validation.execution.files import write_whole
-from validation.execution.pool import TellProgress, run_tasks
-from validation.execution.run import Run, run
-from validation.execution.solver_tasks import run_of, run_task
+from validation.runs.files import write_whole
+from validation.runs.pool import TellProgress, run_tasks
+from validation.runs.run import Run, run
+from validation.runs.solver_tasks import run_of, run_task
 from validation.solvers import SOLVERS
 
 ANSWERS = "answers"

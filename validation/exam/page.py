@@ -15,9 +15,6 @@ from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
 from validation.exam.grading import BALANCE, Grade, counted
 from validation.exam.judge import CodeOnScene, Judgement, SceneJudgement
 from validation.exam.tags import tags
-from validation.execution.files import to_json
-from validation.execution.provenance import stamp
-from validation.execution.report_folder import EXAM
 from validation.report import document, junit, markdown, report
 from validation.report.document import (
     ABSENT,
@@ -40,6 +37,9 @@ from validation.report.document import (
 )
 from validation.report.report import Chapter
 from validation.report.tables import environment
+from validation.runs.files import to_json
+from validation.runs.provenance import stamp
+from validation.runs.report_folder import EXAM
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing

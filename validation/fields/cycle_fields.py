@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 from contact_scene import Scene, Trace
 from validation.cases import Case, load
 from validation.drawing.export import png
-from validation.execution.run import Run
 from validation.fields.balance import balance
 from validation.fields.figures import animation, fig3, moment_panels, revolution
 from validation.fields.figures.figure_set import FigureSet
@@ -22,6 +21,7 @@ from validation.fields.figures.rendering import NoRendering
 from validation.fields.figures.single_section import single_section
 from validation.fields.request import FieldRequest, record_fields
 from validation.measure.approach import end_of_approach
+from validation.runs.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
 from contact_scene import Scene
-from validation.execution.files import to_json, write_whole
-from validation.execution.run_folder import FIELDS
 from validation.fields.balance import EnergySums
+from validation.runs.files import to_json, write_whole
+from validation.runs.run_folder import FIELDS
 
 if TYPE_CHECKING:
     import pyvista

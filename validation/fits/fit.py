@@ -10,7 +10,6 @@ from functools import partial
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
-from validation.execution.store import Store
 from validation.fits import data_checks
 from validation.fits.curve_model import CurveModel
 from validation.fits.decimation import decimated
@@ -27,6 +26,7 @@ from validation.fits.search import BestSoFar, Search, search
 from validation.fits.second_solver import SecondSolver, second_solver
 from validation.fits.statistics import covariance
 from validation.fits.unknowns import bending, unknowns, with_grid, with_spring
+from validation.runs.store import Store
 from validation.solvers import REFERENCE
 
 

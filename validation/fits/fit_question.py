@@ -10,12 +10,12 @@ from pathlib import Path
 
 from contact_scene import Scene, SceneError
 from contact_scene.files import read_text
-from validation.execution.files import from_json
-from validation.execution.provenance import canonical
-from validation.execution.report_folder import FIT
-from validation.execution.run_folder import check_unused, occupied
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
+from validation.runs.files import from_json
+from validation.runs.provenance import canonical
+from validation.runs.report_folder import FIT
+from validation.runs.run_folder import check_unused, occupied
 
 
 def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:

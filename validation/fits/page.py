@@ -13,9 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from contact_scene import write_scene
 from validation.drawing import export
-from validation.execution.files import to_json
-from validation.execution.provenance import stamp, version
-from validation.execution.report_folder import FIT
 from validation.fits import charts
 from validation.fits.fit_result import FitResult
 from validation.fits.goodness import UNLIKELY
@@ -37,6 +34,9 @@ from validation.report.document import (
     formatted,
     with_drawing,
 )
+from validation.runs.files import to_json
+from validation.runs.provenance import stamp, version
+from validation.runs.report_folder import FIT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing

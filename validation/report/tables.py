@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from validation.execution.run import Run
 from validation.measure.check import Check
 from validation.measure.dimensionless import SYMBOLS
 from validation.report.document import (
@@ -17,6 +16,7 @@ from validation.report.document import (
     number,
     plain,
 )
+from validation.runs.run import Run
 
 _RELATIONS = {"<=": "≤ ", ">=": "≥ "}
 COUNTERS = {

@@ -12,9 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from validation.drawing import export
-from validation.execution.files import to_json, write_whole
-from validation.execution.provenance import stamp
-from validation.execution.report_folder import STABILITY
 from validation.measure.check import Check
 from validation.report import markdown, report
 from validation.report.document import (
@@ -33,6 +30,9 @@ from validation.report.document import (
 )
 from validation.report.report import Chapter
 from validation.report.tables import environment
+from validation.runs.files import to_json, write_whole
+from validation.runs.provenance import stamp
+from validation.runs.report_folder import STABILITY
 from validation.stability import heat_map
 from validation.stability import verdict as judged
 from validation.stability.limits import limits, work_growth

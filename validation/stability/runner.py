@@ -6,9 +6,9 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from contact_scene import Scene
-from validation.execution.pool import Task, TaskResult, processes, run_tasks
-from validation.execution.provenance import fingerprint
-from validation.execution.store import Store
+from validation.runs.pool import Task, TaskResult, processes, run_tasks
+from validation.runs.provenance import fingerprint
+from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
 from validation.stability.case import EquivalentScene, ReferenceRuns, StabilityCase
 from validation.stability.case_runs import CaseAnswer, CaseRun, solve_case

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene import Scene, SceneError, Trace
-from validation.execution.pool import TaskEnding, TaskResult
+from validation.runs.pool import TaskEnding, TaskResult
 from validation.stability import measure
 from validation.stability.case import (
     ClosedForm,

@@ -16,13 +16,13 @@ import numpy as np
 
 from contact_scene import Scene, Trace
 from validation.cases import Case
-from validation.execution.run import Run
 from validation.measure.approach import is_located
 from validation.measure.difference import of_numbers
 from validation.measure.norms import distance
 from validation.measure.scalars import measure
 from validation.measure.scaling import Magnitudes
 from validation.measure.windows import cycle_times
+from validation.runs.run import Run
 from validation.studies import schemes
 from validation.studies.extrapolation import Extrapolation, extrapolate, fitted_slope, reference_orders
 from validation.studies.ladders import Ladder, Level

@@ -12,9 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from validation.drawing import export
-from validation.execution.files import to_json
-from validation.execution.premises import of_case
-from validation.execution.report_folder import STUDY
 from validation.report import markdown, report
 from validation.report.document import (
     ABSENT,
@@ -35,6 +32,9 @@ from validation.report.document import (
     with_drawing,
 )
 from validation.report.tables import COUNTERS, environment, in_words
+from validation.runs.files import to_json
+from validation.runs.premises import of_case
+from validation.runs.report_folder import STUDY
 from validation.studies import charts, schemes, work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
 from validation.studies.schemes import scheme

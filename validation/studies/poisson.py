@@ -19,12 +19,12 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 from validation.cases import Case
-from validation.execution.pool import TellProgress, run_tasks
-from validation.execution.run import Run
-from validation.execution.solver_tasks import run_of, run_task
-from validation.execution.store import Store
 from validation.measure.difference import Difference, of_curves, of_numbers
 from validation.measure.norms import CURVES
+from validation.runs.pool import TellProgress, run_tasks
+from validation.runs.run import Run
+from validation.runs.solver_tasks import run_of, run_task
+from validation.runs.store import Store
 from validation.solvers import REFERENCE
 from validation.solvers.finite_elements import FiniteElements
 from validation.studies import poisson_material as materials
@@ -112,7 +112,7 @@ def compare_ratios(
     resolution : int or None
         Divisions per process zone of the finite elements.
     executor, progress, store
-        As of :func:`~validation.execution.pool.run_tasks`.
+        As of :func:`~validation.runs.pool.run_tasks`.
     max_steps : int or None
         Of every run; ``None``: the solver's own bound.
 

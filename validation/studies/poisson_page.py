@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from validation.cases import Case
-from validation.execution.files import to_json, write_whole
-from validation.execution.premises import of_case
-from validation.execution.report_folder import poisson_json
-from validation.execution.run import Run
 from validation.measure.difference import Difference
 from validation.measure.norms import CURVES
 from validation.report import markdown
 from validation.report.document import ABSENT, DataTable, Document, Paragraph, Section, formatted, plain
 from validation.report.tables import estimates
+from validation.runs.files import to_json, write_whole
+from validation.runs.premises import of_case
+from validation.runs.report_folder import poisson_json
+from validation.runs.run import Run
 from validation.studies.poisson import (
     ASSUMPTIONS,
     FULL,

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 from contact_scene import SceneError, Trace
 from validation.cases import Case
-from validation.execution.pool import Task, TaskResult, one_line, processes, run_tasks
-from validation.execution.progress import Progress
-from validation.execution.provenance import fingerprint, stamp
-from validation.execution.store import Store
+from validation.runs.pool import Task, TaskResult, one_line, processes, run_tasks
+from validation.runs.progress import Progress
+from validation.runs.provenance import fingerprint, stamp
+from validation.runs.store import Store
 from validation.solvers import REFERENCE
 from validation.studies.convergence import (
     REPEATS,

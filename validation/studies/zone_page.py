@@ -13,9 +13,6 @@ from validation.cases import Case
 from validation.drawing import export
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import curve_style
-from validation.execution.files import to_json, write_whole
-from validation.execution.premises import of_case
-from validation.execution.report_folder import zones_json
 from validation.report import markdown
 from validation.report.document import (
     ABSENT,
@@ -27,6 +24,9 @@ from validation.report.document import (
     formatted,
     plain,
 )
+from validation.runs.files import to_json, write_whole
+from validation.runs.premises import of_case
+from validation.runs.report_folder import zones_json
 from validation.studies.zones import OBSERVED, ZoneRun, growth
 
 if TYPE_CHECKING:

@@ -17,13 +17,13 @@ import numpy as np
 
 from contact_scene import SceneError
 from validation.cases import Case
-from validation.execution.pool import TaskEnding, run_tasks
-from validation.execution.process import peak_memory
-from validation.execution.provenance import fingerprint
-from validation.execution.run import Run, run
-from validation.execution.solver_tasks import run_of, run_task
-from validation.execution.store import Store
 from validation.measure.difference import of_numbers
+from validation.runs.pool import TaskEnding, run_tasks
+from validation.runs.process import peak_memory
+from validation.runs.provenance import fingerprint
+from validation.runs.run import Run, run
+from validation.runs.solver_tasks import run_of, run_task
+from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
 
 RATIOS = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 5e-9)

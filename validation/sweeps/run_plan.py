@@ -15,14 +15,14 @@ from dataclasses import dataclass, field
 from contact_scene import Scene
 from contact_scene.errors import SceneError
 from validation.cases import Case
-from validation.execution.engines import Engine
-from validation.execution.pool import Task, completed_tasks
-from validation.execution.process import keep_freed
-from validation.execution.progress import duration
-from validation.execution.provenance import fingerprint, version
-from validation.execution.run import Run, run
-from validation.execution.run_table import Columns, RunRecord, RunTable, StoredRun
-from validation.execution.solver_tasks import origin_of
+from validation.runs.engines import Engine
+from validation.runs.pool import Task, completed_tasks
+from validation.runs.process import keep_freed
+from validation.runs.progress import duration
+from validation.runs.provenance import fingerprint, version
+from validation.runs.run import Run, run
+from validation.runs.run_table import Columns, RunRecord, RunTable, StoredRun
+from validation.runs.solver_tasks import origin_of
 from validation.sweeps.plan import Row, SweepPlan, measure_names
 
 NOT_REPEATABLE = ("wall_seconds",)

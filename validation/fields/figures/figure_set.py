@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError, Trace
 from validation.drawing.export import png
-from validation.execution.files import in_words, write_whole
 from validation.fields.figures import animation, moment_panels, moments, revolution
 from validation.fields.figures.quantities import QUANTITIES, Quantity
 from validation.fields.figures.rendering import NoRendering
 from validation.fields.figures.single_section import alike, single_section
+from validation.runs.files import in_words, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -20,9 +20,9 @@ from support.unlaid_figures import without_layout
 from contact_scene import read_columns
 from crosscontact.cli import main
 from validation import solvers
-from validation.execution import folder_lock, provenance
-from validation.execution.run import Run
-from validation.execution.store import loads
+from validation.runs import folder_lock, provenance
+from validation.runs.run import Run
+from validation.runs.store import loads
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"}
 TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
@@ -221,9 +221,9 @@ MATRIX = """
     "work", [pytest.param(POOL, id="pool", marks=pytest.mark.slow), pytest.param(MATRIX, id="matrix")]
 )
 def test_workers_end_with_their_parent(work):
-    imports = "import os, time\nfrom validation.execution.pool import processes\n"
-    imports += "from validation.execution.pool import run_tasks\n"
-    imports += "from validation.execution.pool import Task\n"
+    imports = "import os, time\nfrom validation.runs.pool import processes\n"
+    imports += "from validation.runs.pool import run_tasks\n"
+    imports += "from validation.runs.pool import Task\n"
     program = f"{imports}if __name__ == '__main__':{work}"
     parent = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT

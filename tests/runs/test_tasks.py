@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import pytest
 from support.worker_tasks import NotThere, spin, square
 
-from validation.execution.pool import Task, TaskEnding, WorkerProcesses, processes, run_tasks
-from validation.execution.store import Store
+from validation.runs.pool import Task, TaskEnding, WorkerProcesses, processes, run_tasks
+from validation.runs.store import Store
 
 
 @dataclass(frozen=True)

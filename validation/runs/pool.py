@@ -2,7 +2,7 @@
 no other.
 
 A task is a function call with a fingerprint, so that what an earlier attempt has answered is taken over
-from a :class:`~validation.execution.store.Store`. Any ``concurrent.futures`` executor will do:
+from a :class:`~validation.runs.store.Store`. Any ``concurrent.futures`` executor will do:
 :class:`WorkerProcesses`, Dask's ``Client.get_executor()``, an MPI pool; only the first enforces time
 limits. However many tasks there are, an executor holds a bounded number of them at a time.
 """
@@ -31,9 +31,9 @@ from weakref import WeakSet
 import pebble
 
 from contact_scene.errors import one_line
-from validation.execution.process import interrupts_blocked, keep_freed
-from validation.execution.progress import time_left
-from validation.execution.store import Store
+from validation.runs.process import interrupts_blocked, keep_freed
+from validation.runs.progress import time_left
+from validation.runs.store import Store
 
 OUTSTANDING = 512
 """Tasks that an executor holds at a time: more than the workers of a large cluster, so that none waits for

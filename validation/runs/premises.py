@@ -13,7 +13,7 @@ from dataclasses import fields
 from typing import Any
 
 from validation.cases import Case
-from validation.execution.provenance import canonical
+from validation.runs.provenance import canonical
 from validation.solvers import solvers
 
 Premises = Mapping[str, Any]

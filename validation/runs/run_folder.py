@@ -28,10 +28,10 @@ from contact_scene import (
     write_trace,
 )
 from contact_scene.files import read_text
-from validation.execution.files import from_json, move_whole, to_json, write_whole
-from validation.execution.run import Run
-from validation.execution.store import checked
 from validation.measure.observables import Observables
+from validation.runs.files import from_json, move_whole, to_json, write_whole
+from validation.runs.run import Run
+from validation.runs.store import checked
 
 OUTPUT = ("scene.toml", "trace.csv", "summary.json")
 """Files of a run."""

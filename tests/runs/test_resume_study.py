@@ -8,8 +8,8 @@ import pytest
 from support.spring_solver import SCENE, StudiedSolver, spring
 
 from validation.cases import load
-from validation.execution.progress import Progress
-from validation.execution.store import Store
+from validation.runs.progress import Progress
+from validation.runs.store import Store
 from validation.studies import schemes, study
 
 

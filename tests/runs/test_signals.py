@@ -8,8 +8,8 @@ import threading
 
 import pytest
 
-from validation.execution.engines import LOCAL_CLUSTER, own_engine
-from validation.execution.process import deferred, interrupting, interrupts_blocked
+from validation.runs.engines import LOCAL_CLUSTER, own_engine
+from validation.runs.process import deferred, interrupting, interrupts_blocked
 
 DASK = "the optional extra `dask` is not installed"
 

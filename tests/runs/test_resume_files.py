@@ -25,12 +25,12 @@ from contact_scene import Event, SceneError, Sphere, SurfaceProfile, read_column
 from contact_scene.indenter import TabulatedProfile
 from validation import cases
 from validation.compare import regression
-from validation.execution import files, folder_lock, provenance
-from validation.execution.run import Run
-from validation.execution.run_folder import read_run, write_run
-from validation.execution.run_table import Columns, RunRecord, RunTable, StoredRun
-from validation.execution.store import Store, dumps
 from validation.fits.fit_run import FitRun
+from validation.runs import files, folder_lock, provenance
+from validation.runs.run import Run
+from validation.runs.run_folder import read_run, write_run
+from validation.runs.run_table import Columns, RunRecord, RunTable, StoredRun
+from validation.runs.store import Store, dumps
 from validation.stability.case_runs import CaseAnswer
 from validation.studies.convergence import LevelRun
 from validation.studies.ladders import Level

@@ -9,14 +9,14 @@ import sys
 import numpy as np
 import pytest
 
-from validation.execution.process import STATUS, peak_memory
+from validation.runs.process import STATUS, peak_memory
 
 PROGRAM = """
 import resource
 
 import numpy as np
 
-from validation.execution.process import keep_freed
+from validation.runs.process import keep_freed
 
 keep_freed()
 before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
@@ -25,7 +25,7 @@ for _ in range(100):
     del arrays
 print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 """
-OWN_PEAK = "from validation.execution.process import peak_memory; print(peak_memory())"
+OWN_PEAK = "from validation.runs.process import peak_memory; print(peak_memory())"
 AT_ONCE = 10 * 40_000 * 8 // 4096  # pages of all arrays of a round
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError
-from validation.execution import provenance, store
+from validation.runs import provenance, store
 
 FILE = "runs.sqlite"
 _TABLES = """

@@ -9,10 +9,10 @@ from functools import partial
 
 from validation import solvers
 from validation.cases import Case
-from validation.execution.pool import Task, TaskResult, TellProgress, run_tasks
-from validation.execution.provenance import fingerprint
-from validation.execution.run import Run, run
-from validation.execution.store import Store
+from validation.runs.pool import Task, TaskResult, TellProgress, run_tasks
+from validation.runs.provenance import fingerprint
+from validation.runs.run import Run, run
+from validation.runs.store import Store
 
 
 def run_task(
@@ -22,7 +22,7 @@ def run_task(
     estimate: bool = False,
     max_steps: int | None = None,
 ) -> Task:
-    """A run of a solver as a task; arguments as of :func:`~validation.execution.run.run_or_raise`."""
+    """A run of a solver as a task; arguments as of :func:`~validation.runs.run.run_or_raise`."""
     asked = (case.scene, solver, resolution, case.profile_times, estimate, max_steps)
     return Task(
         fingerprint("run", *asked, *origin_of(solver)),

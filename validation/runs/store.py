@@ -27,8 +27,8 @@ import numpy as np
 
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text
-from validation.execution import provenance
-from validation.execution.files import from_json, write_whole
+from validation.runs import provenance
+from validation.runs.files import from_json, write_whole
 
 FOLDER = ".unfinished"
 VERSION = ".version"

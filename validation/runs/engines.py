@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from multiprocessing import resource_tracker
 
 from contact_scene.errors import SceneError
-from validation.execution.pool import OUTSTANDING, ExecutorGone, processes
-from validation.execution.process import deferred, interrupts_blocked
+from validation.runs.pool import OUTSTANDING, ExecutorGone, processes
+from validation.runs.process import deferred, interrupts_blocked
 
 LOCAL_CLUSTER = "local"
 """In place of the address of a Dask scheduler: a cluster of this command's own, on this machine."""

@@ -17,7 +17,7 @@ from pathlib import Path
 from filelock import BaseFileLock, FileLock, Timeout
 
 from contact_scene.errors import SceneError
-from validation.execution.files import output_folder
+from validation.runs.files import output_folder
 
 LOCK_FILE = ".lock"
 WAIT = 0.2

@@ -14,10 +14,10 @@ from typing import Any
 from contact_scene import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
-from validation.execution.files import from_json
-from validation.execution.premises import of_case
-from validation.execution.run_folder import OUTPUT, check_unused, occupied
-from validation.execution.run_table import FILE as SWEEP
+from validation.runs.files import from_json
+from validation.runs.premises import of_case
+from validation.runs.run_folder import OUTPUT, check_unused, occupied
+from validation.runs.run_table import FILE as SWEEP
 
 REPORT, STUDY, STABILITY = "report.json", "study.json", "stability.json"
 EXAM, FIT = "exam.json", "fit.json"
