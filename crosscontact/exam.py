@@ -6,10 +6,10 @@ import os
 
 from contact_scene.value_checks import one_of, true_or_false
 from crosscontact.arguments import checked_path
-from validation.exam import page
-from validation.exam.answer_folder import read_folder
-from validation.exam.export import exam_cases, export_reference, export_scenes
-from validation.exam.judge import Judgement, judge_folder, reference_runs
+from validation.exam.answer import read_folder
+from validation.exam.judge import Judgement, judge_folder, write
+from validation.exam.own_answers import export_reference, reference_runs
+from validation.exam.question import exam_cases, export_scenes
 from validation.runs.files import output_folder
 from validation.runs.store import Store
 from validation.scenes import SUITES
@@ -61,5 +61,5 @@ def judge(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = N
     store = Store()
     judgement = judge_folder(read_folder(checked_path(folder)))
     if out is not None:
-        page.write(judgement, output_folder(checked_path(out, "out"), "out"), store.seconds)
+        write(judgement, output_folder(checked_path(out, "out"), "out"), store.seconds)
     return judgement

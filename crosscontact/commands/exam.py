@@ -11,10 +11,14 @@ from contact_scene import SceneError
 from contact_scene.errors import shown
 from crosscontact import arguments
 from crosscontact.commands import shared
-from validation.exam.answer_folder import listed_cases
-from validation.exam.export import exam_cases, export_reference, export_scenes
-from validation.exam.judge import reference_runs
-from validation.exam.own_answers import ANSWERS, answer_all, reproduce
+from validation.exam.own_answers import (
+    ANSWERS,
+    answer_all,
+    export_reference,
+    reference_runs,
+    reproduce,
+)
+from validation.exam.question import exam_cases, export_scenes, listed_cases
 from validation.report.document import counted
 from validation.runs.files import output_folder
 from validation.runs.pool import processes
@@ -108,11 +112,8 @@ def _reproduce(file: str) -> int:
     path = Path(file)
     if not os.path.isfile(path):
         raise SceneError("FILE", f"got {shown(file)}", "a trace with its header, such as reference.csv")
-    found = reproduce(path)
-    if found.same:
-        print(f"{path}: the same bit for bit, {counted(found.rows, 'row')}")
-        return 0
-    differs = f"largest difference {found.largest:.2g}"
-    if found.rows != found.rows_again:
-        differs = f"{counted(found.rows_again, 'row')} instead of {found.rows}"
-    return shared.failed([f"{path}: {differs}"])
+    differs, rows = reproduce(path)
+    if differs:
+        return shared.failed([f"{path}: {differs}"])
+    print(f"{path}: the same bit for bit, {counted(rows, 'row')}")
+    return 0

@@ -7,9 +7,8 @@ import sys
 from pathlib import Path
 
 from crosscontact.commands import shared
-from validation.exam import page
-from validation.exam.answer_folder import read_folder
-from validation.exam.judge import judge_folder
+from validation.exam.answer import read_folder
+from validation.exam.judge import judge_folder, lead, overview, write
 from validation.report import terminal
 from validation.runs.files import output_folder
 from validation.runs.pool import processes
@@ -39,10 +38,10 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     ):
         progress.phase("reference")
         judgement = judge_folder(found, executor, store, progress)
-    print(terminal.text(page.overview(judgement)))
-    print(page.lead(judgement).text)
+    print(terminal.text(overview(judgement)))
+    print(lead(judgement).text)
     if target is not None:
-        page.write(judgement, target, store.seconds)
+        write(judgement, target, store.seconds)
         store.clear()
         print(f"written to {target / 'index.html'}")
     sys.stdout.flush()

@@ -9,8 +9,7 @@ from support.exam_answers import hertz_run
 from contact_scene import COLUMNS
 from validation.cases import load
 from validation.exam.answer import Answer, Header
-from validation.exam.grading import grade
-from validation.exam.griffith_limit import tracks, zone_of
+from validation.exam.grading import grade, griffith_track, zone_of
 from validation.reference.creep_compliance import creep_compliance
 from validation.reference.jkr import JKR
 from validation.runs.run import run
@@ -74,7 +73,7 @@ def test_jkr_of_adhesion_is_ours():
 @pytest.mark.slow
 def test_the_cohesive_ring_converges_to_the_griffith_limit():
     answers = [answer("maugis-dugdale", "elastic-relaxed", size) for size in (5, 10, 20)]
-    track = tracks(answers, load("elastic-relaxed"))
+    track = griffith_track(answers, load("elastic-relaxed"))
     assert track is not None
     assert track.converges
     assert track.order == pytest.approx(1.0, abs=0.15)

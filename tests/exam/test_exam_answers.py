@@ -9,9 +9,8 @@ from support.exam_answers import SCENE, case, hertz, put, text
 
 from contact_scene import OutcomeKind, SceneError
 from validation.exam import answer as answer_module
-from validation.exam.answer import read_answer
-from validation.exam.answer_folder import read_folder
-from validation.exam.scene_json import expanded
+from validation.exam.answer import read_answer, read_folder
+from validation.exam.question import expanded
 
 HEAD = "# code: a code\n"
 TIMED = HEAD + "time,force\n0,0\n"
@@ -19,20 +18,14 @@ FAULTS = {
     "": "header: code: is missing",
     HEAD: "no rows of numbers",
     "# code: <script>\ntime,force\n0,0\n": "header: code: got '<script>'",
-    "# code: $x$\ntime,force\n0,0\n": "header: code",
-    **{
-        HEAD + f"# seconds: {value}\n{TIMED[9:]}": "header: seconds" for value in ("-1", "nan", "1e-300", "x")
-    },
+    **{HEAD + f"# seconds: {value}\n{TIMED[9:]}": "header: seconds" for value in ("-1", "nan", "x")},
     **{HEAD + f"# {key}: -1\n{TIMED[9:]}": f"header: {key}" for key in ("tabor", "transition", "outcome")},
-    HEAD + "# units: mm\ntime,force\n0,0\n": "header: units: got 'mm'; allowed: scene",
+    HEAD + "# units: mm\ntime,force\n0,0\n": "header: units: got 'mm'",
     HEAD + "# problem: [1\ntime,force\n0,0\n": "header: problem",
     HEAD + "time,force [N]\n0,0\n": "column 'force' states a unit",
-    HEAD + "time,load\n0,0\n": "columns: got 'time,load'",
-    HEAD + "force,force\n0,0\n": "columns: force stands twice",
     HEAD + "force,penetration\n0,0\n": "allowed: time and at least one of penetration",
-    HEAD + "time,force\n": "no rows of numbers",
     TIMED + "1\n": "line 4: 1 cells; allowed: 2",
-    **{TIMED + f"1,{cell}\n": "force, line 4" for cell in ("nan", "inf", "1e99", "1_0", "x")},
+    TIMED + "1,nan\n": "force, line 4",
     TIMED + "2,0\n1,0\n": "time, line 5: runs backwards (2 -> 1)",
     HEAD + "time,force\n-1,0\n": "time, line 3",
     HEAD + "time,contact_radius\n0,-1\n": "contact_radius, line 3",
@@ -41,13 +34,17 @@ FAULTS = {
     HEAD + "time;force\n0,5;0,1\n": "line 3: cells are separated by semicolons and numbers have",
     TIMED.replace("\n", "\r"): "a carriage return alone",
     TIMED.replace("", "\0"): "zero bytes",
+    TIMED + "#" * 10_000_001: "",
+    TIMED + "\udcff": "",
 }
 
 
 @pytest.mark.parametrize("content", FAULTS, ids=range(len(FAULTS)))
 def test_a_fault_is_told_in_one_line(tmp_path, content, monkeypatch):
     monkeypatch.setattr(answer_module, "MOST_ROWS", 3)
-    answer = read_answer(put(tmp_path, content), "x/trace.csv")
+    path = put(tmp_path, "")
+    path.write_bytes(content.encode("utf-8", "surrogateescape"))
+    answer = read_answer(path, "x/trace.csv")
     assert answer.problem.startswith("x/trace.csv: ")
     assert FAULTS[content] in answer.problem
     assert "\n" not in answer.problem
@@ -55,36 +52,25 @@ def test_a_fault_is_told_in_one_line(tmp_path, content, monkeypatch):
     assert not answer.columns
 
 
-@pytest.mark.parametrize("content", [b"\xff\xfe\x00", b"a" * 10_000_001], ids=["utf", "size"])
-def test_a_file_that_is_no_text(tmp_path, content):
-    path = put(tmp_path, "")
-    path.write_bytes(content)
-    problem = read_answer(path, "x").problem
-    assert problem
-    assert "\n" not in problem
-
-
 def test_the_header_is_read_and_made_harmless(tmp_path):
-    more = {"version": "2.0 $\\alpha$<b>", "seconds": 3.5, "resolution": 64, "transition": 5, "colour": "red"}
+    more = {"version": "2.0 $\\alpha$<b>", "seconds": 3.5, "resolution": 64, "tabor": 2, "colour": "red"}
     answer = read_answer(put(tmp_path, text(hertz(5), **more)), "x")
-    assert answer.problem == ""
-    assert (answer.header.label, answer.header.seconds) == ("a code 2.0 alphab", 3.5)
-    assert (answer.header.resolution, answer.header.transition) == ("64", 5.0)
+    assert (answer.problem, answer.header.version, answer.header.seconds) == ("", "2.0 alphab", 3.5)
+    assert (answer.header.scene, answer.header.resolution) == (SCENE, "64")
+    assert answer.header.transition == pytest.approx(2.314)
     assert "'colour' is no key" in answer.remarks[0]
-    many = "".join(f"# key{number}: 1\n" for number in range(500))
-    (told,) = read_answer(put(tmp_path, many + text(hertz(5))), "x").remarks
-    assert "'key0' and 499 more are no keys" in told
-    tabor = read_answer(put(tmp_path, text(hertz(5), tabor=2)), "x").header.transition
-    assert tabor == pytest.approx(2.314)
 
 
 def test_contact_is_lost_where_the_radius_says_so(tmp_path):
     columns = {name: column[:-1] for name, column in hertz(5).items()}
     held = read_answer(put(tmp_path, text(columns)), "x").trace()
     told = read_answer(put(tmp_path, text(columns, outcome="detached")), "x").trace()
-    assert (held.outcome.kind, told.outcome.kind) == (OutcomeKind.COMPLETED, OutcomeKind.DETACHED)
     lost = read_answer(put(tmp_path, text(hertz(5))), "x").trace()
-    assert lost.outcome.kind is OutcomeKind.DETACHED
+    assert [one.outcome.kind for one in (held, told, lost)] == [
+        OutcomeKind.COMPLETED,
+        OutcomeKind.DETACHED,
+        OutcomeKind.DETACHED,
+    ]
     assert lost.outcome.time == 6.0
 
 
@@ -95,13 +81,15 @@ def test_a_folder_of_answers(tmp_path):
     put(tmp_path / "c", text(hertz(5), code="c"), scene="no-such-scene")
     put(tmp_path / "d", "d: no viscosity\n", "declined.txt")
     (tmp_path / "code.toml").write_text('code = "e"\ndeclines = ["elastic", "no-tag"]\n')
-    (tmp_path / "b" / "code.toml").write_text("code = [")
-    (tmp_path / "link").symlink_to(tmp_path / "a")
-    (tmp_path / "b" / "no").mkdir()
-    (tmp_path / "b" / "no" / "code.toml").write_text('code = "<b>"')
-    (tmp_path / "b" / "lists").mkdir()
-    (tmp_path / "b" / "lists" / "code.toml").write_text('code = "f"\ndeclines = [["elastic"], 3]')
+    for folder, content in {
+        "b": "code = [",
+        "b/no": 'code = "<b>"',
+        "b/lists": 'code = "f"\ndeclines = [["elastic"], 3]',
+    }.items():
+        (tmp_path / folder).mkdir(exist_ok=True)
+        (tmp_path / folder / "code.toml").write_text(content)
     put(tmp_path / "a", text(hertz(5)), "trace-\n.csv")
+    (tmp_path / "link").symlink_to(tmp_path / "a")
     (tmp_path / "a" / SCENE / "trace-128.csv").symlink_to(tmp_path / "a" / SCENE / "trace.csv")
     (tmp_path / "answers.zip").write_bytes(b"PK")
     found = read_folder(tmp_path)
@@ -130,29 +118,22 @@ def test_an_answer_to_another_version_of_the_scene_is_told(tmp_path):
     put(tmp_path / "other", text(hertz(5), problem=json.dumps(stated)))
     other, same = read_folder(tmp_path).answers
     assert same.problem == ""
-    assert other.problem == (
-        f"other/{SCENE}/trace.csv: answers another scene of this name: loading.steps.0.rate is 0.02 there, "
-        "0.01 here"
-    )
+    told = "answers another scene of this name: loading.steps.0.rate is 0.02 there, 0.01 here"
+    assert other.problem == f"other/{SCENE}/trace.csv: {told}"
     assert not other.columns
 
 
-def test_why_a_folder_holds_no_answer(tmp_path):
-    put(tmp_path / "a" / "b" / "c" / "d", text(hertz(5)))
-    with pytest.raises(SceneError, match=r"no answer \(.*folders more than 4 deep are not looked into"):
-        read_folder(tmp_path)
-    put(tmp_path, text(hertz(5)), scene="no-such-scene")
-    with pytest.raises(SceneError, match=r"no answer \(no-such-scene/trace.csv: 'no-such-scene' is no scene"):
-        read_folder(tmp_path)
-
-
 def test_folders_that_cannot_be_judged(tmp_path):
-    with pytest.raises(SceneError, match="is no folder"):
-        read_folder(tmp_path / "none")
-    with pytest.raises(SceneError, match="holds no answer"):
-        read_folder(tmp_path)
+    def refused(folder):
+        with pytest.raises(SceneError) as raised:
+            read_folder(folder)
+        assert "\n" not in str(raised.value)
+        return str(raised.value)
+
+    assert "is no folder" in refused(tmp_path / "none")
+    assert "holds no answer;" in refused(tmp_path)
+    put(tmp_path / "a" / "b" / "c" / "d", text(hertz(5)))
+    assert "folders more than 4 deep are not looked into" in refused(tmp_path)
     for content in ("[1", "{}", '{"scenes": [{"name": "../x"}]}', '{"scenes": 3}'):
         (tmp_path / "exam.json").write_text(content)
-        with pytest.raises(SceneError, match=r"exam\.json") as raised:
-            read_folder(tmp_path)
-        assert "\n" not in str(raised.value)
+        assert "exam.json" in refused(tmp_path)

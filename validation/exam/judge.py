@@ -1,88 +1,84 @@
-"""The judgement of a folder of answers: a verdict for every code on every scene."""
+"""The judgement of a folder of answers: a verdict for every code on every scene, and its report."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
-from enum import StrEnum
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from contact_scene import Scene
+import numpy as np
+
 from validation.cases import Case
-from validation.exam.answer_folder import AnswerFolder
-from validation.exam.grading import COARSEST, Grade, grade
-from validation.exam.griffith_limit import GriffithTrack, tracks
+from validation.drawing import export
+from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
+from validation.exam.answer import AnswerFolder
+from validation.exam.grading import BALANCE, COARSEST, Grade, GriffithTrack, counted, grade, griffith_track
+from validation.exam.own_answers import reference_runs
+from validation.exam.question import tags
 from validation.measure.check import Check
-from validation.runs.pool import TellProgress, run_tasks
+from validation.report import document, junit, markdown, report
+from validation.report.document import (
+    ABSENT,
+    Bullets,
+    DataTable,
+    Document,
+    Figure,
+    Figures,
+    Fold,
+    LinkCell,
+    Paragraph,
+    Part,
+    Record,
+    Section,
+    VerdictCell,
+    formatted,
+    plain,
+    valid_id,
+    with_drawing,
+)
+from validation.report.report import Chapter
+from validation.report.tables import environment
+from validation.runs.files import to_json
+from validation.runs.pool import TellProgress
+from validation.runs.provenance import stamp
+from validation.runs.report_folder import EXAM
 from validation.runs.run import Run
-from validation.runs.solver_tasks import run_of, run_task
 from validation.runs.store import Store
-from validation.solvers import REFERENCE, SOLVERS
 
-FINER = 2
-"""Resolution of the reference that answers are graded against, over its default."""
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
-
-class VerdictKind(StrEnum):
-    """What can be said of a code on a scene."""
-
-    PASSED = "passed"
-    FAILED = "failed"
-    CONVERGES = "at the Griffith limit"
-    DECLINED = "declined"
-    NO_ANSWER = "no answer"
+FORMAT = 1
+TITLE = "crosscontact exam"
+EXPLAINED = (
+    "An answer passes at 1e-k if every number and curve it gives differs from the reference by no more than "
+    "1e-k, or than what the reference estimates its own error there to be; places of a maximum and states at "
+    "a limit point count squared. At least 1e-2 is asked for. What an answer does not give is not judged. Of "
+    "several answers of a code to a scene the best one counts; all stay in tables and figures."
+)
+LEAST = 1e-12
+"""Smallest error drawn: below it an answer is the run it is graded against, or prescribes the quantity."""
 
 
 @dataclass(frozen=True)
-class CodeOnScene:
-    """A code on a scene: its graded answers, the best one last, or why it declines; and the verdict.
+class Verdict:
+    """A code on a scene: its graded answers, the best one last, and what can be said of it.
 
-    ``track`` is that of a code with a finite range of attraction.
+    ``kind`` is passed, failed, at the Griffith limit, declined or no answer, ``verdict`` the same with more
+    words, ``reason`` why it failed or declined; ``passed`` is ``None`` where there is nothing to judge.
+    ``griffith_limit`` is the track of a code with a finite range of attraction.
     """
 
     code: str
     scene: str
+    kind: str
+    verdict: str
+    passed: bool | None = None
+    reason: str = ""
     answers: tuple[Grade, ...] = ()
-    declined: str | None = None
-    track: GriffithTrack | None = None
-
-    @property
-    def best(self) -> Grade | None:
-        """The most accurate answer."""
-        return self.answers[-1] if self.answers else None
-
-    @property
-    def kind(self) -> VerdictKind:
-        """The verdict."""
-        if self.best is None:
-            return VerdictKind.NO_ANSWER if self.declined is None else VerdictKind.DECLINED
-        if self.best.passed:
-            return VerdictKind.PASSED
-        converges = self.track is not None and self.track.converges
-        return VerdictKind.CONVERGES if converges else VerdictKind.FAILED
-
-    @property
-    def verdict(self) -> str:
-        """The verdict in words."""
-        if self.best is not None and self.best.passed:
-            return f"passed at 1e-{self.best.decade}"
-        if self.kind is VerdictKind.CONVERGES and self.track is not None and self.track.points:
-            return "converges to the Griffith limit"
-        by_tag = self.kind is VerdictKind.DECLINED and self.reason.startswith("by tag")
-        return f"declined {self.reason}" if by_tag else str(self.kind)
-
-    @property
-    def reason(self) -> str:
-        """Why it failed, declined, or is at the Griffith limit."""
-        if self.best is None or self.best.passed:
-            return self.declined or "" if self.best is None else ""
-        track = [] if self.track is None else [self.track.in_words]
-        return "; ".join([*(self.best.faults if self.kind is VerdictKind.FAILED else []), *track])
-
-    @property
-    def passed(self) -> bool | None:
-        """``None`` where there is nothing to judge."""
-        return None if self.best is None else self.kind is not VerdictKind.FAILED
+    griffith_limit: GriffithTrack | None = None
 
 
 @dataclass(frozen=True)
@@ -91,7 +87,7 @@ class SceneJudgement:
 
     case: Case
     reference: Run | None
-    verdicts: tuple[CodeOnScene, ...]
+    verdicts: tuple[Verdict, ...]
 
 
 @dataclass(frozen=True)
@@ -123,9 +119,7 @@ def judge_folder(
     """Judge everything in a folder; the reference is run as of ``run_tasks``."""
     answered = {one.header.scene for one in folder.answers}
     needed = [case for case in folder.cases if case.name in answered]
-    runs = reference_runs(needed, executor, store, progress)
-    remarks = list(folder.remarks)
-    scenes = []
+    runs, remarks, scenes = reference_runs(needed, executor, store, progress), list(folder.remarks), []
     for case in folder.cases:
         base = runs.get(case.name)
         if base is not None and base.curves is None:
@@ -137,29 +131,195 @@ def judge_folder(
     return Judgement(tuple(scenes), folder.codes, tuple(remarks))
 
 
-def reference_runs(
-    cases: Sequence[Case],
-    executor: Executor | None = None,
-    store: Store | None = None,
-    progress: TellProgress | None = None,
-) -> dict[str, Run]:
-    """Runs of the reference at ``FINER`` times its default resolution, with error estimates, by scene."""
-    tasks = [run_task(case, REFERENCE, reference_resolution(case.scene), estimate=True) for case in cases]
-    return {one.scene: one for one in map(run_of, run_tasks(tasks, executor, store, progress))}
-
-
-def reference_resolution(scene: Scene) -> int:
-    """Resolution of the reference for answers to a scene."""
-    return FINER * SOLVERS[REFERENCE].default_resolution(scene)
-
-
-def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> CodeOnScene:
-    graded = [
-        Grade(one) if one.problem or base is None else grade(one, case.scene, base)
-        for one in folder.answers
-        if one.header.code == code and one.header.scene == case.name
-    ]
+def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> Verdict:
+    answers = [one for one in folder.answers if (one.header.code, one.header.scene) == (code, case.name)]
+    if base is None or not answers:
+        why = folder.declined.get((code, case.name))
+        if why is None:
+            return Verdict(code, case.name, "no answer", "no answer")
+        return Verdict(
+            code,
+            case.name,
+            "declined",
+            f"declined {why}" if why.startswith("by tag") else "declined",
+            reason=why,
+        )
+    graded = [grade(one, case.scene, base) for one in answers]
     graded.sort(key=lambda one: (one.decade, -one.counted))
-    declined = None if graded else folder.declined.get((code, case.name))
-    track = tracks([one.answer for one in graded], case)
-    return CodeOnScene(code, case.name, tuple(graded), declined, track)
+    best, track = graded[-1], griffith_track(answers, case)
+    if best.passed:
+        kind, verdict, reasons = "passed", f"passed at 1e-{best.decade}", []
+    elif track is not None and track.converges:
+        kind, reasons = "at the Griffith limit", [track.in_words]
+        verdict = "converges to the Griffith limit" if track.points else kind
+    else:
+        kind = verdict = "failed"
+        reasons = [*best.faults, *([] if track is None else [track.in_words])]
+    return Verdict(code, case.name, kind, verdict, kind != "failed", "; ".join(reasons), tuple(graded), track)
+
+
+# The report
+
+
+def lead(judgement: Judgement) -> Paragraph:
+    """How many verdicts, and how many failed."""
+    checks = judgement.checks
+    failed = sum(not check.passed for check in checks)
+    codes = document.counted(len(judgement.codes), "code")
+    scenes = document.counted(len(judgement.scenes), "scene")
+    verdicts, ended = document.counted(len(checks), "verdict"), f"{failed} failed" if failed else "all passed"
+    return Paragraph(f"{codes} on {scenes}, {verdicts} on answers: {ended}.", not failed)
+
+
+def overview(judgement: Judgement) -> Section:
+    """A row for each scene, a column for each code; in the last row how many passed and failed."""
+    rows: list[Record] = [
+        {"scene": LinkCell(one.case.name, _anchor(one))}
+        | {found.code: VerdictCell(found.verdict, found.passed) for found in one.verdicts}
+        for one in judgement.scenes
+    ]
+    ends = {
+        code: [check.passed for check in judgement.checks if check.solver == code] for code in judgement.codes
+    }
+    totals = {code: f"{sum(found)}/{len(found)} passed" for code, found in ends.items()}
+    parts: tuple[Part, ...] = (DataTable.of([*rows, {"scene": ""} | totals]),)
+    if judgement.remarks:
+        parts += (Paragraph("Told of the files:"), Bullets(judgement.remarks))
+    return Section("Verdicts", parts)
+
+
+def _section(scene: SceneJudgement) -> Section:
+    """All answers to a scene, the figure of error against run time, and every difference."""
+    name, graded = scene.case.name, [one for verdict in scene.verdicts for one in verdict.answers]
+    parts: list[Part] = [Paragraph(f"Tags: {', '.join(tags(scene.case.scene))}.")]
+    if graded:
+        parts.append(DataTable.of(map(_row, graded)))
+    others = [f"{one.code}: {one.verdict} ({one.reason})" for one in scene.verdicts if one.reason]
+    if others:
+        parts.append(Bullets(tuple(others)))
+    drawing = _drawn(scene)
+    if drawing is not None:
+        figure = f"exam-{valid_id(name)}"
+        files = {f"{figure}.png": export.png(drawing), f"{figure}.svg": export.svg_file(drawing)}
+        shown = Figure(figure, f"{name}: error against stated run time", files=files)
+        parts.append(Figures((with_drawing(shown, drawing),)))
+    folds = (Fold(f"All differences: {one.answer.header.title}", (_differences(one),)) for one in graded)
+    return Section(scene.case.scene.title or name, (*parts, *folds), _anchor(scene))
+
+
+def _anchor(scene: SceneJudgement) -> str:
+    return f"exam-scene-{valid_id(scene.case.name)}"
+
+
+def _row(grade: Grade) -> Record:
+    header, worst = grade.answer.header, grade.worst
+    reached = VerdictCell(f"1e-{grade.decade}" if grade.decade else "none", None)
+    errors = {"F(t)": "force, curve", "a(t)": "contact_radius, curve", "energy balance": BALANCE}
+    return {
+        "code": f"{header.code} {header.version}",
+        "resolution": header.resolution or ABSENT,
+        "seconds": formatted(header.seconds, ".3g"),
+        **{title: formatted(grade.error(quantity), ".1e") for title, quantity in errors.items()},
+        "worst": ABSENT if worst is None else f"{plain(worst.quantity)}: {abs(worst.error):.1e}",
+        "decade": VerdictCell("cannot be read", False) if grade.answer.problem else reached,
+        "told": "; ".join(grade.remarks) or ABSENT,
+        "author": header.author or ABSENT,
+    }
+
+
+def _differences(grade: Grade) -> DataTable:
+    return DataTable.of(
+        {
+            "quantity": plain(one.quantity),
+            "difference": f"{one.error:+.1e}",
+            "reference known to": f"{one.known_to or 0.0:.1e}",
+            "counts as": f"{counted(one):.1e}",
+            "note": one.note or ABSENT,
+        }
+        for one in sorted(grade.differences, key=lambda one: -counted(one))
+    )
+
+
+def _drawn(scene: SceneJudgement) -> Drawing | None:
+    """Error against stated run time, a line for each code, answers that fail crossed; ``None`` if none is."""
+    controls = {step.kind for step in scene.case.scene.loading.steps}
+    prescribed = controls and controls <= {"force", "force-ramp"}
+    quantity, symbol = ("contact_radius, curve", "a(t)") if prescribed else ("force, curve", "F(t)")
+    lines = [(one.code, _points(one, quantity)) for one in scene.verdicts]
+    if not any(points for _, points in lines):
+        return None
+    from matplotlib.figure import Figure as Drawing
+    from matplotlib.ticker import NullFormatter
+
+    drawing = Drawing(figsize=(1.4 * SIZE[0], SIZE[1]), layout="constrained")
+    axes = drawing.add_subplot(xscale="log", yscale="log")
+    for index, (code, points) in enumerate(lines):
+        if not points:
+            continue
+        colour = SERIES[index % len(SERIES)]  # a code has the same on every scene
+        seconds, errors, passed = zip(*points, strict=True)
+        style = {"color": colour, "linestyle": DASHES[index % len(DASHES)], "linewidth": 1.2}
+        marker = MARKERS[index % (len(MARKERS) - 1)]
+        axes.plot(seconds, errors, label=code, marker=marker, markersize=5, **style)
+        failed = np.where(passed, np.nan, errors)
+        axes.plot(seconds, failed, linestyle="none", marker="x", markersize=9, color=colour)
+    axes.axhline(10.0**-COARSEST, color=INK, linewidth=0.7, linestyle=(0, (2, 3)))
+    axes.set(xlabel="stated run time (s)", ylabel=f"relative error of {symbol}")
+    format_axes(axes)
+    for axis in (axes.xaxis, axes.yaxis):  # labels between the decades would run into each other
+        axis.set_minor_formatter(NullFormatter())
+    low, high = np.log10(axes.get_xlim())
+    axes.set_xlim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
+    place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.01, 0.5), "frameon": False}
+    axes.legend(**place, fontsize="small", labelcolor=INK)
+    return drawing
+
+
+def _points(one: Verdict, quantity: str) -> list[tuple[float, float, bool]]:
+    """Seconds, error and whether it passed, of every answer that states its run time, fastest first."""
+    found = ((grade.answer.header.seconds, grade.error(quantity), grade.passed) for grade in one.answers)
+    return sorted((x, y, good) for x, y, good in found if x and y and LEAST < y < float("inf"))
+
+
+def data(judgement: Judgement) -> dict[str, Any]:
+    """``exam.json``: every number."""
+    scenes = [
+        {
+            "name": scene.case.name,
+            "reference_errors": None if scene.reference is None else scene.reference.errors,
+            "verdicts": [_data_of(one) for one in scene.verdicts],
+        }
+        for scene in judgement.scenes
+    ]
+    return {"format": FORMAT, "environment": stamp(), "remarks": judgement.remarks, "scenes": scenes}
+
+
+def _data_of(one: Verdict) -> dict[str, Any]:
+    answers = []
+    for graded in one.answers:
+        header = graded.answer.header.stated() | {"problem": None}
+        found = {
+            "file": graded.answer.file,
+            "unreadable": graded.answer.problem or None,
+            "told": graded.remarks,
+        }
+        differences = [asdict(difference) for difference in graded.differences]
+        answers.append(header | found | {"decade": graded.decade, "differences": differences})
+    track = None if one.griffith_limit is None else asdict(one.griffith_limit)
+    return vars(one) | {"griffith_limit": track, "answers": answers}
+
+
+def write(judgement: Judgement, folder: Path, wall_seconds: float) -> None:
+    """Write ``index.html``, ``exam.md``, ``exam.json``, ``junit.xml`` and ``figures/``, the page last."""
+    parts = [overview(judgement), *map(_section, judgement.scenes), environment(stamp(), wall_seconds)]
+    page = Document(TITLE, (lead(judgement), Paragraph(EXPLAINED)), tuple(parts))
+    codes = [
+        Chapter(code, [check for check in judgement.checks if check.solver == code])
+        for code in judgement.codes
+    ]
+    texts = {
+        EXAM: to_json(data(judgement)),
+        "junit.xml": junit.text(TITLE, codes, wall_seconds),
+        "exam.md": markdown.text(page),
+    }
+    report.write(folder, page, texts)

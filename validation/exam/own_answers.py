@@ -1,29 +1,63 @@
-"""Answers of the registered solvers in the form of any other, and answers computed again."""
+"""Answers of the registered solvers in the form of any other, and traces computed again from their header."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from contact_scene import SceneError
+from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown
 from validation.cases import Case
-from validation.exam.answer import read_answer
-from validation.exam.export import header_of, trace_text
-from validation.exam.scene_json import scene_of
-from validation.exam.tags import BY_REASON
-from validation.runs.files import write_whole
+from validation.exam.answer import BY_REASON, Header, read_answer
+from validation.exam.question import expanded, scene_of
+from validation.runs import provenance
+from validation.runs.files import to_json, write_whole
 from validation.runs.pool import TellProgress, run_tasks
 from validation.runs.run import Run, run
 from validation.runs.solver_tasks import run_of, run_task
-from validation.solvers import SOLVERS
+from validation.runs.store import Store
+from validation.solvers import REFERENCE, SOLVERS
 
 ANSWERS = "answers"
 """Folder of these answers, below that of the exam."""
+FINER = 2
+"""Resolution of the reference that answers are graded against, over its default."""
+
+
+def reference_resolution(scene: Scene) -> int:
+    """Resolution of the reference for answers to a scene."""
+    return FINER * SOLVERS[REFERENCE].default_resolution(scene)
+
+
+def reference_runs(
+    cases: Sequence[Case],
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: TellProgress | None = None,
+) -> dict[str, Run]:
+    """Runs of the reference at that resolution, with error estimates, by scene."""
+    tasks = [run_task(case, REFERENCE, reference_resolution(case.scene), estimate=True) for case in cases]
+    return {one.scene: one for one in map(run_of, run_tasks(tasks, executor, store, progress))}
+
+
+def export_reference(folder: Path, cases: Sequence[Case], runs: Mapping[str, Run]) -> None:
+    """Write ``reference.csv`` and ``reference.json`` into the folder of every scene that has a trace."""
+    for case in cases:
+        run = runs[case.name]
+        if run.curves is None:
+            continue
+        resolution = reference_resolution(case.scene)
+        write_whole(folder / case.name / "reference.csv", _text(case, run, run.curves, resolution))
+        data = {
+            "outcome": run.outcome,
+            "ends_at": run.curves.outcome.time,
+            "measures": {k: v for k, v in run.measures.items() if not k.startswith("counters.")},
+            "relative_errors": run.errors,
+        }
+        write_whole(folder / case.name / "reference.json", to_json(data))
 
 
 def answer_all(
@@ -40,14 +74,13 @@ def answer_all(
     does not take is declined.
     """
     asked = [(case, name, size) for name in solvers for size in resolutions for case in cases]
-    tasks = [run_task(case, name, size) for case, name, size in asked]
+    results = run_tasks([run_task(*one) for one in asked], executor, None, progress)
     failed = []
-    for (case, name, size), done in zip(asked, run_tasks(tasks, executor, None, progress), strict=True):
-        result = run_of(done)
+    for (case, name, size), result in zip(asked, map(run_of, results), strict=True):
         place = folder / ANSWERS / f"{name}{'' if size is None else f'-{size}'}" / case.name
         place.mkdir(parents=True, exist_ok=True)
         if result.curves is not None:
-            write_whole(place / "trace.csv", trace_text(header_of(case, result, size), result.curves))
+            write_whole(place / "trace.csv", _text(case, result, result.curves, size))
         elif result.refused:
             write_whole(place / BY_REASON, f"{name}: {result.failure}\n")
         else:
@@ -55,22 +88,34 @@ def answer_all(
     return failed
 
 
-@dataclass(frozen=True)
-class Reproduction:
-    """A trace computed again from its header; ``largest`` difference over the largest value of a column."""
+def _text(case: Case, run: Run, trace: Trace, resolution: int | None) -> str:
+    """A trace of a solver under a header from which alone it can be computed again, with all digits."""
+    method, version = SOLVERS[run.solver], SOLVERS.origin(run.solver)
+    header = Header(
+        run.solver,
+        version=version or provenance.program_version(),
+        author="" if version else "crosscontact",
+        resolution="" if resolution is None else str(resolution),
+        seconds=max(run.wall_seconds, 1e-6),
+        scene=case.name,
+        transition=method.transition(resolution),
+        outcome="completed"
+        if run.outcome == "completed"
+        else "detached"
+        if run.outcome == "detached"
+        else "",
+        problem=expanded(case.scene),
+    )
+    columns = {name: getattr(trace, name) for name in method.columns}
+    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+    lines = [*header.lines(), ",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    return "\n".join(lines) + "\n"
 
-    rows: int
-    rows_again: int
-    largest: float
 
-    @property
-    def same(self) -> bool:
-        """Whether every bit is the same."""
-        return self.rows == self.rows_again and self.largest == 0.0
-
-
-def reproduce(path: Path) -> Reproduction:
+def reproduce(path: Path) -> tuple[str, int]:
     """Compute a trace of a registered solver again, from nothing but its header.
+
+    Returns how the rows differ, in words (empty where every bit is the same), and their number.
 
     Raises
     ------
@@ -91,15 +136,13 @@ def reproduce(path: Path) -> Reproduction:
         scene = scene_of(header.problem)
     except SceneError as error:
         raise error.in_file(f"{path}: header: problem") from None
-    resolution = int(header.resolution) if header.resolution else None
-    again = run(Case(header.scene or "scene", scene), header.code, resolution)
+    again = run(Case(header.scene, scene), header.code, int(header.resolution) if header.resolution else None)
     if again.curves is None:
-        raise SceneError(
-            "header", again.ending, "" if again.refused else "a solver and a scene it takes", file
-        )
-    rows, rows_again = len(answer.columns["time"]), len(again.curves)
-    largest = np.inf
-    if rows == rows_again:
-        pairs = [(column, getattr(again.curves, name)) for name, column in answer.columns.items()]
-        largest = max(float(np.abs(a - b).max()) / (float(np.abs(b).max()) or 1.0) for a, b in pairs)
-    return Reproduction(rows, rows_again, largest)
+        allowed = "" if again.refused else "a solver and a scene it takes"
+        raise SceneError("header", again.ending, allowed, file)
+    rows, found = len(answer.columns["time"]), len(again.curves)
+    if rows != found:
+        return f"{found} row{'s' if found != 1 else ''} instead of {rows}", rows
+    pairs = [(column, getattr(again.curves, name)) for name, column in answer.columns.items()]
+    largest = max(float(np.abs(a - b).max()) / (float(np.abs(b).max()) or 1.0) for a, b in pairs)
+    return f"largest difference {largest:.2g}" if largest else "", rows
