@@ -13,7 +13,7 @@ from typing import Protocol
 
 from contact_scene import Outcome, OutcomeKind, Segment, Trigger
 from contact_scene.loading import Loading
-from contact_scene.run_control.loading_cursor import LoadingCursor, stops_within
+from contact_scene.run_control import LoadingCursor, stops_within
 
 _ENDS_OF_CONTACT = (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact_scene.run_control.options import MAX_STEPS, moments, whole_number
+from contact_scene.run_control import MAX_STEPS, moments, whole_number
 from contact_scene.value_checks import SMALLEST, number, one_of, positive
 
 ANNULI = ("graded", "uniform")

@@ -46,9 +46,7 @@ from contact_scene import (
     UnsupportedScene,
 )
 from contact_scene.machine import on_machine
-from contact_scene.run_control.blas_threads import single_threaded
-from contact_scene.run_control.early_outcomes import outcome_of_loss
-from contact_scene.run_control.loading_cursor import LoadingCursor
+from contact_scene.run_control import LoadingCursor, outcome_of_loss, single_threaded
 
 _SMOOTH_SHARE = 0.01
 """Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the

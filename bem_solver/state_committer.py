@@ -21,7 +21,7 @@ from bem_solver.step_error import free_load
 from bem_solver.step_result import Candidate
 from bem_solver.trial import TrialContact
 from contact_scene import Outcome, OutcomeKind
-from contact_scene.run_control.early_outcomes import below_zone_outcome
+from contact_scene.run_control import below_zone_outcome
 
 _SLIVER = 1e-9
 """Part of a step by which it may differ from the one wanted by rounding."""

@@ -28,10 +28,8 @@ from bem_solver.step_result import FailedStep, StepFailure
 from bem_solver.step_trials import StepTrials
 from bem_solver.trigger import to_level
 from contact_scene import Outcome, OutcomeKind, RunMonitor
-from contact_scene.run_control.early_outcomes import budget_outcome
-from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.monitor import interruption
-from contact_scene.segment import passed
+from contact_scene.loading import passed
+from contact_scene.run_control import LoadingCursor, budget_outcome, interruption
 
 _SLIGHTLY_LONGER = 1.5
 """Step, in shortest ones, up to which it is as short as can be: it is rounded to multiples of a quarter."""

@@ -3,8 +3,20 @@
 from contact_scene.adhesion import Adhesion, PowerRate, RateTable
 from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
-from contact_scene.load_steps import Approach, Force, ForceRamp, Hold, Oscillate, Ramp, Sweep, Table
-from contact_scene.loading import Loading
+from contact_scene.loading import (
+    Approach,
+    Force,
+    ForceRamp,
+    Hold,
+    Loading,
+    Oscillate,
+    Ramp,
+    Segment,
+    Step,
+    Sweep,
+    Table,
+    Trigger,
+)
 from contact_scene.machine import Machine
 from contact_scene.material import Branch, BulkRelaxation, Material
 from contact_scene.material_file import read_material
@@ -12,10 +24,8 @@ from contact_scene.material_models import PowerLawRelaxation, StandardLinearSoli
 from contact_scene.measured_moduli import DynamicData, RelaxationData
 from contact_scene.prony import PronyFit, fit_prony
 from contact_scene.readers import read_measured, read_shift_factors
-from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.monitor import RunMonitor
+from contact_scene.run_control import LoadingCursor, RunMonitor
 from contact_scene.scene import Scene, read_scene, scene_from_dict, write_material, write_scene
-from contact_scene.segment import Segment, Step, Trigger
 from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature
 from contact_scene.trace import (
     COLUMNS,

@@ -26,7 +26,6 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import Annotated, Any
 
 from contact_scene.checked import Checked, Key, NotNegative, Positive, Tabulated, ZeroOrPositive
@@ -62,17 +61,8 @@ class RateTable(Tabulated):
     works: Annotated[tuple[Positive, ...], Key("works of adhesion at these speeds", "force length-1")]
     file: Annotated[str, Key("CSV file of speed, work")] = field(default="", compare=False)
     columns = ("speed", "work")
-
-    def rules(self) -> None:
-        speeds, works = self.speeds, self.works
-        if not speeds or len(speeds) != len(works):
-            problem = f"{len(works)} values for {len(speeds)} speeds"
-            raise SceneError("work", problem, "as many, at least one row")
-        for name, values, strictly in (("speed", speeds, True), ("work", works, False)):
-            for row, (one, two) in enumerate(pairwise(values), 2):
-                if two < one or (strictly and two == one):
-                    rule = "speeds that rise" if strictly else "works that do not fall as the speed rises"
-                    raise SceneError(name, f"row {row} has {two:g} after {one:g}", rule)
+    least_rows = 1
+    never_falls = "works that do not fall as the speed rises"
 
     def work(self, at_rest: float, speed: float) -> float:
         """Energy per area at which an edge opens at ``speed`` >= 0."""

@@ -36,11 +36,9 @@ from dataclasses import replace
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.errors import SceneError
-from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere
-from contact_scene.load_steps import Approach
-from contact_scene.loading import Loading
+from contact_scene.indenter import FlatPunch, Indenter
+from contact_scene.loading import Approach, Loading, Step
 from contact_scene.material import Material
-from contact_scene.segment import Step
 from contact_scene.value_checks import LARGEST, SMALLEST
 
 A_BOUND = "a bound `to`: the greatest penetration, or position of the stage, of the approach"
@@ -53,6 +51,7 @@ def bounded_approaches(
     SceneError where no bound can be stated."""
     if not any(isinstance(step, Approach) for step in loading.steps):
         return loading
+    contact = _Contact(material, indenter, adhesion, loading.compliance)
     steps: list[Step] = []
     farthest = loading.penetration
     for index, step in enumerate(loading.steps):
@@ -60,17 +59,20 @@ def bounded_approaches(
         if isinstance(step, Approach) and step.to is None:
             if not math.isfinite(farthest):
                 raise SceneError(f"{key}.to", "is missing after a step under a given force", A_BOUND)
-            needed = _depth(step.force, key, material, indenter, adhesion)
-            pressing = max(step.force, _start_force(loading, material, indenter, key))
-            to = max(needed, farthest) + pressing * loading.compliance
+            needed = contact.depth(step.force, key)
+            pressing = max(step.force, contact.start_force(loading))
             try:
-                step = replace(step, to=to)
+                step = replace(step, to=max(needed, farthest) + pressing * loading.compliance)
             except SceneError as error:
                 raise error.under(key) from None
-        if isinstance(step, Approach) and step.to is not None and step.away is None:
-            holds = _holds_to(max(step.to, farthest), loading.compliance, material, indenter, adhesion)
-            step = replace(step, away=-max(step.to, holds))
-        farthest = _farthest(step, farthest)
+        if isinstance(step, Approach) and (to := step.to) is not None:
+            away = step.away
+            if away is None:
+                away = -max(to, contact.holds_to(max(to, farthest)))
+                step = replace(step, away=away)
+            farthest = max(farthest, to, away)
+        else:
+            farthest = _farthest(step, farthest)
         steps.append(step)
     return replace(loading, steps=tuple(steps))
 
@@ -81,97 +83,82 @@ def _farthest(step: Step, before: float) -> float:
     A stage on a spring may stand short of the indenter, where adhesion pulls it: at a depth, then, at which
     the force is below zero, which is less than that of any approach.
     """
-    if isinstance(step, Approach) and step.to is not None and step.away is not None:
-        return max(before, step.to, step.away)
     segment = step.segment(0.0, before, 0.0)
     if segment.control != "penetration":
         return math.inf
     return max(before, segment.value(segment.end), step.largest(segment))
 
 
-def _start_force(loading: Loading, material: Material, indenter: Indenter, key: str) -> float:
-    """More than the force of the start state, which puts the stage of a spring where it begins; 0 if none."""
-    depth = loading.penetration
-    if loading.compliance == 0.0 or loading.start_control == "stage" or depth <= 0.0:
-        return 0.0
-    if isinstance(indenter, FlatPunch):
-        return 2.0 * material.glassy_plane_modulus * indenter.radius * depth
-    exponent, coefficient = _power(indenter, key)
-    radius = (depth / _transformed(exponent, coefficient)) ** (1.0 / exponent)
-    return 2.0 * material.glassy_plane_modulus * exponent / (exponent + 1.0) * radius * depth
+class _Contact:
+    """Sizes of contacts between an indenter ``f = c r^p``, or a flat one, and the half-space."""
 
+    def __init__(
+        self, material: Material, indenter: Indenter, adhesion: Adhesion | None, compliance: float
+    ) -> None:
+        self.material, self.indenter, self.adhesion = material, indenter, adhesion
+        self.compliance = compliance
+        self.soft, self.stiff = material.relaxed_plane_modulus, material.glassy_plane_modulus
+        self.work, self.zone = (adhesion.work, adhesion.zone) if adhesion is not None else (0.0, 0.0)
+        self.flat = indenter.radius if isinstance(indenter, FlatPunch) else None
+        self.exponent, coefficient = indenter.power or (math.nan, math.nan)
+        ratio = math.nan
+        if indenter.power is not None:
+            ratio = math.gamma(0.5 * self.exponent + 1.0) / math.gamma(0.5 * self.exponent + 0.5)
+        self.kappa = coefficient * math.sqrt(math.pi) * ratio
 
-def _depth(
-    force: float, key: str, material: Material, indenter: Indenter, adhesion: Adhesion | None
-) -> float:
-    """Penetration at which the force is reached for certain, if it is the largest so far."""
-    work, zone = (adhesion.work, adhesion.zone) if adhesion is not None else (0.0, 0.0)
-    if force <= 0.0 and work == 0.0:
-        raise SceneError(f"{key}.force", f"got {force:g} without adhesion", f"a force > 0, or {A_BOUND}")
-    if material.bulk is not None:
-        raise SceneError(f"{key}.to", "is missing with a bulk that relaxes by itself", A_BOUND)
-    stiffness, load = material.relaxed_plane_modulus, 2.0 * max(force, 0.0)
-    if isinstance(indenter, FlatPunch):
-        pull = math.sqrt(2.0 * math.pi * (indenter.radius + zone) * work / stiffness)
-        return max(0.5 * load / (stiffness * indenter.radius), pull)
-    exponent, coefficient = _power(indenter, key)
-    kappa = _transformed(exponent, coefficient)
-    glass = 2.0 * (material.glassy_modulus / material.modulus) * (exponent + 1.0) / exponent**2
-    by_load = load * (exponent + 1.0) / (2.0 * stiffness * exponent)
-    by_pull = 8.0 * math.pi * work / stiffness * max(1.0, glass)
-    try:
-        radius = max(
-            (by_load / kappa) ** (1.0 / (exponent + 1.0)),
-            (by_pull / kappa / kappa) ** (1.0 / (2.0 * exponent - 1.0)),
-            0.5 * zone,
-        )
-        depth = float(kappa * radius**exponent)
-    except ArithmeticError:
-        depth = math.inf
-    if not SMALLEST <= depth <= LARGEST:
-        raise SceneError(f"{key}.to", f"is missing, and {depth:.3g} would be out of range", A_BOUND)
-    return depth
+    def radius_at(self, depth: float) -> float:
+        """Radius of an adhesionless elastic contact, ``h(a) = depth``."""
+        return self.flat or (depth / self.kappa) ** (1.0 / self.exponent)
 
+    def radius_of_pull(self, square: float) -> float:
+        """Radius at which ``kappa^2 a^(2 p - 1)`` is ``square``."""
+        return (square / self.kappa / self.kappa) ** (1.0 / (2.0 * self.exponent - 1.0))
 
-def _holds_to(
-    depth: float, compliance: float, material: Material, indenter: Indenter, adhesion: Adhesion | None
-) -> float:
-    """Height at which no contact is left that was as deep as ``depth``; 0 where there is no bound.
+    def start_force(self, loading: Loading) -> float:
+        """More than the force of the start state, which puts the stage of a spring where it begins, or 0."""
+        depth = loading.penetration
+        if self.compliance == 0.0 or loading.start_control == "stage" or depth <= 0.0:
+            return 0.0
+        shape = 1.0 if self.flat else self.exponent / (self.exponent + 1.0)
+        return 2.0 * self.stiff * shape * self.radius_at(depth) * depth
 
-    Of a spring that of its stage.
-    """
-    if adhesion is None or adhesion.rate is not None:
-        return 0.0
-    work, zone, soft = adhesion.work, adhesion.zone, material.relaxed_plane_modulus
-    try:
-        if isinstance(indenter, FlatPunch):
-            radius = indenter.radius
-        else:
-            exponent, coefficient = _power(indenter, "")
-            kappa = _transformed(exponent, coefficient)
-            by_depth = (depth / kappa) ** (1.0 / exponent)
-            by_pull = (8.0 * math.pi * work / soft / kappa / kappa) ** (1.0 / (2.0 * exponent - 1.0))
-            radius = 2.0 * max(by_depth, 2.0 * by_pull, 0.5 * zone)
-        strength = math.sqrt(2.0 * math.pi * (radius + zone) * work * material.glassy_plane_modulus)
-    except (ArithmeticError, SceneError):
-        return 0.0
-    height = strength * (1.0 / soft + 2.0 * radius * compliance)
-    return height if height <= LARGEST else 0.0
+    def depth(self, force: float, key: str) -> float:
+        """Penetration at which the force is reached for certain, if it is the largest so far."""
+        if force <= 0.0 and self.work == 0.0:
+            raise SceneError(f"{key}.force", f"got {force:g} without adhesion", f"a force > 0, or {A_BOUND}")
+        if self.material.bulk is not None:
+            raise SceneError(f"{key}.to", "is missing with a bulk that relaxes by itself", A_BOUND)
+        if self.flat is None and self.indenter.power is None:
+            raise SceneError(f"{key}.to", f'is missing with shape = "{self.indenter.shape}"', A_BOUND)
+        load, p = 2.0 * max(force, 0.0), self.exponent
+        if self.flat is not None:
+            pull = math.sqrt(2.0 * math.pi * (self.flat + self.zone) * self.work / self.soft)
+            return max(0.5 * load / (self.soft * self.flat), pull)
+        glass = 2.0 * (self.material.glassy_modulus / self.material.modulus) * (p + 1.0) / p**2
+        try:
+            by_load = load * (p + 1.0) / (2.0 * self.soft * p) / self.kappa
+            by_pull = 8.0 * math.pi * self.work / self.soft * max(1.0, glass)
+            radius = max(by_load ** (1.0 / (p + 1.0)), self.radius_of_pull(by_pull), 0.5 * self.zone)
+            depth = float(self.kappa * radius**p)
+        except ArithmeticError:
+            depth = math.inf
+        if not SMALLEST <= depth <= LARGEST:
+            raise SceneError(f"{key}.to", f"is missing, and {depth:.3g} would be out of range", A_BOUND)
+        return depth
 
-
-def _transformed(exponent: float, coefficient: float) -> float:
-    """``kappa`` of ``h = kappa a^p``."""
-    ratio = math.sqrt(math.pi) * math.gamma(0.5 * exponent + 1.0) / math.gamma(0.5 * exponent + 0.5)
-    return coefficient * ratio
-
-
-def _power(indenter: Indenter, key: str) -> tuple[float, float]:
-    """Exponent and coefficient of ``f = c r^p``."""
-    match indenter:
-        case Sphere(radius=radius):
-            return 2.0, 0.5 / radius
-        case Cone(cotangent=slope):
-            return 1.0, slope
-        case PowerLaw(exponent=exponent, coefficient=coefficient):
-            return exponent, coefficient
-    raise SceneError(f"{key}.to", f'is missing with shape = "{indenter.shape}"', A_BOUND)
+    def holds_to(self, depth: float) -> float:
+        """Height (of a spring: of its stage) at which no contact is left that was as deep as ``depth``; 0
+        where there is no bound."""
+        known = self.flat is not None or self.indenter.power is not None
+        if not known or self.adhesion is None or self.adhesion.rate is not None:
+            return 0.0
+        try:
+            radius = self.flat
+            if radius is None:
+                by_pull = self.radius_of_pull(8.0 * math.pi * self.work / self.soft)
+                radius = 2.0 * max(self.radius_at(depth), 2.0 * by_pull, 0.5 * self.zone)
+            strength = math.sqrt(2.0 * math.pi * (radius + self.zone) * self.work * self.stiff)
+        except ArithmeticError:
+            return 0.0
+        height = strength * (1.0 / self.soft + 2.0 * radius * self.compliance)
+        return height if height <= LARGEST else 0.0

@@ -12,16 +12,19 @@ of these; ``| None`` where it may be left out. Numbers of a :class:`Tabulated` c
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
+import numpy as np
+
 from contact_scene.errors import SceneError, shown
 from contact_scene.tables import read_pairs
 from contact_scene.value_checks import (
     Range,
+    Rule,
     as_tuple,
     finite,
     finite_column,
@@ -58,67 +61,54 @@ class Words(tuple[str, ...]):
 
 
 @dataclasses.dataclass(frozen=True)
-class Field:
-    """An annotation, taken apart."""
+class Declaration:
+    """What the annotation of a field says, taken apart."""
 
-    range: Range | None = None
+    rule: Rule | None = None
     words: tuple[str, ...] = ()
     base: tuple[type, ...] = ()
     kinds: tuple[type[Checked], ...] = ()
-    entries: Field | None = None
+    entries: Declaration | None = None
     plain: type | None = None
     optional: bool = False
     key: Key = Key("")
 
     def allowed(self, key: str) -> str:
         """What may stand under a key, in words."""
-        if self.range is not None:
-            return self.range.words
+        if self.rule is not None:
+            return self.rule.words
         if self.entries is not None:
             inner = self.entries.allowed(key)
             return (
                 inner.replace("a table", "a list of tables", 1) if self.entries.kinds else f"a list: {inner}"
             )
         words = [f'"{word}"' for word in self.words]
-        if self.kinds:
-            words.append(f"a table {_some_keys(self.kinds)}")
+        if self.kinds and self.kinds[0].tag:
+            words.append(f"a table with a {self.kinds[0].tag}")
+        elif self.kinds:
+            keys = (", ".join(_keys_of_file(kind)) for kind in self.kinds)
+            words.append("a table " + " or ".join(f"{{ {one} }}" for one in keys))
         elif self.plain is not None:
             words.append(_PLAIN.get(self.plain, f"a {self.plain.__name__}"))
         return " or ".join(words) if self.kinds else "one of " + ", ".join(words) if self.words else words[0]
 
     def check(self, value: Any, key: str, where: Path | None) -> Any:
         """The value, checked; a table becomes an object where a folder is given in which to look files up."""
-        if value is None and self.optional:
-            return None
-        if isinstance(value, str) and value in self.words:
+        if (value is None and self.optional) or (isinstance(value, str) and value in self.words):
             return value
-        if self.base:
-            if where is not None and isinstance(value, dict):
-                return under(key, lambda: from_table(self.kinds, value, where))
-            allowed = self.allowed(key) if where is not None else _python_words(self)
-            of_class(value, key, self.base, allowed)
-            return value
+        if self.rule is not None:
+            return self.rule(value, key)
         if self.entries is not None:
             listed = as_tuple(value, key, self.allowed(key))
             return tuple(self.entries.check(one, f"{key}[{i}]", where) for i, one in enumerate(listed))
-        if self.range is not None:
-            return self.range(value, key)
-        if self.plain is None:
-            raise SceneError(key, f"got {shown(value)}", self.allowed(key))
-        of_class(value, key, self.plain, self.allowed(key))
+        if self.kinds and where is not None and isinstance(value, dict):
+            return under(key, lambda: from_table(self.kinds, value, where))
+        allowed = self.allowed(key)
+        if self.base and where is None:  # as Python states it
+            names = [f'"{word}"' for word in self.words] + [f"a {one.__name__}" for one in self.base]
+            allowed = " or ".join([*names, *(["None"] if self.optional else [])])
+        of_class(value, key, self.base or self.plain or (), allowed)
         return value
-
-
-def _python_words(field: Field) -> str:
-    names = [f'"{word}"' for word in field.words] + [f"a {one.__name__}" for one in field.base]
-    return " or ".join([*names, *(["None"] if field.optional else [])])
-
-
-def _some_keys(kinds: tuple[type[Checked], ...]) -> str:
-    """Keys of a table: the tag that tells classes apart, or those of the class."""
-    if kinds[0].tag:
-        return f"with a {kinds[0].tag}"
-    return " or ".join(f"{{ {', '.join(_keys_of_file(kind))} }}" for kind in kinds)
 
 
 class Checked:
@@ -135,7 +125,7 @@ class Checked:
             object.__setattr__(self, name, self.checked(name, field))
         self.rules()
 
-    def checked(self, name: str, field: Field) -> Any:
+    def checked(self, name: str, field: Declaration) -> Any:
         """The value of a field, checked."""
         return field.check(getattr(self, name), name, None)
 
@@ -152,68 +142,93 @@ class Checked:
 
 
 class Tabulated(Checked):
-    """A checked class whose first two fields are columns of numbers, which a file may state."""
+    """A checked class whose first two fields are columns of numbers, which a file may state.
+
+    The first column rises; the second may be one that ``never_falls``, which are the words for it.
+    """
 
     columns: ClassVar[tuple[str, ...]]
     """Names of the first column and of what the second may hold."""
+    least_rows: ClassVar[int] = 2
+    never_falls: ClassVar[str] = ""
     file: str
 
-    def checked(self, name: str, field: Field) -> Any:
+    def checked(self, name: str, field: Declaration) -> Any:
         position = list(fields_of(type(self))).index(name)
-        if position > 1 or field.entries is None or field.entries.range is None:
+        if position > 1 or field.entries is None or not isinstance(field.entries.rule, Range):
             return super().checked(name, field)
         column = self.column_names(vars(self))[position]
-        return finite_column(getattr(self, name), column, field.entries.range)
+        return finite_column(getattr(self, name), column, field.entries.rule)
 
     @classmethod
     def column_names(cls, data: dict[str, Any]) -> tuple[str, str]:
         """Names of the two columns, given the other fields."""
         return cls.columns[0], cls.columns[1]
 
+    def rules(self) -> None:
+        one, other = self.column_names(vars(self))
+        first, second = (getattr(self, name) for name in list(fields_of(type(self)))[:2])
+        if len(first) != len(second):
+            raise SceneError(other, f"{len(second)} numbers for {len(first)} of {one}", "one for each")
+        if len(first) < self.least_rows:
+            allowed = f"at least {self.least_rows} rows of {one}, {other}"
+            raise SceneError(one, f"got {len(first)} rows", allowed)
+        rises(first, one)
+        if self.never_falls:
+            rises(second, other, self.never_falls)
 
-def _declared(kind: type) -> dict[str, Field]:
+
+def rises(values: Sequence[float], name: str, not_falling: str = "") -> None:
+    """Refuse a column that does not rise, or falls where ``not_falling`` says what is allowed."""
+    steps = np.diff(values)
+    wrong = steps < 0.0 if not_falling else steps <= 0.0
+    if wrong.any():
+        row = int(wrong.argmax())
+        before, after = values[row : row + 2]
+        problem = f"falls by {before - after:.3g}" if not_falling else "does not rise"
+        allowed = not_falling or "strictly rising numbers"
+        raise SceneError(f"{name}, row {row + 2}", f"{problem} ({before:g} -> {after:g})", allowed)
+
+
+def _declared(kind: type) -> dict[str, Declaration]:
     """Fields that the constructor takes, by name."""
     hints = get_type_hints(kind, include_extras=True)
-    return {one.name: _field(hints[one.name]) for one in dataclasses.fields(kind) if one.init}
+    return {one.name: _declaration(hints[one.name]) for one in dataclasses.fields(kind) if one.init}
 
 
-fields_of: Callable[[type], dict[str, Field]] = cache(_declared)
+fields_of: Callable[[type], dict[str, Declaration]] = cache(_declared)
 
 
-def _field(hint: Any) -> Field:
+def _declaration(hint: Any) -> Declaration:
     origin, args = get_origin(hint), get_args(hint)
     if origin is Annotated:
-        field = _field(args[0])
+        found = _declaration(args[0])
         for extra in args[1:]:
-            if isinstance(extra, Range):
-                field = dataclasses.replace(field, range=extra, plain=None)
+            if isinstance(extra, Rule):
+                found = dataclasses.replace(found, rule=extra, plain=None)
             elif isinstance(extra, Key):
-                field = dataclasses.replace(field, key=extra)
+                found = dataclasses.replace(found, key=extra)
             elif isinstance(extra, Words):
-                field = dataclasses.replace(field, words=tuple(extra), plain=None)
+                found = dataclasses.replace(found, words=tuple(extra), plain=None)
             elif isinstance(extra, Kinds):
-                field = dataclasses.replace(
-                    field, base=(field.plain or object,), kinds=tuple(extra), plain=None
-                )
-        return field
+                base = (found.plain or object,)
+                found = dataclasses.replace(found, base=base, kinds=tuple(extra), plain=None)
+        return found
     if origin in (Union, UnionType):
-        parts = [_field(one) for one in args if one is not NoneType]
+        parts = [_declaration(one) for one in args if one is not NoneType]
+        optional = NoneType in args
         if len(parts) == 1:
-            return dataclasses.replace(parts[0], optional=NoneType in args)
-        return Field(
-            next((one.range for one in parts if one.range), None),
-            tuple(word for one in parts for word in one.words),
-            tuple(kind for one in parts for kind in one.base),
-            tuple(kind for one in parts for kind in one.kinds),
-            optional=NoneType in args,
-        )
+            return dataclasses.replace(parts[0], optional=optional)
+        words = tuple(word for one in parts for word in one.words)
+        kinds = tuple(kind for one in parts for kind in one.kinds)
+        return Declaration(words=words, base=kinds, kinds=kinds, optional=optional)
     if origin is Literal:
-        return Field(words=args)
+        return Declaration(words=args)
     if origin is tuple:
-        return Field(entries=_field(args[0]))
+        return Declaration(entries=_declaration(args[0]))
     if isinstance(hint, type) and issubclass(hint, Checked):
-        return Field(base=(hint,), kinds=(hint,))
-    return Field(plain=hint)
+        return Declaration(base=(hint,), kinds=(hint,))
+    return Declaration(plain=origin or hint)
 
 
 def optional_keys(kind: type) -> dict[str, Any]:
@@ -261,53 +276,51 @@ def beside(where: Path, name: Any) -> Path:
 
 def from_table(kinds: Iterable[type[Checked]], data: dict[str, Any], where: Path) -> Any:
     """The object, of one of several classes, that a table states; its files are looked up in ``where``."""
-    classes = tuple(kinds)
-    tag, kind = classes[0].tag, classes[0]
-    if tag:
-        names = {getattr(one, tag): one for one in classes}
-        if tag not in data:  # a misspelt tag is told as such, not as one that is missing
-            check_keys(data, dict.fromkeys((tag, *(key for one in classes for key in _keys_of_file(one)))))
-        name = required(data, tag, ", ".join(names))
-        if not isinstance(name, str) or name not in names:
-            raise SceneError(tag, f"got {shown(name)}", "one of " + ", ".join(f'"{one}"' for one in names))
-        kind = names[name]
-        data = {key: value for key, value in data.items() if key != tag}
-    elif len(classes) > 1:
-        kind = next((one for one in classes if data.keys() & _tabulated_keys(one)), kind)
-    if issubclass(kind, Tabulated) and "file" in data:
-        return _from_file(kind, data, where)
+    kind, data = _kind_of(tuple(kinds), data)
     taken, defaults = fields_of(kind), optional_keys(kind)
-    check_keys(data, [*([tag] if tag else []), *_keys_of_file(kind), *_tabulated_keys(kind)])
+    columns = list(taken)[:2] if issubclass(kind, Tabulated) else []
+    from_file = bool(columns) and "file" in data
+    check_keys(data, [*filter(None, [kind.tag]), *_keys_of_file(kind), *(() if from_file else columns)])
     kind.table_rules(data)
     for name, field in taken.items():
-        if name not in data and name not in defaults:
+        if not from_file and name not in data and name not in defaults:
             if issubclass(kind, Tabulated):
                 raise SceneError("file", "is missing", f"a CSV file of {', '.join(kind.column_names(data))}")
             keys = ", ".join(_keys_of_file(kind))
             raise SceneError(name, "is missing", f"{field.allowed(name)}; keys {keys}")
-    return kind(**{key: taken[key].check(value, key, where) for key, value in data.items()})
+    stated = {key: taken[key].check(value, key, where) for key, value in data.items() if key != "file"}
+    if "file" not in data:
+        return kind(**stated)
+    if not issubclass(kind, Tabulated):
+        return kind(**stated, file=data["file"])  # type: ignore[call-arg]
+    path, names = beside(where, data["file"]), kind.column_names(stated)
+    pairs = read_pairs(path, names, [one for one in kind.columns if one not in names])
+    try:
+        return kind(*pairs, **stated, file=data["file"])  # type: ignore[call-arg]
+    except SceneError as error:
+        raise error if error.key in stated else error.in_file(str(path)) from None
 
 
-def _tabulated_keys(kind: type[Checked]) -> tuple[str, ...]:
-    return ("file", *list(fields_of(kind))[:2]) if issubclass(kind, Tabulated) else ()
+def _kind_of(kinds: tuple[type[Checked], ...], data: dict[str, Any]) -> tuple[type[Checked], dict[str, Any]]:
+    """Which of several classes a table states, by its tag or else by its keys; and the table without it."""
+    tag = kinds[0].tag
+    if not tag:
+        tables = (one for one in kinds if issubclass(one, Tabulated))
+        stated = (one for one in tables if data.keys() & {"file", *list(fields_of(one))[:2]})
+        return next(stated, kinds[0]), data
+    names = {getattr(one, tag): one for one in kinds}
+    if tag not in data:  # a misspelt tag is told as such, not as one that is missing
+        check_keys(data, dict.fromkeys((tag, *(key for one in kinds for key in _keys_of_file(one)))))
+    name = required(data, tag, ", ".join(names))
+    if not isinstance(name, str) or name not in names:
+        raise SceneError(tag, f"got {shown(name)}", "one of " + ", ".join(f'"{one}"' for one in names))
+    return names[name], {key: value for key, value in data.items() if key != tag}
 
 
 def _keys_of_file(kind: type[Checked]) -> list[str]:
     """Keys of a class in a file, the numbers of a table in a file of their own."""
     names = list(fields_of(kind))
     return ["file", *(name for name in names[2:] if name != "file")] if issubclass(kind, Tabulated) else names
-
-
-def _from_file(kind: type[Tabulated], data: dict[str, Any], where: Path) -> Tabulated:
-    check_keys(data, [*([kind.tag] if kind.tag else []), *_keys_of_file(kind)])
-    taken = fields_of(kind)
-    options = {key: taken[key].check(value, key, where) for key, value in data.items() if key != "file"}
-    path, names = beside(where, data["file"]), kind.column_names(options)
-    first, second = read_pairs(path, names, [one for one in kind.columns if one not in names])
-    try:
-        return kind(first, second, **options, file=data["file"])  # type: ignore[call-arg]
-    except SceneError as error:
-        raise error if error.key in options else error.in_file(str(path)) from None
 
 
 def to_table(
@@ -343,7 +356,7 @@ def _plain(part: Any, file: Any, place: tuple[str, ...]) -> Any:
     return part
 
 
-def field_at(kinds: Iterable[type[Checked]], data: Any, path: tuple[str, ...]) -> Field | None:
+def field_at(kinds: Iterable[type[Checked]], data: Any, path: tuple[str, ...]) -> Declaration | None:
     """The declared field that a path leads to in a table of one of some classes; ``None`` without one."""
     if not path:
         return None
@@ -360,16 +373,9 @@ def field_at(kinds: Iterable[type[Checked]], data: Any, path: tuple[str, ...]) -
     return None
 
 
-def _followed(field: Field, data: Any, rest: tuple[str, ...]) -> Field | None:
+def _followed(field: Declaration, data: Any, rest: tuple[str, ...]) -> Declaration | None:
     if rest and field.entries is not None:
         index = int(rest[0]) if rest[0].isdecimal() else -1
         entry = data[index] if isinstance(data, (list, tuple)) and 0 <= index < len(data) else None
         return _followed(field.entries, entry, rest[1:])
     return field_at(field.kinds, data, rest) if rest else field
-
-
-def all_kinds(field: Field) -> Iterator[type[Checked]]:
-    """The classes that a field, or the entries of its list, may hold."""
-    yield from field.kinds
-    if field.entries is not None:
-        yield from all_kinds(field.entries)

@@ -2,14 +2,14 @@
 
 The surface of the indenter at penetration ``D`` sits at ``D - f(r)`` *below* the undeformed half-space
 (``D`` positive downwards). Contact beyond ``edge`` is impossible (flat punch); the gap next to such an edge
-is measured from the continued profile. Lengths in the scene's unit.
+is measured from the continued profile. Paraboloids, cones and flat faces are powers ``f = c r^p``. Lengths in
+the scene's unit.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 class Indenter:
-    """A shape; each defines ``height`` and ``slope``, ``edge`` where it ends, ``plane_tip`` if it has one."""
+    """A shape: ``height`` and ``slope``, ``edge`` where it ends, ``plane_tip`` if it has one."""
 
     shape: ClassVar[str]
     tag = "shape"
@@ -38,13 +38,22 @@ class Indenter:
         """Radius of a plane tip, which without adhesion touches, and is let go, as a whole; 0 without one."""
         return 0.0
 
+    @property
+    def power(self) -> tuple[float, float] | None:
+        """``p`` and ``c`` of a profile ``f = c r^p``; ``None`` of any other."""
+        return None
+
     def height(self, radius: ArrayLike) -> Array:
         """``f(r)`` for ``radius >= 0``; same shape as ``radius``."""
-        raise AssertionError("defined by every shape")
+        exponent, coefficient = self.power or (1.0, 0.0)
+        with np.errstate(over="ignore"):
+            return coefficient * np.asarray(radius, float) ** exponent
 
     def slope(self, radius: ArrayLike) -> Array:
         """``f'(r)``; same shape as ``radius``."""
-        raise AssertionError("defined by every shape")
+        exponent, coefficient = self.power or (1.0, 0.0)
+        with np.errstate(over="ignore"):
+            return coefficient * exponent * np.asarray(radius, float) ** (exponent - 1.0)
 
 
 @dataclass(frozen=True)
@@ -54,11 +63,9 @@ class Sphere(Indenter, Checked):
     radius: Annotated[Positive, Key("radius R of the sphere", "length")]
     shape: ClassVar[str] = "sphere"
 
-    def height(self, radius: ArrayLike) -> Array:
-        return np.asarray(radius, float) ** 2 / (2.0 * self.radius)
-
-    def slope(self, radius: ArrayLike) -> Array:
-        return np.asarray(radius, float) / self.radius
+    @property
+    def power(self) -> tuple[float, float]:
+        return 2.0, 0.5 / self.radius
 
 
 @dataclass(frozen=True)
@@ -79,11 +86,9 @@ class Cone(Indenter, Checked):
             return math.tan(math.radians(90.0 - self.half_angle))
         return 1.0 / math.tan(math.radians(self.half_angle))
 
-    def height(self, radius: ArrayLike) -> Array:
-        return np.asarray(radius, float) * self.cotangent
-
-    def slope(self, radius: ArrayLike) -> Array:
-        return np.full_like(np.asarray(radius, float), self.cotangent)
+    @property
+    def power(self) -> tuple[float, float]:
+        return 1.0, self.cotangent
 
 
 @dataclass(frozen=True)
@@ -101,12 +106,6 @@ class FlatPunch(Indenter, Checked):
     def plane_tip(self) -> float:
         return self.radius
 
-    def height(self, radius: ArrayLike) -> Array:
-        return np.zeros_like(np.asarray(radius, float))
-
-    def slope(self, radius: ArrayLike) -> Array:
-        return np.zeros_like(np.asarray(radius, float))
-
 
 @dataclass(frozen=True)
 class PowerLaw(Indenter, Checked):
@@ -121,13 +120,9 @@ class PowerLaw(Indenter, Checked):
     ]
     shape: ClassVar[str] = "power-law"
 
-    def height(self, radius: ArrayLike) -> Array:
-        with np.errstate(over="ignore"):
-            return self.coefficient * np.asarray(radius, float) ** self.exponent
-
-    def slope(self, radius: ArrayLike) -> Array:
-        with np.errstate(over="ignore"):
-            return self.coefficient * self.exponent * np.asarray(radius, float) ** (self.exponent - 1.0)
+    @property
+    def power(self) -> tuple[float, float]:
+        return self.exponent, self.coefficient
 
 
 @dataclass(frozen=True)
@@ -154,13 +149,20 @@ class TabulatedProfile(Indenter, Tabulated):
     file: Annotated[str, Key("CSV file of radius, height")] = field(default="", compare=False)
     shape: ClassVar[str] = "profile"
     columns = ("radius", "height")
+    least_rows = 3
+    never_falls = "heights that never fall with radius; smooth a noisy table first"
     _curve: Any = field(init=False, repr=False, compare=False)
 
     def rules(self) -> None:
-        _check_profile(self.radii, self.heights)
-        heights = tuple(x - self.heights[0] for x in self.heights)
+        super().rules()
+        r, h = self.radii, self.heights
+        if r[0] != 0.0 or r[1] < SMALLEST:
+            raise SceneError("radius", f"starts with {r[0]:g}, {r[1]:g}", f"0, then at least {SMALLEST:g}")
+        if h[-1] <= h[0]:
+            raise SceneError("height", "the profile is flat", 'shape = "flat-punch" for a flat profile')
+        heights = tuple(x - h[0] for x in h)
         object.__setattr__(self, "heights", heights)
-        object.__setattr__(self, "_curve", _monotone_curve(self.radii, heights))
+        object.__setattr__(self, "_curve", _monotone_curve(r, heights))
 
     @property
     def plane_tip(self) -> float:
@@ -177,30 +179,6 @@ class TabulatedProfile(Indenter, Tabulated):
 
 SHAPES = Kinds((Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile))
 """What a file may state as ``[indenter]``."""
-
-
-def _check_profile(r: tuple[float, ...], h: tuple[float, ...]) -> None:
-    """Refuse a table that is no profile, by the first thing that is wrong with it."""
-    if len(r) != len(h):
-        raise SceneError("height", f"{len(r)} radii but {len(h)} heights", "one height for each radius")
-    if len(r) < 3:
-        raise SceneError("radius", f"got {len(r)} points", "at least 3 points of radius, height")
-    if r[0] != 0.0 or r[1] < SMALLEST:
-        raise SceneError("radius", f"starts with {r[0]:g}, {r[1]:g}", f"0, then at least {SMALLEST:g}")
-    for row, (before, after) in enumerate(pairwise(r), 2):
-        if after <= before:
-            raise SceneError(
-                f"radius, row {row}", f"does not rise ({before:g} -> {after:g})", "strictly rising radii"
-            )
-    for row, (before, after) in enumerate(pairwise(h), 2):
-        if after < before:
-            raise SceneError(
-                f"height, row {row}",
-                f"falls by {before - after:.3g} ({before:g} -> {after:g})",
-                "heights that never fall with radius; smooth a noisy table first",
-            )
-    if h[-1] <= h[0]:
-        raise SceneError("height", "the profile is flat", 'shape = "flat-punch" for a flat profile')
 
 
 def _monotone_curve(radii: tuple[float, ...], heights: tuple[float, ...]) -> Any:

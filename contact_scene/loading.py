@@ -1,20 +1,446 @@
-"""Loading history: a start state and steps, each a control law on an interval of time.
+"""Loading history: a start state and load steps, each a control law on an interval of time.
 
-Kinks are declared; a solver steps onto every ``Segment.end`` and every kink exactly. Where the machine is a
-spring, steps that drive the indenter drive the stage instead (:mod:`contact_scene.machine`).
+Penetration ``D`` is positive downwards, force ``F`` positive in compression. A step becomes a
+:class:`Segment` once the state it starts from is known (a ramp after a force step starts where that ended):
+a straight line, an oscillation or pieces between the rows of a table. Kinks are declared; a solver steps onto
+every ``Segment.end`` and every kink exactly. A test approaches until a force is reached, not to a depth:
+where the level of a trigger is reached, a solver finds in its own way; here is which quantity it is, and from
+which side it is approached. Where the machine is a spring, steps that drive the indenter drive the stage
+instead (:mod:`contact_scene.machine`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from typing import Annotated
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Literal
 
-from contact_scene.checked import Checked, Finite, Key, Words
-from contact_scene.load_steps import STEPS, Approach, Hold, Ramp
+import numpy as np
+
+from contact_scene.checked import Checked, Finite, Key, Kinds, NotNegative, Positive, Tabulated, Words
+from contact_scene.errors import SceneError
 from contact_scene.machine import Machine
-from contact_scene.segment import Control, Segment, Step
+from contact_scene.trace import Outcome, OutcomeKind
+
+Control = Literal["penetration", "force", "stage"]
+Quantity = Literal["force", "radius", "penetration"]
+Function = Callable[[float], float]
+
+AT_LEVEL = 1e-9
+"""Distance from a level, relative to it, below which a state is there: rounding of a step before."""
+
+
+@dataclass(frozen=True)
+class Trigger:
+    """A load step ends where ``quantity`` reaches ``level``, from whichever side it begins."""
+
+    quantity: Quantity
+    level: float
+
+    def excess(self, penetration: float, force: float, radius: float) -> float:
+        """Distance of a state beyond the level."""
+        return {"force": force, "radius": radius, "penetration": penetration}[self.quantity] - self.level
+
+    def side(self, excess: float) -> float:
+        """Side of the level on which a state is, 1 or -1; 0 if it is there but for rounding."""
+        return 0.0 if abs(excess) <= AT_LEVEL * abs(self.level) else math.copysign(1.0, excess)
+
+    def not_reached(self, time: float) -> Outcome:
+        """The outcome of a run whose load step has ended without it."""
+        reason = f"the load step ended before the {self.quantity} was {self.level:.6g}"
+        return Outcome(OutcomeKind.TRIGGER_NOT_REACHED, reason, time)
+
+
+def passed(side: float, excess: float) -> bool:
+    """Whether a level approached from ``side`` (0: it is there) is reached."""
+    return side * excess <= 0.0
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One step of the loading on the time axis.
+
+    Parameters
+    ----------
+    control : "penetration", "force" or "stage"
+        Which of them is prescribed.
+    start, end : float
+        Times; ``end >= start``.
+    value, rate : callable(float) -> float
+        Prescribed quantity and its time derivative (from the right) at an absolute time within the interval.
+    kinks : tuple of float
+        Times strictly inside the interval where the rate jumps.
+    linear : bool
+        Whether ``value`` is linear between kinks.
+    compliance : float
+        Of the machine, where the stage is prescribed; otherwise 0.
+    trigger : Trigger or None
+        What ends the step before its ``end``.
+
+    Where ``value(start)`` differs from the state reached before, the load jumps, and the half-space answers
+    with its glassy modulus.
+    """
+
+    control: Control
+    start: float
+    end: float
+    value: Function
+    rate: Function
+    kinks: tuple[float, ...] = ()
+    linear: bool = True
+    compliance: float = 0.0
+    trigger: Trigger | None = None
+
+    def present(self, penetration: float, force: float) -> float:
+        """The prescribed quantity in a state of that penetration and force."""
+        if self.control == "force":
+            return force
+        return penetration + self.compliance * force if self.control == "stage" else penetration
+
+
+class Step:
+    """A load step; each kind says by ``segment`` how its control law goes on from a time and a state."""
+
+    kind: ClassVar[str]
+    tag = "kind"
+
+    @property
+    def trigger(self) -> Trigger | None:
+        """What ends the step before its end: the level that is given as ``until_...``."""
+        for quantity in ("force", "radius", "penetration"):
+            level = getattr(self, f"until_{quantity}", None)
+            if level is not None:
+                return Trigger(quantity, level)
+        return None
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+        """The control law of this step, which starts at ``time`` from a penetration and a force."""
+        raise AssertionError("defined by every kind of step")
+
+    def largest(self, segment: Segment) -> float:
+        """At least the largest value that its control law prescribes."""
+        return max(segment.value(segment.start), segment.value(segment.end))
+
+    def cycles_by(self, elapsed: float) -> float:
+        """Cycles done when a time has passed since its start, the last not whole; 0 of what is no cycle."""
+        return 0.0
+
+    def cycle_times(self, elapsed: float) -> tuple[float, ...]:
+        """Times from its start at which it has done 0, 1, 2, ... whole cycles, until a time has passed."""
+        return ()
+
+
+# Straight lines in time
+
+
+def straight(
+    control: Control, start: float, end: float, first: float, last: float, trigger: Trigger | None = None
+) -> Segment:
+    """A control law that is linear in time, from ``first`` at ``start`` to ``last`` at ``end``."""
+    rate = (last - first) / (end - start) if end > start else 0.0
+
+    def value(time: float) -> float:
+        if time >= end:
+            return last
+        return first + (last - first) * ((time - start) / (end - start))
+
+    return Segment(control, start, end, value, lambda time: rate, trigger=trigger)
+
+
+@dataclass(frozen=True)
+class Ramp(Step, Checked):
+    """Penetration goes linearly to ``to`` at speed ``rate`` > 0; ends early at detachment.
+
+    With ``until_force`` or ``until_radius`` the step ends where the force, or the contact radius, reaches
+    that level; a run that gets to ``to`` without it ends there, and says so.
+    """
+
+    to: Annotated[Finite, Key("penetration it goes to", "length")]
+    rate: Annotated[Positive, Key("speed", "length time-1")]
+    until_force: Annotated[Finite | None, Key("force at which it ends", "force")] = None
+    until_radius: Annotated[Positive | None, Key("contact radius at which it ends", "length")] = None
+    kind: ClassVar[str] = "ramp"
+
+    def rules(self) -> None:
+        if self.until_force is not None and self.until_radius is not None:
+            raise SceneError("until_radius", "given beside until_force", "one of the two")
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+        end = time + abs(self.to - penetration) / self.rate
+        return straight("penetration", time, end, penetration, self.to, self.trigger)
+
+
+@dataclass(frozen=True)
+class Hold(Step, Checked):
+    """Penetration stays for ``duration`` >= 0, or until the force has come to ``until_force`` before."""
+
+    duration: Annotated[NotNegative, Key("how long the penetration stays", "time")]
+    until_force: Annotated[Finite | None, Key("force at which it ends", "force")] = None
+    kind: ClassVar[str] = "hold"
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+        end = time + self.duration
+        return straight("penetration", time, end, penetration, penetration, self.trigger)
+
+
+@dataclass(frozen=True)
+class Force(Step, Checked):
+    """Force steps to ``value`` (compressive positive) and stays for ``duration``; penetration is free.
+
+    With ``until_penetration`` it stays until the indenter has come to that penetration before. The step to
+    ``value`` comes first, whole: a penetration that it passes ends the load step right after it.
+    """
+
+    value: Annotated[Finite, Key("force", "force")]
+    duration: Annotated[NotNegative, Key("how long the force stays", "time")]
+    until_penetration: Annotated[Finite | None, Key("penetration at which it ends", "length")] = None
+    kind: ClassVar[str] = "force"
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+        return straight("force", time, time + self.duration, self.value, self.value, self.trigger)
+
+
+@dataclass(frozen=True)
+class ForceRamp(Step, Checked):
+    """Force goes linearly to ``to`` at ``rate`` > 0 (force per time); penetration is free."""
+
+    to: Annotated[Finite, Key("force it goes to", "force")]
+    rate: Annotated[Positive, Key("force per time", "force time-1")]
+    kind: ClassVar[str] = "force-ramp"
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+        return straight("force", time, time + abs(self.to - force) / self.rate, force, self.to)
+
+
+# Oscillations about a drift
+
+
+class Cyclic(Step):
+    """``D = D_start + amplitude sin(phase(t)) - drift t``, t from the start of the step."""
+
+    amplitude: float
+    duration: float
+    drift: float = 0.0
+
+    def phase(self, elapsed: float) -> float:
+        """Phase after a time; a cycle is ``2 pi`` of it."""
+        raise AssertionError("defined by every kind of oscillation")
+
+    def frequency(self, elapsed: float) -> float:
+        """Its derivative, the angular frequency after a time."""
+        raise AssertionError("defined by every kind of oscillation")
+
+    def time_of(self, phase: float) -> float:
+        """Time after which a phase is reached."""
+        raise AssertionError("defined by every kind of oscillation")
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+
+        def value(at: float) -> float:
+            t = at - time
+            return penetration + self.amplitude * math.sin(self.phase(t)) - self.drift * t
+
+        def rate(at: float) -> float:
+            t = at - time
+            return self.amplitude * self.frequency(t) * math.cos(self.phase(t)) - self.drift
+
+        return Segment("penetration", time, time + self.duration, value, rate, linear=False)
+
+    def largest(self, segment: Segment) -> float:
+        return segment.value(segment.start) + abs(self.amplitude) + max(-self.drift, 0.0) * self.duration
+
+    def cycles_by(self, elapsed: float) -> float:
+        return self.phase(min(elapsed, self.duration)) / (2.0 * math.pi)
+
+    def cycle_times(self, elapsed: float) -> tuple[float, ...]:
+        done = self.cycles_by(elapsed)
+        whole = math.floor(done * (1.0 + 1e-12)) if done > 0.0 else -1
+        return tuple(self.time_of(2.0 * math.pi * number) for number in range(whole + 1))
+
+
+@dataclass(frozen=True)
+class Oscillate(Cyclic, Checked):
+    """``D = D_start + amplitude sin(w t) - drift t``, t from the start of the step."""
+
+    amplitude: Annotated[Finite, Key("amplitude", "length")]
+    angular_frequency: Annotated[Positive, Key("angular frequency", "time-1")]
+    duration: Annotated[Positive, Key("how long it goes on", "time")]
+    drift: Annotated[Finite, Key("speed of retraction beside it", "length time-1")] = 0.0
+    kind: ClassVar[str] = "oscillate"
+
+    def phase(self, elapsed: float) -> float:
+        return self.angular_frequency * elapsed
+
+    def frequency(self, elapsed: float) -> float:
+        return self.angular_frequency
+
+    def time_of(self, phase: float) -> float:
+        return phase / self.angular_frequency
+
+
+@dataclass(frozen=True)
+class Sweep(Cyclic, Checked):
+    """``D = D_start + amplitude sin(chirp t^2/2)``: angular frequency ``chirp t`` (paper, Fig. 6)."""
+
+    amplitude: Annotated[Finite, Key("amplitude", "length")]
+    chirp: Annotated[Positive, Key("angular frequency gained per time", "time-2")]
+    duration: Annotated[Positive, Key("how long it goes on", "time")]
+    kind: ClassVar[str] = "sweep"
+
+    def phase(self, elapsed: float) -> float:
+        return 0.5 * self.chirp * elapsed**2
+
+    def frequency(self, elapsed: float) -> float:
+        return self.chirp * elapsed
+
+    def time_of(self, phase: float) -> float:
+        return math.sqrt(2.0 * phase / self.chirp)
+
+
+# Pieces between the rows of a table
+
+
+@dataclass(frozen=True)
+class Table(Step, Tabulated):
+    """``quantity`` by straight lines, or piecewise cubics, through ``(times, values)``: planned, or recorded.
+
+    By straight lines every row is a kink of the load, which a solver steps onto; a record with rows by the
+    hundred thousand is read as a smooth curve instead, ``interpolation = "cubic"``: the piecewise cubic of
+    F.N. Fritsch and R.E. Carlson, SIAM J. Numer. Anal. 17, 238 (1980), without an extremum between the rows.
+    Times count from the first row. If the first value differs from the current one, the load jumps to it.
+    A table of penetrations drives the stage where the machine is a spring.
+    """
+
+    times: Annotated[tuple[Finite, ...], Key("times, rising", "time")]
+    values: Annotated[tuple[Finite, ...], Key("penetrations or forces at these times")]
+    file: Annotated[str, Key("CSV file of time and the quantity")] = field(default="", compare=False)
+    quantity: Annotated[Literal["penetration", "force"], Key("what the table prescribes")] = "penetration"
+    interpolation: Annotated[Literal["linear", "cubic"], Key("lines or smooth pieces between rows")] = (
+        "linear"
+    )
+    kind: ClassVar[str] = "table"
+    columns = ("time", "penetration", "force")
+
+    @classmethod
+    def column_names(cls, data: dict[str, Any]) -> tuple[str, str]:
+        return "time", str(data.get("quantity", "penetration"))
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+        # Rows that round to the same time after a late start are one row, the last of them.
+        rows = dict(zip((time + (t - self.times[0]) for t in self.times), self.values, strict=True))
+        at, values = list(rows), list(rows.values())
+        smooth = self.interpolation == "cubic" and len(at) > 2 and math.isfinite(time)
+        value, rate = _pieces(at, values, (_cubics if smooth else _lines)(at, values))
+        kinks = () if smooth else tuple(at[1:-1])
+        return Segment(self.quantity, time, at[-1], value, rate, kinks, not smooth)
+
+    def largest(self, segment: Segment) -> float:
+        return max(self.values)
+
+
+def _lines(at: Sequence[float], values: Sequence[float]) -> list[list[float]]:
+    rows = zip(at, values, strict=True)
+    return [[(y - x) / (end - start), x] for (start, x), (end, y) in pairwise(rows)]
+
+
+def _cubics(at: Sequence[float], values: Sequence[float]) -> list[list[float]]:
+    from scipy.interpolate import PchipInterpolator  # heavy, and of use to smooth tables alone
+
+    with np.errstate(over="ignore"):  # between rows that all but agree: the mean of slopes is then zero
+        pieces: list[list[float]] = PchipInterpolator(at, values).c.T.tolist()
+    return pieces
+
+
+def _pieces(
+    at: Sequence[float], values: Sequence[float], pieces: Sequence[Sequence[float]]
+) -> tuple[Function, Function]:
+    """Value and rate of polynomials between times, their highest power first."""
+
+    def piece(now: float) -> tuple[Sequence[float], float]:
+        i = min(max(bisect_right(at, now) - 1, 0), len(pieces) - 1)
+        return pieces[i], now - at[i]
+
+    def value(now: float) -> float:
+        if not pieces or now >= at[-1]:
+            return values[-1]
+        total, (coefficients, t) = 0.0, piece(now)
+        for one in coefficients:
+            total = total * t + one
+        return total
+
+    def rate(now: float) -> float:
+        if not pieces:
+            return 0.0
+        total, (coefficients, t) = 0.0, piece(now)
+        for power, one in zip(range(len(coefficients) - 1, 0, -1), coefficients, strict=False):
+            total = total * t + power * one
+        return total
+
+    return value, rate
+
+
+# The usual test in one entry
+
+
+@dataclass(frozen=True)
+class Approach(Step, Checked):
+    """Approach at ``rate`` until ``force``, stay for ``dwell``, go back at speed ``retract``.
+
+    Parameters
+    ----------
+    rate : float
+        Speed of the approach.
+    force : float
+        Force at which it ends.
+    dwell : float
+        Time for which penetration (or stage) stays.
+    retract : float, optional
+        Speed of the retraction; default: ``rate``.
+    to : float, optional
+        Greatest penetration (or position of the stage) of the approach; a run that gets there without the
+        force ends, and says so. Default: a bound before which the force is reached for certain, which the
+        scene states where it can (:mod:`contact_scene.approach_bound`).
+    away : float, optional
+        Where the retraction ends, if the contact is not lost before; default: as far above the surface as
+        ``to`` is below, and where adhesion holds farther, as far as the scene knows it to hold at most.
+    """
+
+    rate: Annotated[Positive, Key("speed of the approach", "length time-1")]
+    force: Annotated[Finite, Key("force at which it ends", "force")]
+    to: Annotated[Positive | None, Key("greatest penetration of the approach", "length")] = None
+    dwell: Annotated[NotNegative, Key("how long the penetration stays", "time")] = 0.0
+    retract: Annotated[Positive | None, Key("speed of the retraction", "length time-1")] = None
+    away: Annotated[Finite | None, Key("where the retraction ends", "length")] = None
+    kind: ClassVar[str] = "approach"
+
+    def rules(self) -> None:
+        object.__setattr__(self, "retract", self.rate if self.retract is None else self.retract)
+        if self.to is not None and self.away is not None and self.away >= self.to:
+            raise SceneError("away", f"got {self.away!r}", f"less than to = {self.to:g}")
+
+    @property
+    def trigger(self) -> Trigger:
+        """What ends the approach."""
+        return Trigger("force", self.force)
+
+    def parts(self) -> tuple[Step, ...] | None:
+        """The steps it stands for; ``None`` where it is not known how far it goes."""
+        if self.to is None or self.away is None:
+            return None
+        assert self.retract is not None  # it follows from `rate`
+        press, pull = Ramp(self.to, self.rate, until_force=self.force), Ramp(self.away, self.retract)
+        return (press, Hold(self.dwell), pull) if self.dwell > 0.0 else (press, pull)
+
+    def segment(self, time: float, penetration: float, force: float) -> Segment:
+        key = "to" if self.to is None else "away"
+        raise SceneError(key, "is missing in a loading without a scene", "a bound of the approach")
+
+
+STEPS = Kinds((Ramp, Hold, Force, ForceRamp, Oscillate, Sweep, Table, Approach))
+"""What a file may state under ``[[loading.steps]]``."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +469,9 @@ class Loading(Checked):
     machine: Annotated[Machine | None, Key("spring that holds the indenter")] = None
 
     def rules(self) -> None:
-        if not any(isinstance(step, Approach) and not step.is_bounded for step in self.steps):
-            steps = tuple(part for step in self.steps for part in expanded(step))
-            object.__setattr__(self, "steps", steps)
+        parts = [step.parts() if isinstance(step, Approach) else (step,) for step in self.steps]
+        if None not in parts:
+            object.__setattr__(self, "steps", tuple(step for part in parts for step in part or ()))
 
     @property
     def compliance(self) -> float:
@@ -71,12 +497,13 @@ class Loading(Checked):
 
     def segment(self, step: Step, time: float, penetration: float, force: float) -> Segment:
         """The control law of a step that starts from a state, on this machine."""
-        if self.compliance == 0.0:
-            return step.segment(time, penetration, force)
-        return self._of_stage(step.segment(time, penetration + self.compliance * force, force))
+        stage = penetration + self.compliance * force if self.compliance > 0.0 else penetration
+        return self._driving(step, time, stage, force)
 
-    def _of_stage(self, segment: Segment) -> Segment:
-        if segment.control == "force":
+    def _driving(self, step: Step, time: float, driven: float, force: float) -> Segment:
+        """The control law of a step that starts from a position of what is driven: indenter, or stage."""
+        segment = step.segment(time, driven, force)
+        if self.compliance == 0.0 or segment.control == "force":
             return segment
         return replace(segment, control="stage", compliance=self.compliance)
 
@@ -92,15 +519,12 @@ class Loading(Checked):
         """
         time, force = 0.0, math.nan
         known = self.compliance == 0.0 or self.start_control == "stage"
-        driven = self.penetration if known else math.nan  # indenter, or stage
+        driven = self.penetration if known else math.nan
         for step in self.steps:
-            if state is not None:
-                penetration, force = state(step)
-                segment = self.segment(step, time, penetration, force)
-            elif self.compliance == 0.0:
-                segment = step.segment(time, driven, force)
+            if state is None:
+                segment = self._driving(step, time, driven, force)
             else:
-                segment = self._of_stage(step.segment(time, driven, force))
+                segment = self.segment(step, time, *state(step))
             yield step, segment
             trigger = segment.trigger
             if not own_time:
@@ -113,13 +537,3 @@ class Loading(Checked):
                 force = trigger.level
             elif trigger is not None and trigger.quantity == "penetration" and self.compliance == 0.0:
                 driven = trigger.level
-
-
-def expanded(step: Step) -> tuple[Step, ...]:
-    """The steps an approach with its bounds stands for; any other step is itself."""
-    if not isinstance(step, Approach) or step.to is None or step.away is None:
-        return (step,)
-    assert step.retract is not None  # it follows from `rate`
-    press = Ramp(step.to, step.rate, until_force=step.force)
-    pull = Ramp(step.away, step.retract)
-    return (press, Hold(step.dwell), pull) if step.dwell > 0.0 else (press, pull)

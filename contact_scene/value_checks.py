@@ -19,10 +19,19 @@ A_COLUMN = "finite numbers, one a row"
 
 
 @dataclass(frozen=True)
-class Range:
-    """Real numbers from ``low`` to ``high``, the ends included unless ``open``, and those in ``also``."""
+class Rule:
+    """What a value may be, in words; called with a value and its key, it gives it back checked."""
 
     words: str
+
+    def __call__(self, value: Any, key: str) -> Any:
+        raise AssertionError("defined by every kind of rule")
+
+
+@dataclass(frozen=True)
+class Range(Rule):
+    """Real numbers from ``low`` to ``high``, the ends included unless ``open``, and those in ``also``."""
+
     low: float = -LARGEST
     high: float = LARGEST
     open: bool = False

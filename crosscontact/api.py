@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
-from contact_scene.run_control.options import whole_number
+from contact_scene.run_control import whole_number
 from contact_scene.value_checks import NOT_NEGATIVE, function_or_none, number, several, true_or_false
 from crosscontact import arguments
 from crosscontact.arguments import case_of, checked_resolution

@@ -10,7 +10,7 @@ from pathlib import Path
 from contact_scene import Scene
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import as_path
-from contact_scene.run_control.options import whole_number
+from contact_scene.run_control import whole_number
 from contact_scene.value_checks import several
 from validation import cases
 from validation.solvers import PEERS, REFERENCE, SOLVERS

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
-from contact_scene.run_control.options import whole_number
+from contact_scene.run_control import whole_number
 from contact_scene.value_checks import function_or_none, one_of, positive
 from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, checked_path

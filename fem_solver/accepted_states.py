@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters, LoadingCursor, Outcome, OutcomeKind, RunMonitor
-from contact_scene.run_control.early_outcomes import below_zone_outcome, budget_outcome
-from contact_scene.segment import Control
+from contact_scene.loading import Control
+from contact_scene.run_control import below_zone_outcome, budget_outcome
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import AdhesiveEdge, EdgeMotion
 from fem_solver.edge_geometry import EdgeOrigin

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters
-from contact_scene.segment import Control
+from contact_scene.loading import Control
 from fem_solver.edge import NO_CONTACT, EdgeMotion, EdgePosition
 from fem_solver.edge_geometry import EdgeOrigin
 from fem_solver.release import ContactProblem

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from scipy.optimize import brentq
 
-from contact_scene.segment import Control
+from contact_scene.loading import Control
 from fem_solver.contact_solver import ContactCandidate, ContactSolver
 from fem_solver.edge import EdgeMotion
 from fem_solver.recorder import SurfaceState, work_of_bends

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from contact_scene.segment import Control
+from contact_scene.loading import Control
 
 Array = NDArray[np.float64]
 

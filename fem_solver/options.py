@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from contact_scene.run_control.options import MAX_STEPS, moments, whole_number
+from contact_scene.run_control import MAX_STEPS, moments, whole_number
 from contact_scene.value_checks import number, one_of
 
 DEFAULT_TOLERANCE = 1e-3

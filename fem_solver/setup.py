@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene, SceneError, UnsupportedScene
-from contact_scene.memory import installed_memory
+from contact_scene.run_control import installed_memory
 from fem_solver.condensed import CondensedHistory
 from fem_solver.edge import AdhesionlessEdge, EdgeLaw
 from fem_solver.edge_geometry import SURFACE_MARGIN, EdgeGeometry, surface_margin

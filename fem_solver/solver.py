@@ -18,8 +18,7 @@ from contact_scene import (
     Trace,
 )
 from contact_scene.machine import on_machine
-from contact_scene.run_control.blas_threads import single_threaded
-from contact_scene.run_control.early_outcomes import outcome_of_loss
+from contact_scene.run_control import outcome_of_loss, single_threaded
 from contact_scene.scene import zone_too_long
 from fem_solver.fields.history import HistoryLog, history_log
 from fem_solver.fields.recording import Recording

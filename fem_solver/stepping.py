@@ -13,9 +13,8 @@ from typing import NoReturn
 from scipy.optimize import brentq
 
 from contact_scene import Loading, Outcome, OutcomeKind, Segment
-from contact_scene.run_control.loading_cursor import Stop, stops_within
-from contact_scene.run_control.monitor import interruption
-from contact_scene.segment import Control
+from contact_scene.loading import Control
+from contact_scene.run_control import Stop, interruption, stops_within
 from fem_solver.accepted_states import RunEnded
 from fem_solver.curved_loads import swing
 from fem_solver.edge import EdgeMotion

@@ -10,7 +10,7 @@ import math
 from typing import NoReturn
 
 from contact_scene import Segment
-from contact_scene.segment import Control
+from contact_scene.loading import Control
 from fem_solver.contact_solver import ContactCandidate
 from fem_solver.edge import EdgeMotion
 from fem_solver.events import edge_jump

@@ -24,9 +24,7 @@ from bem_solver.paper_scheme.step import UniformStep
 from bem_solver.paper_scheme.time_steps import step_count
 from bem_solver.recorder import TraceRecorder, trace_without_start
 from contact_scene import Counters, Material, Outcome, OutcomeKind, RunMonitor, Scene, Trace, UnsupportedScene
-from contact_scene.run_control.early_outcomes import below_zone_outcome, budget_outcome
-from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.monitor import interruption
+from contact_scene.run_control import LoadingCursor, below_zone_outcome, budget_outcome, interruption
 from contact_scene.scene import zone_too_long
 
 

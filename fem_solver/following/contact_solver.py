@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters
-from contact_scene.segment import Control
+from contact_scene.loading import Control
 from fem_solver.contact_solver import ContactCandidate
 from fem_solver.edge import NO_CONTACT, EdgeMotion, EdgePosition
 from fem_solver.following.edge_search import FollowingEdgeSearch, SearchRange

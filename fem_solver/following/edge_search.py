@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 from contact_scene import Adhesion, Counters
-from contact_scene.segment import Control
+from contact_scene.loading import Control
 from fem_solver.contact_solver import ContactCandidate
 from fem_solver.edge import AdhesiveEdge, EdgeMotion, EdgePosition
 from fem_solver.following.placement import Placement

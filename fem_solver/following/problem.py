@@ -22,7 +22,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.segment import Control
+from contact_scene.loading import Control
 from fem_solver.edge_geometry import EdgeOrigin
 from fem_solver.following.closure import closure_integral, zone_at
 from fem_solver.following.components import Components

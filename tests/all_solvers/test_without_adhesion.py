@@ -28,7 +28,7 @@ from contact_scene import (
     Sphere,
     TabulatedProfile,
 )
-from contact_scene.run_control.early_outcomes import outcome_of_loss
+from contact_scene.run_control import outcome_of_loss
 from validation.measure.observables import observe
 from validation.reference import tracking as reference
 

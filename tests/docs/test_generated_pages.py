@@ -14,7 +14,7 @@ import pytest
 import crosscontact as cc
 from contact_scene import COLUMNS
 from contact_scene.checked import fields_of
-from contact_scene.load_steps import STEPS
+from contact_scene.loading import STEPS
 from crosscontact.commands import __path__ as command_files
 from fem_solver.recorder import EXTRA
 from validation import scenes

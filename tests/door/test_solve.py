@@ -9,7 +9,7 @@ import pytest
 import threadpoolctl
 
 import crosscontact as cc
-from contact_scene.run_control.blas_threads import single_threaded
+from contact_scene.run_control import single_threaded
 from crosscontact.cli import main
 from validation.reference.tracking import Options, solve
 

@@ -20,7 +20,7 @@ from contact_scene import (
     Ramp,
     Trace,
 )
-from contact_scene.run_control.early_outcomes import below_zone_outcome
+from contact_scene.run_control import below_zone_outcome
 from validation.cases import load
 from validation.measure.approach import end_of_approach, is_located
 from validation.measure.cycle_losses import cycle_losses

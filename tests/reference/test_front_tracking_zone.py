@@ -5,8 +5,8 @@ import pytest
 from support.paper_scenes import ELASTIC, ONE, WORK
 
 from contact_scene import Adhesion, Loading, OutcomeKind, Ramp, Scene, Sphere, Table, Trace
+from contact_scene.loading import Step
 from contact_scene.material import Material
-from contact_scene.segment import Step
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.tracking import Options, solve
 from validation.reference.tracking.abel import transform

@@ -12,7 +12,7 @@ from support.wrong_values import WRONG, refused
 
 import contact_scene
 from contact_scene import SceneError
-from contact_scene.checked import Checked, Field, Tabulated, all_kinds, fields_of, from_table, to_table
+from contact_scene.checked import Checked, Declaration, Tabulated, fields_of, from_table, to_table
 
 KINDS = [
     kind
@@ -30,10 +30,10 @@ SPECIAL = {
 """Values of classes whose fields are bound to each other."""
 
 
-def good(field: Field):
+def good(field: Declaration):
     """A value that a field takes."""
-    if field.range is not None:
-        return min(max(2.0, field.range.low), field.range.high)
+    if field.rule is not None:
+        return min(max(2.0, field.rule.low), field.rule.high)
     if field.words:
         return field.words[0]
     if field.entries is not None:
@@ -66,7 +66,7 @@ def takes(kind, name: str, value) -> bool:
             entries = list(value)
         except TypeError:
             return False
-        return not entries or (field.entries.range is not None and isinstance(entries[0], float))
+        return not entries or (field.entries.rule is not None and isinstance(entries[0], float))
     return False
 
 
@@ -80,7 +80,7 @@ def test_all_classes_of_a_scene_are_tried():
         stack = [kind]
         while stack:
             for field in fields_of(stack.pop()).values():
-                new = set(all_kinds(field)) - reached
+                new = {*field.kinds, *(field.entries.kinds if field.entries else ())} - reached
                 reached |= new
                 stack += new
     assert reached <= set(KINDS)
@@ -156,7 +156,7 @@ WITHIN = {  # limits that are allowed
 NUMBERS = {
     f"{kind.__name__}.{name}": within
     for kind, name in CASES
-    if (within := (fields_of(kind)[name].entries or fields_of(kind)[name]).range) is not None
+    if (within := (fields_of(kind)[name].entries or fields_of(kind)[name]).rule) is not None
 }
 
 

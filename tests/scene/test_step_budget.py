@@ -10,7 +10,7 @@ from support.spring_solver import FunctionSolver, StudiedSolver, fake, named, sm
 
 import crosscontact as cc
 from contact_scene import Adhesion, Branch, Loading, Material, Oscillate, Ramp, Scene, Sphere, Table
-from contact_scene.run_control.options import MAX_STEPS
+from contact_scene.run_control import MAX_STEPS
 from crosscontact.cli import main
 from validation import solvers
 from validation.fields import request

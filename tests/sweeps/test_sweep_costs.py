@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import sys
-import types
-
 import pytest
 from support.spring_solver import SCENE, FunctionSolver, named, spring
 
 from benchmarks.sweep_price import plan_of
-from contact_scene.run_control import blas_threads
-from contact_scene.run_control.blas_threads import single_threaded
 from validation import solvers
 from validation.runs.run_table import RunTable
 from validation.sweeps.dataset import write_results
@@ -24,26 +19,6 @@ def test_every_run_is_another_scene(tmp_path):
     radii = [plan.scene_of(rows).indenter.radius for rows in plan.rows()]
     assert len(set(radii)) == plan.count == 5
     assert not set(radii) & {other.scene_of(rows).indenter.radius for rows in other.rows()}
-
-
-def test_libraries_are_looked_up_once_and_again_after_an_import(monkeypatch):
-    looked = []
-
-    def controller():
-        looked.append(1)
-        return found()
-
-    found = blas_threads.ThreadpoolController
-    monkeypatch.setattr(blas_threads, "_THREADS", blas_threads._LinearAlgebraThreads())
-    monkeypatch.setattr(blas_threads, "ThreadpoolController", controller)
-    for _ in range(3):
-        with single_threaded():
-            pass
-    assert len(looked) == 1
-    monkeypatch.setitem(sys.modules, "a_module_with_a_library", types.ModuleType("m"))
-    with single_threaded():
-        pass
-    assert len(looked) == 2
 
 
 def test_short_runs_are_stored_by_batches_in_this_process_too(tmp_path, monkeypatch):

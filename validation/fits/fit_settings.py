@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from contact_scene import SceneError
 from contact_scene.errors import shown
-from contact_scene.run_control.options import whole_number
+from contact_scene.run_control import whole_number
 from contact_scene.value_checks import not_negative, positive
 from validation.fits.parameters import INSTRUMENT
 from validation.solvers import REFERENCE

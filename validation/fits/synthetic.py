@@ -9,9 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from contact_scene import Loading, Machine, Scene, SceneError
-from contact_scene.run_control.loading_cursor import LoadingCursor
-from contact_scene.run_control.options import whole_number
-from contact_scene.segment import Segment
+from contact_scene.loading import Segment
+from contact_scene.run_control import LoadingCursor, whole_number
 from contact_scene.value_checks import NOT_NEGATIVE, a_string, finite, number, of_class, one_of, positive
 from validation.fits.fit_run import FitRun, run_of, sampled
 from validation.fits.measured_curve import FEWEST_ROWS, Array, MeasuredCurve

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Loading, Step, Trace
-from contact_scene.segment import Segment
+from contact_scene.loading import Segment
 from validation.solvers.model_range import MOST_CYCLES
 
 Array = NDArray[np.float64]

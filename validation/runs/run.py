@@ -14,7 +14,7 @@ import numpy as np
 
 from contact_scene import RunMonitor, SceneError, Trace
 from contact_scene.errors import one_line
-from contact_scene.run_control.early_outcomes import outcome_of_loss
+from contact_scene.run_control import outcome_of_loss
 from validation import solvers
 from validation.cases import Case
 from validation.measure import error_estimate

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from contact_scene import COLUMNS, Scene, Trace, UnsupportedScene
 from contact_scene.errors import shown
-from contact_scene.run_control.options import MAX_STEPS
+from contact_scene.run_control import MAX_STEPS
 from validation.solvers.model_range import cycle_count, interval_count, out_of_range
 from validation.solvers.run_options import RunOptions
 

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, ClassVar, Literal
 
 from contact_scene import Scene, SceneError, Trace
-from contact_scene.memory import installed_memory
+from contact_scene.run_control import installed_memory
 from meshes import EdgeMeshes, HalfSpaceMesh
 from validation.solvers.base import SKIPPED_WORK, ComparisonRun, Solver
 from validation.solvers.contact_range import largest_contact_radius

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from contact_scene import RunMonitor
-from contact_scene.run_control.options import whole_number
+from contact_scene.run_control import whole_number
 from contact_scene.value_checks import as_tuple, finite, function_or_none, positive, true_or_false
 
 Progress = Callable[[float], None]

@@ -35,7 +35,7 @@ FAULTS = [
           _other_side, ("stage",)),
     Fault("reference", "work of the stage forgotten", "contact_scene.machine:machine_columns",
           _without_stage_work, ("work",)),
-    Fault("reference", "a step ends at 1.001 of its level", "contact_scene.segment:Trigger.excess",
+    Fault("reference", "a step ends at 1.001 of its level", "contact_scene.loading:Trigger.excess",
           lambda true: lambda self, *state: true(self, *state) - 1e-3 * self.level, ("level",)),
     Fault("reference", "closes at what it opens at", "contact_scene.adhesion:Adhesion.closing",
           lambda true: lambda self: self.work, ("hysteresis",)),

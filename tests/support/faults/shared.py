@@ -13,7 +13,7 @@ import numpy as np
 from support.faults.injection import Fault, registry
 
 from contact_scene import Cone
-from contact_scene.segment import Segment
+from contact_scene.loading import Segment
 
 FAULTS: list[Fault] = []
 _, scene_fault = registry("reference", "contact_scene", FAULTS, shared=True)

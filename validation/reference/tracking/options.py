@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact_scene.run_control.options import MAX_STEPS, moments, whole_number
+from contact_scene.run_control import MAX_STEPS, moments, whole_number
 from contact_scene.value_checks import number
 
 DEFAULT_RESOLUTION = {True: 16.0, False: 4.0}

@@ -25,8 +25,7 @@ from contact_scene import (
     UnsupportedScene,
 )
 from contact_scene.machine import machine_columns
-from contact_scene.run_control.blas_threads import single_threaded
-from contact_scene.run_control.early_outcomes import outcome_of_loss
+from contact_scene.run_control import outcome_of_loss, single_threaded
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.options import Fineness, Options

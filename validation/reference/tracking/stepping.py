@@ -7,10 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from contact_scene import Event, Outcome, OutcomeKind, RunMonitor, Segment, Trigger
-from contact_scene.run_control.early_outcomes import below_zone_outcome, budget_outcome
-from contact_scene.run_control.loading_cursor import LoadingCursor, stops_within
-from contact_scene.run_control.monitor import interruption
-from contact_scene.segment import passed
+from contact_scene.loading import passed
+from contact_scene.run_control import (
+    LoadingCursor,
+    below_zone_outcome,
+    budget_outcome,
+    interruption,
+    stops_within,
+)
 from validation.reference.tracking.instantaneous import force_without_contact
 from validation.reference.tracking.load_jump import load_jump
 from validation.reference.tracking.options import Options
