@@ -23,27 +23,27 @@ PUNCH, CONE, SPRING = ("punch-programme",), ("cone-force-ramp",), ("spring-elast
 RATED, HYSTERESIS = ("rated-edge-si",), ("hysteresis-si",)
 
 
-@scene_fault("holds half as long", "load_steps:Hold.segment", PUNCH)
+@scene_fault("holds half as long", "loading:Hold.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, duration=0.5 * self.duration), *given)
 
 
-@scene_fault("holds 1 % too long", "load_steps:Hold.segment", PUNCH)
+@scene_fault("holds 1 % too long", "loading:Hold.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, duration=1.01 * self.duration), *given)
 
 
-@scene_fault("ramps at the speed of another unit of time", "load_steps:Ramp.segment", PUNCH)
+@scene_fault("ramps at the speed of another unit of time", "loading:Ramp.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, rate=1.003 * self.rate), *given)
 
 
-@scene_fault("tables counted from the start of the run", "load_steps:Table.segment", PUNCH)
+@scene_fault("tables counted from the start of the run", "loading:Table.segment", PUNCH)
 def _(true):
     return lambda self, time, *given: true(self, 0.5 * time, *given)
 
 
-@scene_fault("tables by steps instead of straight lines", "load_steps:Table.segment", PUNCH)
+@scene_fault("tables by steps instead of straight lines", "loading:Table.segment", PUNCH)
 def _(true):
     def segment(self, *given):
         found = true(self, *given)
@@ -57,12 +57,12 @@ def _(true):
     return segment
 
 
-@scene_fault("drift of an oscillation the other way", "load_steps:Oscillate.segment", PUNCH)
+@scene_fault("drift of an oscillation the other way", "loading:Cyclic.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, drift=-self.drift), *given)
 
 
-@scene_fault("oscillations by the cosine", "load_steps:Oscillate.segment", PUNCH)
+@scene_fault("oscillations by the cosine", "loading:Cyclic.segment", PUNCH)
 def _(true):
     def segment(self, time, penetration, force):
         found, shift = true(self, time, penetration, force), 0.5 * math.pi / self.angular_frequency
@@ -73,7 +73,7 @@ def _(true):
     return segment
 
 
-@scene_fault("oscillations 0.5 % too fast", "load_steps:Oscillate.segment", PUNCH)
+@scene_fault("oscillations 0.5 % too fast", "loading:Cyclic.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, angular_frequency=1.005 * self.angular_frequency), *given)
 
@@ -102,12 +102,12 @@ def _(true):
     return columns
 
 
-@scene_fault("forces 0.3 % too large", "load_steps:Force.segment", PUNCH)
+@scene_fault("forces 0.3 % too large", "loading:Force.segment", PUNCH)
 def _(true):
     return lambda self, *given: true(replace(self, value=1.003 * self.value), *given)
 
 
-@scene_fault("force ramps twice as fast", "load_steps:ForceRamp.segment", CONE)
+@scene_fault("force ramps twice as fast", "loading:ForceRamp.segment", CONE)
 def _(true):
     return lambda self, *given: true(replace(self, rate=2.0 * self.rate), *given)
 
@@ -117,7 +117,7 @@ def _(true):
     return lambda self: 1.01 * true(self)
 
 
-@scene_fault("a step ends at 1.001 of its level", "segment:Trigger.excess", SPRING)
+@scene_fault("a step ends at 1.001 of its level", "loading:Trigger.excess", SPRING)
 def _(true):
     return lambda self, *given: true(self, *given) - 0.001 * self.level
 
