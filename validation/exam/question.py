@@ -30,7 +30,7 @@ from contact_scene import (
 )
 from contact_scene.errors import shown
 from contact_scene.files import read_text
-from contact_scene.load_steps import STEPS
+from contact_scene.loading import STEPS
 from contact_scene.scene import scene_table
 from validation.cases import Case, load
 from validation.runs import provenance
