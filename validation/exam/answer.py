@@ -187,7 +187,7 @@ def read_header(lines: Sequence[str]) -> tuple[Header, list[str]]:
             except ValueError:
                 found[name] = value
         else:
-            found[name] = float(value) if fields[name].range and is_number(value) else value
+            found[name] = float(value) if fields[name].rule and is_number(value) else value
     try:
         header: Header = from_table((Header,), found, Path())
     except SceneError as error:
