@@ -17,11 +17,18 @@ from contact_scene import Scene, SceneError, write_scene
 from crosscontact.commands import shared
 from crosscontact.commands.shared import say
 from validation import cases, solvers
-from validation.fields.balance import EnergySums, balance
-from validation.fields.figures.figure_set import USUAL, FigureSet
-from validation.fields.figures.quantities import QUANTITIES
+from validation.fields.figures import USUAL, FigureSet
 from validation.fields.files import ParaViewSeries
-from validation.fields.request import METHOD, FieldRequest, RecordedFields, check_times, record_fields
+from validation.fields.moments import (
+    METHOD,
+    EnergySums,
+    FieldRequest,
+    RecordedFields,
+    balance,
+    check_times,
+    record_fields,
+)
+from validation.fields.quantities import QUANTITIES
 from validation.report.document import counted, plain
 from validation.runs.files import in_words, output_folder
 from validation.runs.folder_lock import locked_folder

@@ -14,9 +14,9 @@ from validation.claims import page as claims_page
 from validation.claims.all import findings
 from validation.compare import page, regression
 from validation.compare.suite import SceneComparison, all_pairs, compare_scenes
-from validation.fields import cycle_fields
-from validation.fields import page as fields_page
+from validation.fields import chapter as fields_chapter
 from validation.report.document import counted, number
+from validation.report.report import Chapter
 from validation.runs.files import output_folder
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
@@ -78,7 +78,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
             if matrix is not None:
                 others.append(stability_page.chapter(matrix))
             if fields is not None:
-                others.append(fields_page.chapter(fields))
+                others.append(fields)
             new = page.data(compared, others)
             moved = None if old is None else regression.compare(baseline, old, new, loaded)
             page.write(compared, folder, executor, writing, others, moved)
@@ -103,9 +103,9 @@ def _moved(since: regression.ReportComparison) -> int:
     )
 
 
-def _fields(comparisons: Sequence[SceneComparison]) -> cycle_fields.CycleFields:
+def _fields(comparisons: Sequence[SceneComparison]) -> Chapter:
     """Fields in the body for the report's section, with progress."""
-    runs = next((one.runs for one in comparisons if one.case.name == cycle_fields.SCENE), {})
+    runs = next((one.runs for one in comparisons if one.case.name == fields_chapter.SCENE), {})
     with Progress("report") as progress:
         progress.phase("fields in the body")
-        return cycle_fields.compute(runs, progress)
+        return fields_chapter.chapter(runs, progress)

@@ -93,7 +93,7 @@ def quick_pictures(monkeypatch):
     """Figures are made, not rendered."""
     monkeypatch.setattr(document.export, "svg", lambda *given: "<svg></svg>")
     monkeypatch.setattr(export, "png", lambda *given: b"PNG")
-    for module in ("crosscontact.commands.shared", "validation.fields.figures.figure_set"):
+    for module in ("crosscontact.commands.shared", "validation.fields.figures"):
         monkeypatch.setattr(f"{module}.png", lambda *given: b"PNG")
     monkeypatch.setattr("crosscontact.commands.shared.svg_file", lambda *given: "<svg></svg>")
 

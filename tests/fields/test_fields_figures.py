@@ -1,10 +1,12 @@
-"""What figures of fields show, in numbers: geometry, colours, moments, Fig. 3. Nothing is rendered here."""
+"""What figures of fields show: geometry, colours, moments, pixels; what a report and a folder get of them."""
 
 from __future__ import annotations
 
 import dataclasses
+import os
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,28 +14,52 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib import colormaps
+from matplotlib.tri import LinearTriInterpolator, Triangulation
+from PIL import Image
 from support.synthetic_fields import RADIUS, SCENE, ZONE, state, states, surfaces, trace
+from support.unlaid_figures import without_layout
 
-from contact_scene import FlatPunch, SceneError
-from validation.fields.figures import (
-    colours,
-    fig3,
-    geometry,
-    moments,
-    rendering,
-    single_section,
-)
-from validation.fields.figures.colours import ValueKind
-from validation.fields.figures.figure_set import FigureSet
-from validation.fields.figures.quantities import QUANTITIES
+from contact_scene import FlatPunch
+from crosscontact.cli import main
+from validation.cases import load
+from validation.fields import chapter, fig3, figures, moments, rendering, section
+from validation.fields.figures import FigureSet
+from validation.fields.quantities import QUANTITIES, SPANNED, ValueKind, colours
+from validation.fields.section import Look, Section, View, look_at
+from validation.report import html
+from validation.report.document import Document
+from validation.runs.run import Run
 
 ROOT = Path(__file__).parents[2]
+STRESS, MISES = QUANTITIES["stress_zz"], QUANTITIES["von_mises"]
+PRESSED = """
+material = { modulus = 0.75, poisson = 0.5 }
+indenter = { shape = "sphere", radius = 1.0 }
+[loading]
+start = "relaxed"
+penetration = 0.01
+steps = [{ kind = "ramp", to = 0.011, rate = 0.01 }]
+"""
+
+
+@pytest.fixture(scope="module")
+def can_draw():
+    try:
+        rendering.check_rendering()
+    except rendering.NoRendering as reason:
+        pytest.skip(str(reason))
+
+
+@pytest.fixture
+def blank(monkeypatch):
+    """Nothing is rendered."""
+    monkeypatch.setattr(rendering, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
 
 
 @given(largest=st.floats(1e-9, 1e9), radius=st.floats(1e-9, 1e9))
 def test_magnification_is_the_largest_round_number_within_the_swing(largest, radius):
-    scale = geometry.magnification(largest, radius)
-    room = geometry.LARGEST_DRAWN * geometry.HALF_WIDTH * radius / largest
+    scale = section.magnification(largest, radius)
+    room = section.LARGEST_DRAWN * section.HALF_WIDTH * radius / largest
     assert scale <= room * (1 + 1e-6) < 2.5 * scale * (1 + 1e-6)
     digit = scale / 10.0 ** np.floor(np.log10(scale * (1 + 1e-9)))
     assert round(digit) in (1, 2, 5)
@@ -47,108 +73,60 @@ def test_no_triangle_near_the_edge_is_folded_over(pulled, drawn):
     moves = one.displacement * 0.0
     moves[:, 0] = -pulled * np.maximum(one.points[:, 0] - RADIUS, 0.0)
     one = dataclasses.replace(one, displacement=moves)
-    assert geometry.magnification_near_edge(one, ZONE, 50.0) == pytest.approx(drawn)
+    assert section.magnification_near_edge(one, ZONE, 50.0) == pytest.approx(drawn)
 
 
 @pytest.mark.parametrize("scale", [1.0, 5.0])
-def test_marks_sit_on_the_deformed_surface_at_the_edge(scale):
-    cut = geometry.section(state(), SCENE, scale)
+def test_marks_and_indenter_sit_on_the_deformed_surface(scale):
+    cut = Section(state(), SCENE, scale)
     height = scale * (RADIUS**2 / 2 - 0.03)
     np.testing.assert_allclose(cut.edge, [RADIUS * (1 + 0.01 * scale), height])
     np.testing.assert_allclose(cut.zone[0], cut.edge)
     np.testing.assert_allclose(cut.zone[-1], [(RADIUS + ZONE) * (1 + 0.01 * scale), height])
-    np.testing.assert_allclose(cut.moved, cut.state.points + scale * cut.state.displacement)
-    np.testing.assert_allclose(cut.surface, cut.moved[cut.top])
     assert (np.diff(cut.surface[:, 0]) > 0).all()
-
-
-def test_indenter_is_magnified_like_the_surface_it_touches():
-    cut = geometry.section(state(), SCENE, 5.0)
     r, y = cut.indenter.T
-    np.testing.assert_allclose(y, 5.0 * (r**2 / 2 - 0.03))
-    punch = dataclasses.replace(SCENE, indenter=FlatPunch(0.3))
-    side = geometry.outline(punch, 0.03, 2.0, 1.0)
-    assert side[-1].tolist() == [0.3, 1.0]
-    assert side[-2].tolist() == [pytest.approx(0.3), -0.06]
-
-
-def test_no_process_zone_without_adhesion():
-    bare = dataclasses.replace(SCENE, adhesion=None)
-    assert geometry.section(state(), bare).zone.size == 0
-    assert moments.zone(bare, 0.2) == pytest.approx(0.002)
-    assert moments.zone(SCENE, 0.2) == ZONE
+    np.testing.assert_allclose(y, scale * (r**2 / 2 - 0.03))
+    side = section.outline(dataclasses.replace(SCENE, indenter=FlatPunch(0.3)), 0.03, 1.0, scale)
+    assert side[-2:, 0] == pytest.approx(0.3)
+    assert side[-1, 1] > side[-2, 1] == -0.03 * scale
+    assert Section(state(), dataclasses.replace(SCENE, adhesion=None)).zone.size == 0
 
 
 def test_areas_add_up_and_mirror_images_are_in_view():
-    cut = geometry.section(state(), SCENE)
+    cut = Section(state(), SCENE)
     assert cut.areas.sum() == pytest.approx(1.0)
-    right = cut.within(geometry.View(0.1, 0.3, -0.5, 0.5))
-    left = cut.within(geometry.View(-0.3, -0.1, -0.5, 0.5))
+    right, left = (cut.within(View(*sides, -0.5, 0.5)) for sides in ((0.1, 0.3), (-0.3, -0.1)))
     assert right.any()
     np.testing.assert_array_equal(left, right)
 
 
-def test_signed_colours_are_centred_on_zero():
+def test_ranges_of_colours():
+    """Signed ones are centred on zero; what is covered is area, not nodes; a logarithm spans decades."""
     value = np.concatenate([np.linspace(-3.0, 1.0, 400), [50.0]])
-    found = colours.colours(ValueKind.SIGNED, [value], [np.ones_like(value)])
+    found = colours(ValueKind.SIGNED, [value], [np.ones_like(value)])
     assert found.low == -found.high
     assert 2.9 < found.high < 3.0  # 99 % of the area; the spike is beyond
     assert found.extend == "both"
-    assert found.shade(0.0) == pytest.approx(0.5)
-    np.testing.assert_allclose(found.shade([-99.0, found.low, found.high, 99.0]), [0, 0, 1, 1])
-
-
-def test_range_follows_area_not_the_number_of_nodes():
+    np.testing.assert_allclose(found.shade([-99.0, found.low, 0.0, found.high, 99.0]), [0, 0, 0.5, 1, 1])
     value, area = np.array([1.0] * 5 + [9.0] * 95), np.array([1.0] * 5 + [1e-6] * 95)
-    assert colours.colours(ValueKind.POSITIVE, [value], [area]).high == 1.0
-    assert colours.colours(ValueKind.POSITIVE, [value], [np.ones(100)]).high == 9.0
-
-
-def test_colours_serve_several_views_and_decades():
-    one, two = np.linspace(0.0, 1.0, 50), np.linspace(0.0, 4.0, 50)
-    shared = colours.colours(ValueKind.POSITIVE, [one, two], [np.ones(50)] * 2)
-    assert 3.8 < shared.high <= 4.0
-    assert shared.low == 0.0
-    rates = colours.colours(ValueKind.DECADES, [two], [np.ones(50)])
-    assert rates.high / rates.low == pytest.approx(10.0**colours.DECADES)
-    assert rates.below
+    assert colours(ValueKind.POSITIVE, [value], [area]).high == 1.0
+    two = np.linspace(0.0, 4.0, 50)
+    assert 3.8 < colours(ValueKind.POSITIVE, [two / 4.0, two], [np.ones(50)] * 2).high <= 4.0
+    rates = colours(ValueKind.DECADES, [two], [np.ones(50)])
+    assert rates.high / rates.low == pytest.approx(10.0**SPANNED)
     np.testing.assert_allclose(rates.shade([0.0, rates.low, rates.low * 100, rates.high]), [0, 0, 0.5, 1])
-
-
-def test_fields_that_are_zero_or_not_finite():
-    nothing = colours.colours(ValueKind.SIGNED, [np.zeros(4)], [np.ones(4)])
+    nothing = colours(ValueKind.SIGNED, [np.zeros(4)], [np.ones(4)])
     assert (nothing.low, nothing.high, nothing.extend) == (-1.0, 1.0, "neither")
-    with pytest.raises(ValueError, match="finite"):
-        colours.colours(ValueKind.SIGNED, [np.array([np.nan])], [np.ones(1)])
-
-
-@pytest.mark.parametrize("kind", ValueKind)
-def test_maps_are_even_in_lightness(kind):
-    light = lightness(colormaps[kind.value](np.linspace(0, 1, 256))[:, :3])
-    if kind is ValueKind.SIGNED:  # darkens alike to both sides of a light middle
-        assert np.argmax(light) in range(120, 136)
-        assert (np.diff(light[:120]) > -0.05).all()
-        assert (np.diff(light[136:]) < 0.05).all()
-        assert np.abs(light - light[::-1]).max() < 8.0
-    else:
-        step = np.diff(light)
-        assert (step > 0.0).all()
-        assert step.max() < 2.5 * step.mean()
-
-
-def lightness(rgb):
-    """CIE L* of sRGB colours."""
-    linear = np.where(rgb > 0.04045, ((rgb + 0.055) / 1.055) ** 2.4, rgb / 12.92)
-    return 116.0 * np.cbrt(linear @ (0.2126, 0.7152, 0.0722)) - 16.0
 
 
 def test_quantities_read_the_state_they_name():
     one = state()
     for quantity in QUANTITIES.values():
         assert quantity.values(one).shape == (len(one.points),), quantity.name
-        assert "(" in quantity.label
         assert "$" not in quantity.plain
-    np.testing.assert_array_equal(QUANTITIES["stress_zz"].values(one), one.stress[1])
+    for k, part in enumerate(("rr", "zz", "tt", "rz")):
+        np.testing.assert_array_equal(QUANTITIES[f"stress_{part}"].values(one), one.stress[k])
+        np.testing.assert_array_equal(QUANTITIES[f"strain_{part}"].values(one), one.strain[k])
     np.testing.assert_array_equal(QUANTITIES["principal_1"].values(one), one.principal[0])
     np.testing.assert_array_equal(QUANTITIES["dissipation_rate"].values(one), one.dissipation_rate[0])
     assert QUANTITIES["stress_tt"].plain == "stress σθθ (force/length²)"
@@ -157,7 +135,7 @@ def test_quantities_read_the_state_they_name():
     assert not {"von_mises", "max_shear", "dissipated_energy"} & signed
 
 
-def test_key_moments_of_a_cycle():
+def test_moments_of_a_cycle():
     assert moments.key_moments(trace(), SCENE) == {
         0: "jump-in",
         3: "end of approach",
@@ -166,140 +144,243 @@ def test_key_moments_of_a_cycle():
     }
     never = trace(force=np.abs(trace().force))
     assert list(moments.key_moments(never, SCENE)) == [0, 3, 7]
-
-
-def test_frames_are_spread_over_the_contact():
     assert moments.in_contact(trace(), 4) == [0, 3, 6, 9]
-    assert moments.in_contact(trace(), 500) == list(range(10))
     assert moments.in_contact(trace(contact_radius=np.zeros(11)), 4) == []
-
-
-def test_figures_ask_for_the_rows_they_draw():
-    assert FigureSet().rows(trace(), SCENE) == {}
     assert not FigureSet(revolve=True).chooses_moments
-    assert list(FigureSet(moments=True).rows(trace(), SCENE)) == [0, 3, 7, 8]
     both = FigureSet(moments=True, animate=True, frames=4).rows(trace(), SCENE)
     assert list(both) == [0, 3, 6, 7, 8, 9]
-    assert both[8] == "pull-off"
-    assert both[9] == ""
-    with pytest.raises(SceneError, match="von-misses"):
-        FigureSet(("von-misses",))
+    assert (both[8], both[9]) == ("pull-off", "")
 
 
-def test_without_rendering_sections_are_left_out_with_a_word_and_the_rest_is_an_error(monkeypatch, tmp_path):
-    monkeypatch.setattr(rendering, "_attempt", lambda name: None)
-    rendering.rendering_window.cache_clear()
-    shown = states({3: "end of approach"})
-    try:
-        said = FigureSet().draw(tmp_path, shown, trace(), SCENE, lambda done: None)
-        assert len(said) == 1
-        assert "PyVista cannot draw" in said[0]
-        assert "libegl1" in said[0]
-        with pytest.raises(rendering.NoRendering):
-            FigureSet(moments=True).draw(tmp_path, shown, trace(), SCENE, lambda done: None)
-    finally:
-        rendering.rendering_window.cache_clear()
-    assert not list(tmp_path.rglob("*.png"))
+def shown(one, pair):
+    """Words of scale, view and ranges of colours of the section of a state."""
+    axes = figures.section(one, SCENE, pair).axes
+    bars = [each.get_ylim() for each in axes if each.get_label() == "<colorbar>"]
+    return axes[0].get_title().split("\n")[1], axes[0].get_xlim(), *bars
 
 
-@pytest.mark.parametrize(
-    ("display", "said", "expected"),
-    [
-        (None, "drawn with vtkEGLRenderWindow", rendering.RenderingWindow("vtkEGLRenderWindow", False)),
-        (":0", "drawn with vtkXOpenGLRenderWindow", rendering.RenderingWindow("", True)),
-        (
-            ":0",
-            "drawn with vtkEGLRenderWindow",
-            rendering.RenderingWindow("", False),
-        ),  # no such screen
-    ],
-)
-def test_screens_are_recognised(monkeypatch, display, said, expected):
-    monkeypatch.setattr(rendering, "_attempt", lambda name: said)
-    monkeypatch.setattr(sys, "platform", "linux")
-    for name in ("PYVISTA_OFF_SCREEN", "DISPLAY", rendering.CHOICE):
-        monkeypatch.delenv(name, raising=False)
-    if display is not None:
-        monkeypatch.setenv("DISPLAY", display)
-    rendering.rendering_window.cache_clear()
-    try:
-        assert rendering.rendering_window() == expected
-        rendering.rendering_window.cache_clear()
-        monkeypatch.setenv("PYVISTA_OFF_SCREEN", "true")
-        assert not rendering.rendering_window().screen
-    finally:
-        rendering.rendering_window.cache_clear()
+def test_sections_state_their_scale_and_may_be_alike(blank):
+    some = states({0: "", 3: "end of approach"})
+    one, other = (shown(each, figures.looks(some, SCENE, STRESS)) for each in some)
+    assert one == other
+    one, other = (shown(each, figures.looks([each], SCENE, STRESS)) for each in some)
+    assert one[1:3] != other[1:3]
+    cut = state(label="pull-off")
+    drawn = figures.section(cut, SCENE, figures.looks([cut], SCENE, STRESS))
+    scale = section.magnification(float(np.abs(cut.displacement).max()), RADIUS)
+    whole, edge = drawn.axes[:2]
+    assert f"displacements drawn {scale:g} times as large" in whole.get_title()
+    marks = sorted(line.get_xdata()[0] for line in whole.lines if line.get_gid() == "edge")
+    np.testing.assert_allclose(marks, np.array([-1, 1]) * RADIUS * (1 + 0.01 * scale))
+    assert edge.get_xlim()[0] < marks[1] < edge.get_xlim()[1]
+    assert edge.get_xlim()[1] - edge.get_xlim()[0] == pytest.approx(8 * ZONE)
+    assert [axes.get_ylabel() for axes in drawn.axes[2:]] == ["", r"stress $\sigma_{zz}$ (force/length²)"]
+
+
+def test_panels_are_alike_and_frames_mark_where_they_stand(blank):
+    four = states(moments.key_moments(trace(), SCENE))
+    drawn = figures.panels(four, SCENE, STRESS)
+    titled = [axes for axes in drawn.axes if axes.get_title()]
+    names = [axes.get_title().split(":")[0] for axes in titled]
+    assert names == ["jump-in", "end of approach", "start of detachment", "pull-off"]
+    assert len({(axes.get_xlim(), axes.get_ylim()) for axes in titled}) == 1
+    assert f"{look_at(four, SCENE, STRESS).scale:g} times as large" in drawn.get_suptitle()
+    spots = []
+    for frame in figures.frames(states({3: "", 8: ""}), trace(), SCENE, MISES):
+        lines = [line for axes in frame.axes for line in axes.lines if line.get_gid() == "state"]
+        spots += [(line.get_xdata()[0], line.get_ydata()[0]) for line in lines]
+    assert spots == [(0.03, 0.03), (-0.01, -0.01)]
+
+
+def test_pixels_have_the_colour_of_the_field_there(can_draw):
+    """Mirrored about the axis, white above the surface."""
+    cut, look = Section(state(), SCENE, 2.0), look_at([state()], SCENE, STRESS)
+    view = look.view(cut)
+    size = (400, round(400 / view.aspect))
+    image = rendering.picture(lambda plotter: rendering.add_section(plotter, cut, look), size)
+    field = LinearTriInterpolator(Triangulation(*cut.points.T, cut.state.triangles), cut.state.stress[1])
+    height, width = image.shape[:2]
+    for x, y in ((0.0, -0.2), (0.1, -0.15), (-0.1, -0.15), (0.3, -0.1), (-0.33, -0.3)):
+        column = int((x - view.left) / (view.right - view.left) * width)
+        row = int((view.top - y) / (view.top - view.bottom) * height)
+        centre = view.left + (column + 0.5) / width * (view.right - view.left)
+        at = view.top - (row + 0.5) / height * (view.top - view.bottom)
+        wanted = 255 * np.array(colormaps["RdBu_r"](look.colours.shade(field(abs(centre), at)))[:3])
+        assert np.abs(image[row, column] - wanted).max() < 6, (x, y)
+    highest = round((view.top - cut.surface[:, 1].max()) / (view.top - view.bottom) * height)
+    assert (image[: highest - 1] == 255).all()
+
+
+def test_body_of_revolution(can_draw):
+    """The outline of the half in view is turned about the axis; it carries the field."""
+    cut = Section(state(), SCENE, 2.0)
+    look: Look = look_at([cut.state], SCENE, STRESS)
+    ring = rendering.turned(rendering.line([cut.edge]))
+    np.testing.assert_allclose(np.hypot(*np.asarray(ring.points)[:, :2].T), cut.edge[0], rtol=1e-6)
+    drawn = figures.body(cut.state, SCENE, look)
+    picture = np.asarray(drawn.axes[0].images[0].get_array())
+    assert picture.shape == (*figures.BODY_PIXELS[::-1], 3)
+    assert 0.2 < (picture.min(axis=2) < 255).mean() < 0.95
+    parts = {}
+
+    class Plotter:
+        def __getattr__(self, name):
+            return self
+
+        def __call__(self, *given, **named):
+            if "name" in named:
+                parts[named["name"]] = given[0]
+            return self
+
+    rendering.add_body(Plotter(), cut, look)
+    skin, view = parts["skin"], look.view(cut)
+    assert np.hypot(*np.asarray(skin.points)[:, :2].T).max() == pytest.approx(view.right)
+    assert skin.bounds[4] == pytest.approx(view.bottom)
+    on_top = np.isclose(np.hypot(*np.asarray(skin.points)[:, :2].T), cut.edge[0], atol=1e-6)
+    on_top &= skin.points[:, 2] > view.bottom * 0.99
+    wanted = look.colours.shade(RADIUS)  # stress r + z of the undeformed edge
+    assert skin.point_data["shade"][on_top] == pytest.approx(wanted, abs=1e-5)
 
 
 @pytest.mark.slow
-def test_nothing_that_draws_is_loaded_before_something_is_drawn():
+def test_figures_are_written_as_reported(tmp_path, blank):
+    asked = FigureSet(("von_mises",), moments=True, animate=True, revolve=True, frames=2)
+    done: list[float] = []
+    some = states({0: "", 8: "pull-off", 9: ""})
+    said = asked.draw(tmp_path, some, trace(), SCENE, done.append, {0})
+    files = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.*")}
+    single = {f"{kind}/von_mises_{row:06d}.png" for kind in ("sections", "revolution") for row in (0, 8)}
+    assert files == single | {"strip_von_mises.png", "cycle_von_mises.gif"}  # 9: a frame only
+    assert len(said) == len(files)
+    assert done == sorted(done)
+    assert done[-1] == 1.0
+    with Image.open(tmp_path / "cycle_von_mises.gif") as gif:
+        frames = []
+        for number, duration in enumerate((figures.FRAME, figures.LAST)):
+            gif.seek(number)
+            frames.append(np.asarray(gif.convert("RGB"), int))
+            assert gif.info["duration"] == duration
+        assert (gif.n_frames, gif.info["loop"]) == (2, 0)
+    assert all(np.abs(a - b).mean() > 0.3 for a, b in pairwise(frames))
+
+
+@pytest.mark.slow
+def test_drawing_off_screen_is_silent(can_draw):
     code = (
-        "import sys, validation.fields.figures.figure_set, validation.fields.page as f\n"
-        "from validation.report import document, html\n"
-        "html.text(document.Document('', (), f.chapter(f.CycleFields(None)).sections))\n"
-        "print(*sorted({m.split('.')[0] for m in sys.modules}))"
+        "import pyvista\n"
+        "from validation.fields import rendering\n"
+        "print(rendering.picture(lambda plotter: plotter.add_mesh(pyvista.Plane()), (40, 30)).shape)\n"
+        "print(rendering.show(lambda plotter: None, 'title'))\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
-    assert not {"pyvista", "vtk", "vtkmodules", "matplotlib", "PIL", "skfem"} & set(done.stdout.split())
+    kept = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", rendering.CHOICE)}
+    command = [sys.executable, "-W", "error", "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env=kept)
+    assert done.stdout.split("\n")[:2] == ["(30, 40, 3)", "False"]
+    assert done.stderr == ""
+
+
+@pytest.mark.slow
+def test_a_machine_without_opengl_is_told_so(tmp_path):
+    """VTK dies there; the files for ParaView are written all the same."""
+    hidden = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", rendering.CHOICE)}
+    hidden["__EGL_VENDOR_LIBRARY_DIRS"] = str(tmp_path)
+    file = tmp_path / "pressed.toml"
+    file.write_text(PRESSED)
+    run = [sys.executable, "-m", "crosscontact", "fields", str(file), "--resolution", "4", "--at", "0.1"]
+    run += ["--out", str(tmp_path / "out")]
+    done = subprocess.run(run, capture_output=True, text=True, cwd=ROOT, env=hidden)
+    assert done.returncode == 0
+    assert "no figures: PyVista cannot draw" in done.stdout
+    assert "libegl1" in done.stdout
+    assert (tmp_path / "out" / "body.pvd").is_file()
+    assert not list(tmp_path.rglob("*.png"))
+    done = subprocess.run([*run, "--revolve"], capture_output=True, text=True, cwd=ROOT, env=hidden)
+    assert done.returncode == 1
+    assert done.stderr.count("error: PyVista cannot draw") == 1
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.slow
+def test_key_moments_of_the_papers_cycle_from_the_command_line(tmp_path, capsys, can_draw):
+    arguments = ["fields", "cycle-v0.002", "--resolution", "4", "--strip", "--quantity", "stress_zz"]
+    assert main([*arguments, "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    for name in ("jump-in", "end of approach", "start of detachment", "pull-off"):
+        assert name in said
+    assert len(list((tmp_path / "sections").glob("stress_zz_*.png"))) == 4
+    with Image.open(tmp_path / "strip_stress_zz.png") as picture:
+        red = np.asarray(picture.convert("RGB"), int)
+    tension = (red[..., 0] > 90) & (red[..., 1] < 40) & (red[..., 2] < 60)  # deep red: tension, at the edges
+    pressure = (red[..., 0] < 40) & (red[..., 1] < 70) & (red[..., 2] > 80)  # deep blue
+    middle = red.shape[0] // 2, red.shape[1] // 2
+    assert pressure[: middle[0], middle[1] :].sum() > 20 * pressure[middle[0] :, middle[1] : -160].sum()
+    assert tension[middle[0] :, middle[1] : -160].sum() > 3 * tension[: middle[0], middle[1] : -160].sum()
 
 
 def test_fig3_lays_both_solvers_over_each_other():
     drawn = fig3.figure(SCENE, surfaces(), surfaces(), 2.0)
-    panels = [axes for axes in drawn.axes if axes.get_title()]
-    titles = [axes.get_title() for axes in panels]
+    titled = [axes for axes in drawn.axes if axes.get_title()]
+    titles = [axes.get_title() for axes in titled]
     assert titles[0] == r"(a) approach, $\Delta/R$ = 0.01"
     assert titles[2] == r"(c) retraction, $\Delta/R$ = 0.03"
     assert [title[:3] for title in titles] == ["(a)", "(b)", "(c)", "(d)", "(e)", "(f)", "(g)"]
-    lines = {line.get_label(): line for line in panels[0].lines}
+    lines = {line.get_label(): line for line in titled[0].lines}
     np.testing.assert_allclose(lines["indenter"].get_ydata(), lines["indenter"].get_xdata() ** 2 / 2 - 0.01)
-    shown = lines["bem"].get_xdata() <= 0.199
-    flat = lines["bem"].get_xdata()[shown], lines["bem"].get_ydata()[shown]
+    inside = lines["bem"].get_xdata() <= 0.199
+    flat = lines["bem"].get_xdata()[inside], lines["bem"].get_ydata()[inside]
     np.testing.assert_allclose(flat[1], flat[0] ** 2 / 2 - 0.01, atol=1e-12)
     assert set(lines["fem"].get_xdata()) <= set(lines["bem"].get_xdata())
-    inset = panels[0].child_axes[0]
+    inset = titled[0].child_axes[0]
     assert inset.lines[0].get_ydata()[0] == pytest.approx((1 - 0.25) * 5.0 / np.pi)  # (1-nu^2) p/(pi E0)
     assert inset.lines[0].get_xdata().max() <= fig3.NEAREST * 0.2
-    crack = panels[-1].lines[0]
+    crack = titled[-1].lines[0]
     np.testing.assert_allclose(crack.get_ydata(), np.sqrt(crack.get_xdata()) / 10)
-
-
-def test_fig3_refuses_what_does_not_belong_together():
     with pytest.raises(ValueError, match="different times"):
         fig3.figure(SCENE, surfaces(), surfaces((1.0, 2.0, 3.0, 4.5)), 2.0)
     with pytest.raises(ValueError, match="retraction"):
         fig3.figure(SCENE, surfaces(), surfaces(), 9.0)
 
 
-def test_alike_sections_share_scale_view_and_colours(monkeypatch):
-    monkeypatch.setattr(rendering, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
-    some, quantity = states({0: "", 3: "end of approach"}), QUANTITIES["stress_zz"]
+@pytest.mark.slow
+def test_a_report_holds_strips_edge_body_film_and_fig3(tmp_path, monkeypatch, blank):
+    """Only when asked; where VTK cannot draw, it says so."""
+    monkeypatch.setattr("validation.scenes.suite", lambda name: [])  # a report without scenes
+    key, frames = moments.key_moments(trace(), SCENE), moments.in_contact(trace(), 2)
 
-    def shown(common):
-        found = []
-        for one in some:
-            axes = single_section.single_section(one, SCENE, quantity, common).axes
-            bars = [each.get_ylim() for each in axes if each.get_label() == "<colorbar>"]
-            found.append((axes[0].get_title().split("\n")[1], axes[0].get_xlim(), *bars))
-        return found
+    class Recorded:
+        recording = type("Recording", (), {"trace": trace()})
 
-    one, other = shown(single_section.alike(some, SCENE, quantity))
-    assert one == other
-    one, other = shown(None)
-    assert one[1:3] != other[1:3]
+        def states(self):
+            return states(dict(sorted((dict.fromkeys(frames, "") | key).items())))
+
+    monkeypatch.setattr(chapter, "record_fields", lambda *given: Recorded())
+    monkeypatch.setattr(chapter, "balance", lambda *given: moments.EnergySums(1, 1, {}, 1.5, 1, 1, 0, 1))
+    main(["report", "--out", str(tmp_path / "plain")])
+    assert not (tmp_path / "plain" / "figures").exists()
+    with without_layout():
+        main(["report", "--fields", "--out", str(tmp_path / "drawn")])
+    page = (tmp_path / "drawn" / "index.html").read_text()
+    strips = {f"fields-strip-{name}.png" for name in figures.USUAL}
+    edges = {f"fields-section-{name}.png" for name in figures.USUAL[:2]}
+    written = {path.name for path in (tmp_path / "drawn" / "figures").iterdir()}
+    assert written == strips | edges | {"fields-revolution.png", "fields-cycle.gif"}
+    assert page.count("<img ") == len(written)
+    assert ">pull-off</td>" in page
+    assert "No Fig. 3: a run is missing." in page
+
+    def undrawn(*given):
+        raise rendering.NoRendering("PyVista cannot <draw>")
+        yield
+
+    monkeypatch.setattr(chapter, "pictures", undrawn)
+    text = html.text(Document("", (), chapter.chapter({}).sections))
+    assert '<p class="fail">No pictures of fields: PyVista cannot &lt;draw&gt;</p>' in text
 
 
-def test_one_section_states_its_scale(monkeypatch):
-    monkeypatch.setattr(rendering, "picture", lambda fill, size: np.zeros((size[1], size[0], 3), np.uint8))
-    one = state(label="pull-off")
-    drawn = single_section.single_section(one, SCENE, QUANTITIES["stress_zz"])
-    scale = geometry.magnification(float(np.abs(one.displacement).max()), RADIUS)
-    whole, edge = drawn.axes[:2]
-    assert f"displacements drawn {scale:g} times as large" in whole.get_title()
-    assert edge.get_title() == f"at the contact edge\ndrawn {scale:g} times as large"
-    marks = sorted(line.get_xdata()[0] for line in whole.lines if line.get_gid() == "edge")
-    np.testing.assert_allclose(marks, np.array([-1, 1]) * RADIUS * (1 + 0.01 * scale))
-    assert edge.get_xlim()[0] < marks[1] < edge.get_xlim()[1]
-    assert edge.get_xlim()[1] - edge.get_xlim()[0] == pytest.approx(8 * ZONE)
-    bars = [axes for axes in drawn.axes if axes.get_label() == "<colorbar>"]
-    assert all(axes.get_ylim()[0] == -axes.get_ylim()[1] for axes in bars)
-    assert [axes.get_ylabel() for axes in bars] == ["", r"stress $\sigma_{zz}$ (force/length²)"]
+def test_fig3_of_a_report_needs_both_solvers():
+    case = dataclasses.replace(load(chapter.SCENE), scene=SCENE)
+    run = dataclasses.replace(trace(), profiles=tuple(surfaces((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))))
+    short = dataclasses.replace(run, profiles=run.profiles[:4])
+    for fem, drawn in ((run, True), (short, False), (None, False)):
+        runs = {name: Run(case.name, name, one) for name, one in (("bem", run), ("fem", fem))}
+        assert bool(chapter.surfaces(runs, case).picture) == drawn

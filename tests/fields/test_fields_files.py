@@ -31,14 +31,13 @@ from contact_scene import (
     Sphere,
 )
 from crosscontact.cli import main
+from crosscontact.commands import fields
 from fem_solver import Options, field_states, record
 from meshes import fit, structured_half_space
-from validation.fields import files, request
-from validation.fields.balance import balance
-from validation.fields.grid import cell_data, grid, indenter, point_data, surface, triangle_volumes
-from validation.fields.request import FieldRequest, check_times, ending, record_fields
-from validation.fields.section_mesh import surface_nodes
-from validation.runs.folder_lock import locked_folder
+from validation.fields import figures, files, moments
+from validation.fields.files import cell_data, data_sets, point_data
+from validation.fields.moments import FieldRequest, balance, check_times, record_fields
+from validation.fields.section import surface_nodes
 
 MATERIAL = Material(0.75, 0.4, (Branch(2.0, 0.3),))
 
@@ -63,7 +62,7 @@ def scene_file(tmp_path):
 def test_data_sets_hold_every_field_with_its_unit(looked_into):
     scene, _, states = looked_into
     state = states[1]
-    body = grid(state)
+    body, top, outline = data_sets(state, scene).values()
     names = [f"stress_{part} [force/length^2]" for part in ("rr", "zz", "tt", "rz")]
     names += [f"strain_{part} [1]" for part in ("rr", "zz", "tt", "rz")]
     names += [f"principal_{k} [force/length^2]" for k in (1, 2, 3)]
@@ -79,11 +78,9 @@ def test_data_sets_hold_every_field_with_its_unit(looked_into):
     total = body.point_data["dissipation_rate [energy/(length^3 time)]"]
     assert np.array_equal(total, state.dissipation_rate.sum(axis=0))
     assert body.field_data["TimeValue"] == [state.time]
-    top = surface(state)
     assert np.array_equal(top.point_data["pressure [force/length^2]"], state.surface.pressure)
     assert np.allclose(top.points[:, 2], -state.surface.displacement)
-    outline = indenter(state, scene).points
-    assert outline[0, 2] == -state.penetration
+    assert outline.points[0, 2] == -state.penetration
     # where they touch, the surface lies on the indenter
     inside = state.surface.radius < 0.9 * state.contact_radius
     height = scene.indenter.height(state.surface.radius[inside]) - state.penetration
@@ -93,7 +90,7 @@ def test_data_sets_hold_every_field_with_its_unit(looked_into):
 def test_all_parts_are_deformed_in_the_plane_of_r_and_z(looked_into):
     scene, _, states = looked_into
     state = states[1]
-    body, top, outline = grid(state), surface(state), indenter(state, scene)
+    body, top, outline = data_sets(state, scene).values()
     for part in (body, top, outline):
         assert np.all(part.points[:, 1] == 0.0)
         assert part.point_data["displacement_applied [length]"].shape == part.points.shape
@@ -120,13 +117,13 @@ def test_cells_sum_to_integrals(looked_into):
     assert volumes @ cells["dissipated_energy tau=0.3 [energy/length^3]"] == pytest.approx(
         sums.dissipated, rel=1e-9
     )
-    assert (triangle_volumes(state) > 0.0).all()
+    assert (volumes > 0.0).all()
 
 
 def test_a_punch_has_its_side(looked_into):
     _, _, states = looked_into
     scene = Scene(MATERIAL, FlatPunch(0.1), Loading("jump-in", 0.015), ADHESION)
-    outline = indenter(states[0], scene).points
+    outline = data_sets(states[0], scene)["indenter"].points
     assert outline[-1, 0] == outline[-2, 0] == 0.1
     assert outline[-1, 2] > outline[-2, 2] == -states[0].penetration
 
@@ -165,10 +162,10 @@ def test_series_is_read_back(looked_into, tmp_path):
 
 
 def test_nothing_half_written_stays(looked_into, tmp_path, monkeypatch):
-    _, _, states = looked_into
+    scene, _, states = looked_into
     target = tmp_path / "a.vtu"
     target.write_text("the one before", encoding="utf-8")
-    body = grid(states[0])
+    body = data_sets(states[0], scene)["body"]
 
     def full(descriptor):
         raise OSError(errno.ENOSPC, "No space left on device")
@@ -181,23 +178,31 @@ def test_nothing_half_written_stays(looked_into, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_ends_of_loadings():
-    ramps = (Ramp(0.02, 0.01), Hold(3.0))
-    assert ending(Loading("relaxed", 0.0, ramps)) == 5.0
-    assert ending(Loading("relaxed", 0.0)) == 0.0
-    assert ending(Loading("relaxed", 0.0, (*ramps, Force(1.0, 2.0)))) == 7.0
-    assert ending(Loading("relaxed", 0.0, (Force(1.0, 2.0), ForceRamp(3.0, 1.0)))) == 4.0
-    assert ending(Loading("relaxed", 0.0, (Force(1.0, 2.0), Ramp(0.02, 0.01)))) is None
-    assert ending(Loading("relaxed", 0.0, (ForceRamp(1.0, 2.0),))) is None
+RAMPS = (Ramp(0.02, 0.01), Hold(3.0))
+ENDS = [
+    ((), 0.0),
+    (RAMPS, 5.0),
+    ((*RAMPS, Force(1.0, 2.0)), 7.0),
+    ((Force(1.0, 2.0), ForceRamp(3.0, 1.0)), 4.0),
+]
 
 
-def test_times_are_checked_before_anything_is_solved():
-    loading = Loading("relaxed", 0.0, (Ramp(0.3, 0.1),))
-    end = ending(loading)
-    assert check_times([3.0 * (1 + 1e-12), 1.0, 1.0], loading) == (1.0, end)
-    for wrong, said in ((-1.0, "times >= 0"), (math.nan, "times >= 0"), (3.1, "after the loading ends")):
+@pytest.mark.parametrize(("steps", "end"), ENDS)
+def test_times_are_checked_before_anything_is_solved(steps, end):
+    loading = Loading("relaxed", 0.0, steps)
+    assert check_times([end * (1 + 1e-12), end / 2, end / 2], loading) == tuple(sorted({end / 2, end}))
+    for wrong, said in (
+        (-1.0, "times >= 0"),
+        (math.nan, "times >= 0"),
+        (end + 0.1, "after the loading ends"),
+    ):
         with pytest.raises(SceneError, match=said):
             check_times([wrong], loading)
+
+
+@pytest.mark.parametrize("steps", [(Force(1.0, 2.0), Ramp(0.02, 0.01)), (ForceRamp(1.0, 2.0),)])
+def test_a_ramp_after_a_force_ends_when_the_run_says(steps):
+    assert check_times([1e9], Loading("relaxed", 0.0, steps)) == (1e9,)
 
 
 @pytest.mark.slow
@@ -213,7 +218,7 @@ def test_one_run_for_a_constant_ratio_and_two_for_separate_relaxation(monkeypatc
         assert len(runs) == count
         assert found.moments[3] == "third"
         assert [state.label for state in found.states()] == ["third", ""]
-        pulling = request.pull_off(found.recording)
+        pulling = moments.pull_off(found.recording)
         assert pulling is None or pulling in found.recording.log
 
 
@@ -267,14 +272,26 @@ def test_a_run_that_never_touches(tmp_path, capsys):
     assert "not finished: no equilibrium at the start" in capsys.readouterr().err
 
 
-def test_a_default_folder_is_held(scene_file, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    asked = ["fields", scene_file, "--at", "0", "--resolution", "4", "--no-figures"]
-    with locked_folder("out/fields/down-and-up"):
-        assert main(asked) == 2
-        assert not (tmp_path / "out/fields/down-and-up/body.pvd").exists()
-    assert main(asked) == 0
-    assert (tmp_path / "out/fields/down-and-up/body.pvd").exists()
+def test_interrupted_in_the_run(scene_file, tmp_path, monkeypatch, capsys):
+    def stop(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(fields, "record_fields", stop)
+    assert main(["fields", scene_file, "--at", "0", "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert said == ["crosscontact: the same command begins anew", "crosscontact: interrupted"]
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+def test_an_animation_alone_writes_no_files_for_paraview(scene_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(figures, "film", lambda *given: b"GIF" * 700)
+    out = tmp_path / "out"
+    assert main(["fields", scene_file, "--animate", "--resolution", "4", "--out", str(out)]) == 0
+    assert {path.name for path in out.rglob("*") if path.is_file()} == {"scene.toml", "cycle_von_mises.gif"}
+    said = capsys.readouterr().out
+    assert "cycle_von_mises.gif (2.1 kB)" in said
+    assert "ParaView" not in said
 
 
 def test_a_run_that_never_pulls(tmp_path, capsys):

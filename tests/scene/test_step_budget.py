@@ -13,7 +13,7 @@ from contact_scene import Adhesion, Branch, Loading, Material, Oscillate, Ramp, 
 from contact_scene.run_control import MAX_STEPS
 from crosscontact.cli import main
 from validation import solvers
-from validation.fields import request
+from validation.fields import moments
 from validation.runs.pool import run_tasks
 from validation.solvers import SOLVERS
 from validation.solvers.base import step_budget
@@ -68,7 +68,7 @@ def test_fields_have_the_same_budget(monkeypatch):
     monkeypatch.setattr("fem_solver.record", record)
     for given, budget in ((None, step_budget(LONG["2,000 cycles"])), (7, 7)):
         with pytest.raises(RuntimeError, match=f"^{budget}$"):
-            request.record_fields(LONG["2,000 cycles"], request.FieldRequest(), 4, max_steps=given)
+            moments.record_fields(LONG["2,000 cycles"], moments.FieldRequest(), 4, max_steps=given)
 
 
 def test_compare_bounds_every_run(tmp_path, monkeypatch):
