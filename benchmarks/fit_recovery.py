@@ -31,7 +31,7 @@ from validation.fits.fit import fit_curves
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.synthetic import synthetic
-from validation.runs.files import output_folder, to_json, write_whole
+from validation.runs.folder import output_folder, to_json, write_whole
 from validation.runs.pool import Task, TaskResult, processes, run_tasks
 from validation.runs.progress import Progress
 from validation.runs.provenance import fingerprint

@@ -30,10 +30,9 @@ from contact_scene.scene import write_scene
 from validation.compare.against_reference import check_case
 from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import scale
-from validation.runs.files import output_folder
-from validation.runs.pool import TaskEnding, TaskResult, completed_tasks, processes
+from validation.runs.folder import output_folder
+from validation.runs.pool import TaskEnding, TaskResult, completed_tasks, processes, run_of, run_task
 from validation.runs.run import Run
-from validation.runs.solver_tasks import run_of, run_task
 from validation.solvers import REFERENCE, SOLVERS, solver
 
 WRONG = 0.05

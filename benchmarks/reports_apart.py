@@ -22,8 +22,7 @@ from contact_scene import SceneError
 from validation import cases
 from validation.measure.norms import CURVES, distance
 from validation.measure.scaling import Magnitudes
-from validation.runs.run import Run
-from validation.runs.run_folder import read_run
+from validation.runs.run import Run, read_run
 
 SAME = 1e-9
 """Relative difference that is none: a thousandth of what step control and Newton iterations leave open."""

@@ -22,9 +22,8 @@ from validation.cases import Case
 from validation.claims.claim import Finding, Part, Verdict
 from validation.compare.suite import SceneComparison, SuiteComparison
 from validation.measure.check import Check
-from validation.runs.files import from_json, in_words
-from validation.runs.run import Run
-from validation.runs.run_folder import read_run
+from validation.runs.folder import from_json, in_words
+from validation.runs.run import Run, read_run
 from validation.stability.measure import MISSING
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell, CellVerdict

@@ -19,9 +19,9 @@ from statistics import quantiles
 
 from contact_scene import Loading, Material, Ramp, Scene, Sphere
 from validation import solvers
-from validation.runs.engines import LOCAL_CLUSTER, own_engine
+from validation.runs.pool import LOCAL_CLUSTER, own_engine
 from validation.runs.process import keep_freed
-from validation.runs.run_table import RunTable
+from validation.runs.store import RunTable
 from validation.sweeps.plan import SweepPlan, of_scene, plan_from_dict
 from validation.sweeps.run_plan import carry_out
 

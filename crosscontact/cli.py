@@ -123,7 +123,7 @@ def _run(options: argparse.Namespace) -> int:
     run: Callable[[argparse.Namespace, int], int] = options.run
     if getattr(options, "out", None) is None or getattr(options, "dry_run", False):
         return run(options, jobs)
-    from validation.runs.folder_lock import locked_folder
+    from validation.runs.folder import locked_folder
 
     with locked_folder(options.out):
         return run(options, jobs)

@@ -10,7 +10,7 @@ from validation.exam.answer import read_folder
 from validation.exam.judge import Judgement, judge_folder, write
 from validation.exam.own_answers import export_reference, reference_runs
 from validation.exam.question import exam_cases, export_scenes
-from validation.runs.files import output_folder
+from validation.runs.folder import output_folder
 from validation.runs.store import Store
 from validation.scenes import SUITES
 

@@ -19,8 +19,7 @@ from crosscontact.result import html_table
 from validation.fits import charts
 from validation.fits.afm_files import is_afm_file, read_file, write_afm
 from validation.fits.curve_files import write_csv
-from validation.fits.fit import fit_curves
-from validation.fits.fit_question import check_folder, question
+from validation.fits.fit import fit_curves, question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import REGULARISATION, FitSettings
 from validation.fits.measured_curve import MeasuredCurve
@@ -28,8 +27,7 @@ from validation.fits.page import lead, statements, table, write_fit
 from validation.fits.statistics import Estimate
 from validation.fits.synthetic import synthetic
 from validation.report.terminal import aligned
-from validation.runs.files import output_folder
-from validation.runs.report_folder import FIT, check_kind
+from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
 
 if TYPE_CHECKING:
@@ -232,8 +230,7 @@ def _fit_and_write(
 ) -> FitResult:
     """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
     if folder is not None:
-        check_kind(folder, FIT, "out")
-        check_folder(folder, question(curves, guess, settings), guess, "out")
+        claim(folder, "a fit", question(curves, guess, settings), "out")
     store = Store(folder)
     try:
         result = fit_curves(curves, guess, settings, executor, store, progress)

@@ -17,9 +17,8 @@ from validation.drawing.export import png
 from validation.drawing.styles import curve_style
 from validation.measure.dimensionless import SYMBOLS, unit_sizes
 from validation.report.terminal import aligned
-from validation.runs.files import output_folder
-from validation.runs.run import Run
-from validation.runs.run_folder import read_run, write_run
+from validation.runs.folder import output_folder
+from validation.runs.run import Run, read_run, write_run
 
 if TYPE_CHECKING:
     import pandas

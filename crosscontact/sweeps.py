@@ -16,10 +16,9 @@ from contact_scene.run_control import whole_number
 from contact_scene.value_checks import function_or_none, one_of, positive
 from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, checked_path
-from validation.runs.engines import engine_of, own_engine
-from validation.runs.folder_lock import locked_folder
-from validation.runs.report_folder import SWEEP, check_kind
-from validation.runs.run_table import RunTable
+from validation.runs.folder import claim, locked_folder
+from validation.runs.pool import engine_of, own_engine
+from validation.runs.store import RunTable
 from validation.sweeps.dataset import check_writable, to_dataset, write_results
 from validation.sweeps.plan import DESIGNS, SAMPLES, SceneTable, builtin_or_file, of_scene, plan_from_dict
 from validation.sweeps.run_plan import carry_out
@@ -133,7 +132,7 @@ def sweep(
             engine = replace(engine, batch_seconds=batch_seconds)
         folder = None if target is None else opened.enter_context(locked_folder(target, "out"))
         if folder is not None:
-            check_kind(folder, SWEEP, "out")
+            claim(folder, "a sweep", {}, "out")
         stored = opened.enter_context(RunTable(folder))
         runs = carry_out(plan, stored, engine, progress)
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)

@@ -10,10 +10,9 @@ from validation.compare import page
 from validation.compare.scene_page import verdicts
 from validation.compare.suite import all_pairs, compare_scenes
 from validation.report import terminal
-from validation.runs.files import output_folder
+from validation.runs.folder import claim, output_folder, scene_question
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
-from validation.runs.report_folder import REPORT, check_report_unused
 from validation.runs.store import Store
 from validation.solvers import SOLVERS
 
@@ -47,8 +46,9 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         options.scenes, lambda case: [SOLVERS[name] for _, name in all_pairs([case], solvers)]
     )
     folder = None if options.out is None else output_folder(options.out)
-    if folder is not None and not options.fresh:
-        check_report_unused(folder, REPORT, loaded)
+    if folder is not None:
+        scenes = scene_question(*((case.name, case.scene) for case in loaded))
+        claim(folder, "a report", scenes, fresh=options.fresh)
     pairs = all_pairs(loaded, solvers)
     store = Store(folder, options.fresh)
     with shared.telling_what_is_kept(folder, store), processes(min(jobs, len(pairs))) as executor:

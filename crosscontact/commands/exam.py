@@ -20,7 +20,7 @@ from validation.exam.own_answers import (
 )
 from validation.exam.question import exam_cases, export_scenes, listed_cases
 from validation.report.document import counted
-from validation.runs.files import output_folder
+from validation.runs.folder import output_folder
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
 from validation.scenes import SUITES

@@ -30,11 +30,9 @@ from validation.fields.moments import (
 )
 from validation.fields.quantities import QUANTITIES
 from validation.report.document import counted, plain
-from validation.runs.files import in_words, output_folder
-from validation.runs.folder_lock import locked_folder
+from validation.runs.folder import claim, in_words, locked_folder, output_folder, scene_question
 from validation.runs.process import GracefulStop, interrupting
 from validation.runs.progress import Progress, StepProgress
-from validation.runs.run_folder import check_unused
 
 if TYPE_CHECKING:
     from fem_solver import FieldState
@@ -125,9 +123,7 @@ def _into(
     options: argparse.Namespace,
 ) -> int:
     scene, max_steps = case.scene, options.max_steps
-    if not options.fresh:
-        check_unused(folder, scene, solver=METHOD.name)
-    shared.drop_former(folder)
+    claim(folder, "a run", scene_question(("", scene), solver=METHOD.name), fresh=options.fresh)
     stop = GracefulStop()
     shared.warn(solvers.scene_warnings(scene))
     states: list[FieldState] = []  # to be drawn

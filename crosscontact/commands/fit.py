@@ -11,15 +11,13 @@ from crosscontact.commands import shared
 from crosscontact.commands.shared import say
 from crosscontact.fitting import Fit, read_curves
 from validation import cases
-from validation.fits.fit import fit_curves
-from validation.fits.fit_question import check_folder, question
+from validation.fits.fit import fit_curves, question
 from validation.fits.fit_result import InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.page import write_fit
-from validation.runs.files import output_folder
+from validation.runs.folder import claim, output_folder
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
-from validation.runs.report_folder import FIT, check_kind
 from validation.runs.store import Store
 
 SETTINGS = (
@@ -72,9 +70,8 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     except ImportError as error:
         raise SceneError("", str(error), "a CSV file, or the extra") from None
     folder = None if options.out is None else output_folder(options.out)
-    if folder is not None and not options.fresh:
-        check_kind(folder, FIT)
-        check_folder(folder, question(curves, scene, settings), scene)
+    if folder is not None:
+        claim(folder, "a fit", question(curves, scene, settings), fresh=options.fresh)
     store = Store(folder, options.fresh)
     try:
         with Progress("fit") as progress, processes(jobs) as executor:

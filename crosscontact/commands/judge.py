@@ -10,10 +10,9 @@ from crosscontact.commands import shared
 from validation.exam.answer import read_folder
 from validation.exam.judge import judge_folder, lead, overview, write
 from validation.report import terminal
-from validation.runs.files import output_folder
+from validation.runs.folder import claim, output_folder
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
-from validation.runs.report_folder import EXAM, check_report_unused
 from validation.runs.store import Store
 
 
@@ -28,8 +27,8 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     """Judge everything in a folder and print the verdicts; 1 if an answer failed."""
     found = read_folder(Path(options.folder))
     target = None if options.out is None else output_folder(options.out)
-    if target is not None and not options.fresh:
-        check_report_unused(target, EXAM)
+    if target is not None:
+        claim(target, "verdicts on an exam", {}, fresh=options.fresh)
     store = Store(target, options.fresh)
     with (
         Progress("judge") as progress,

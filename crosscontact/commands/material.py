@@ -16,7 +16,7 @@ from contact_scene.value_checks import one_of, positive
 from crosscontact.commands import shared
 from validation.drawing.material_figure import draw_fit, draw_series
 from validation.report.terminal import aligned
-from validation.runs.files import output_folder
+from validation.runs.folder import output_folder
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

@@ -17,10 +17,9 @@ from validation.compare.suite import SceneComparison, all_pairs, compare_scenes
 from validation.fields import chapter as fields_chapter
 from validation.report.document import counted, number
 from validation.report.report import Chapter
-from validation.runs.files import output_folder
+from validation.runs.folder import claim, output_folder, scene_question
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
-from validation.runs.report_folder import REPORT, check_report_unused
 from validation.runs.store import Store
 from validation.stability import page as stability_page
 
@@ -55,8 +54,8 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     old = None if baseline is None else regression.read(baseline)
     folder = output_folder(options.out)
     loaded = cases.load_all(scenes.suite(suite))
-    if not options.fresh:
-        check_report_unused(folder, REPORT, loaded)
+    question = scene_question(*((case.name, case.scene) for case in loaded))
+    claim(folder, "a report", question, fresh=options.fresh)
     store = Store(folder, options.fresh)
     with telling_what_is_kept(folder, store), processes(min(jobs, len(all_pairs(loaded)))) as executor:
         progress = Progress("report")

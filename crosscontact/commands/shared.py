@@ -17,7 +17,7 @@ from validation.cases import Case
 from validation.drawing.export import png, svg_file
 from validation.measure.check import Check
 from validation.report.document import number as in_digits
-from validation.runs.files import write_whole
+from validation.runs.folder import write_whole
 from validation.runs.process import interrupting
 from validation.runs.store import Store
 from validation.solvers import Solver
@@ -175,14 +175,6 @@ def telling_what_is_kept(folder: Path | None, store: Store) -> Iterator[None]:
         else:
             say("no run is done: there is nothing to keep")
         raise
-
-
-def drop_former(folder: Path | None) -> None:
-    """Remove half a run that an earlier version has left in a folder, unread, and say so."""
-    former = None if folder is None else folder / "checkpoint"
-    if former is not None and former.is_file():
-        former.unlink()
-        say(f"starting anew: {former} is of an earlier version")
 
 
 def load_taken(names: Iterable[str], methods: Callable[[Case], Iterable[Solver]]) -> list[Case]:

@@ -15,12 +15,11 @@ from crosscontact.result import SCALES_IN_WORDS, Result, key_numbers
 from validation import cases, solvers
 from validation.measure.windows import load_steps_begun
 from validation.report.terminal import aligned
-from validation.runs.files import output_folder
+from validation.runs.folder import claim, output_folder, scene_question
 from validation.runs.process import GracefulStop
 from validation.runs.progress import Progress, StepProgress
-from validation.runs.run import Run
+from validation.runs.run import Run, write_run
 from validation.runs.run import run as run_solver
-from validation.runs.run_folder import check_unused, write_run
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -53,9 +52,8 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     resolution, max_steps, estimate = options.resolution, options.max_steps, options.estimate
     shared.check_taken(options.scene, case.scene, (method,), resolution)  # before anything is made
     folder = None if options.out is None else output_folder(options.out)
-    if folder is not None and not options.fresh:
-        check_unused(folder, case.scene, solver=name)
-    shared.drop_former(folder)
+    if folder is not None:
+        claim(folder, "a run", scene_question(("", case.scene), solver=name), fresh=options.fresh)
     drawn = (folder or output_folder(".", "--plot")) if options.plot else None
     said = solvers.scene_warnings(case.scene)
     warn(said)

@@ -9,9 +9,8 @@ from pathlib import Path
 
 from crosscontact import arguments
 from crosscontact.commands import shared
-from validation.runs.files import output_folder
+from validation.runs.folder import claim, output_folder
 from validation.runs.progress import Progress
-from validation.runs.report_folder import STABILITY, check_report_unused
 from validation.runs.store import Store
 from validation.solvers import SOLVERS
 from validation.stability import page, runner
@@ -39,8 +38,8 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     if not options.solver:
         arguments.usable()  # names those that cannot be loaded
     folder = None if options.out is None else output_folder(options.out)
-    if folder is not None and not options.fresh:
-        check_report_unused(folder, STABILITY)
+    if folder is not None:
+        claim(folder, "a stability matrix", {}, fresh=options.fresh)
     store = Store(folder, options.fresh)
     with shared.telling_what_is_kept(folder, store):
         matrix = compute(jobs, store, (options.solver,) if options.solver else SOLVERS, options.only, folder)

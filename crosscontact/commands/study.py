@@ -12,10 +12,9 @@ from crosscontact import arguments
 from crosscontact.commands import shared
 from validation.cases import Case
 from validation.report import terminal
-from validation.runs.files import output_folder
+from validation.runs.folder import claim, output_folder, scene_question
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
-from validation.runs.report_folder import STUDY, check_report_unused, poisson_json, zones_json
 from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS, solvers
 from validation.studies import page, poisson, poisson_page, zone_page, zones
@@ -61,14 +60,12 @@ def run(options: argparse.Namespace, jobs: int) -> int:
 
 
 @contextmanager
-def _prepared(
-    options: argparse.Namespace, files: dict[str, list[Case]]
-) -> Iterator[tuple[Path | None, Store]]:
-    """Folder and finished runs of a study; its files of numbers, each on its scenes, may be written there."""
+def _prepared(options: argparse.Namespace, cases: list[Case]) -> Iterator[tuple[Path | None, Store]]:
+    """Folder and finished runs of a study of these scenes."""
     folder = None if options.out is None else output_folder(options.out)
-    if folder is not None and not options.fresh:
-        for name, cases in files.items():
-            check_report_unused(folder, name, cases)
+    if folder is not None:
+        question = scene_question(*((case.name, case.scene) for case in cases))
+        claim(folder, "a study", question, fresh=options.fresh)
     store = Store(folder, options.fresh)
     with shared.telling_what_is_kept(folder, store):
         yield folder, store
@@ -78,7 +75,7 @@ def _prepared(
 def _refinement(options: argparse.Namespace, jobs: int) -> int:
     """Refine every solver on the given scenes."""
     loaded = shared.load_taken(options.scenes, lambda case: solvers())
-    with _prepared(options, {STUDY: loaded}) as (folder, store):
+    with _prepared(options, loaded) as (folder, store):
         progress = Progress("study")
         progress.phase("runs")
         result = study(loaded, jobs, progress, store, options.max_steps)
@@ -102,8 +99,7 @@ def _poisson(options: argparse.Namespace, jobs: int) -> int:
     """Compare an elastic bulk with a constant Poisson's ratio."""
     loaded = shared.load_taken(options.scenes, lambda case: solvers())
     ratios, failures = options.poisson or poisson.RATIOS, []
-    files = {poisson_json(case.name): [case] for case in loaded}
-    with _prepared(options, files) as (folder, store), processes(jobs) as executor:
+    with _prepared(options, loaded) as (folder, store), processes(jobs) as executor:
         for case in loaded:
             with Progress(f"{case.name} poisson") as progress:
                 progress.phase("runs")
@@ -125,8 +121,8 @@ def _zones(options: argparse.Namespace) -> int:
     """Run every solver with shorter and shorter zones, one after the other, for their time is measured."""
     loaded = shared.load_taken(options.scenes, lambda case: (SOLVERS[REFERENCE],))
     ratios, asked = options.zones or zones.RATIOS, [one.name for one in solvers()]
-    files, failures = {zones_json(case.name): [case] for case in loaded}, []
-    with _prepared(options, files) as (folder, store):
+    failures: list[str] = []
+    with _prepared(options, loaded) as (folder, store):
         for case in loaded:
             with (
                 Progress(f"{case.name} zones") as progress,

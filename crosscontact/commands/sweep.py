@@ -10,12 +10,10 @@ from contact_scene import SceneError
 from crosscontact import arguments
 from crosscontact.commands.shared import run_options, say
 from validation.report.terminal import aligned
-from validation.runs.engines import own_engine
-from validation.runs.files import in_words
-from validation.runs.folder_lock import locked_folder
+from validation.runs.folder import claim, in_words, locked_folder
+from validation.runs.pool import own_engine
 from validation.runs.progress import Progress, duration
-from validation.runs.report_folder import SWEEP, check_kind
-from validation.runs.run_table import RunTable
+from validation.runs.store import RunTable
 from validation.sweeps.dataset import FILE, check_writable, endings, read_dataset, summary_rows, write_results
 from validation.sweeps.figures import draw
 from validation.sweeps.plan import SweepPlan, plan_names, read_plan
@@ -79,8 +77,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
 
 def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: argparse.Namespace) -> int:
     check_writable(plan)
-    if not options.fresh:
-        check_kind(folder, SWEEP)
+    claim(folder, "a sweep", {}, fresh=options.fresh)
     with RunTable(folder, options.fresh) as table:
         with Progress(f"sweep {name}") as progress, own_engine(jobs, options.dask) as engine:
             progress.phase("runs")

@@ -31,8 +31,8 @@ from validation.compare.checks import check_run
 from validation.measure.error_estimate import ENERGIES
 from validation.measure.norms import distance
 from validation.measure.scaling import column_of, scale
+from validation.runs.pool import quick_resolution
 from validation.runs.run import Run, run
-from validation.runs.solver_tasks import quick_resolution
 
 FAULTS = [*reference.FAULTS, *bem.FAULTS, *fem.FAULTS]
 FAULTS += [*altered_scenes.FAULTS, *altered_answers.FAULTS, *shared.FAULTS]

@@ -20,7 +20,7 @@ from crosscontact import arguments
 from crosscontact.cli import main
 from validation.cases import load
 from validation.exam.grading import grade
-from validation.runs.premises import of_case
+from validation.runs.provenance import of_case
 from validation.runs.run import run
 from validation.solvers import PEERS, Solver, plugins, solvers
 from validation.solvers.boundary_elements import BoundaryElements

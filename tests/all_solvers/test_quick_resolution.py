@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from validation import cases, scenes, solvers
-from validation.runs.solver_tasks import quick_resolution, run_all
+from validation.runs.pool import quick_resolution, run_all
 from validation.solvers.base import QUICK_DIVISIONS
 
 SHORT_ZONE = "pdms-retraction-100nm"

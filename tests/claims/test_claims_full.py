@@ -12,8 +12,7 @@ from validation.claims.all import CLAIMS, findings
 from validation.claims.claim import Verdict
 from validation.claims.evidence import SOLVER, Evidence, collect, gather, required_runs
 from validation.claims.paper_figures import FIGURES, draw_figure
-from validation.runs.pool import run_tasks
-from validation.runs.solver_tasks import run_of, run_task
+from validation.runs.pool import run_of, run_task, run_tasks
 from validation.solvers.model_range import cycle_count
 
 MANY = 30.0

@@ -23,7 +23,7 @@ from crosscontact.cli import main
 from crosscontact.commands import parser
 from crosscontact.result import SCALES_IN_WORDS
 from validation import solvers
-from validation.runs import files
+from validation.runs import folder as files
 from validation.scenes import SUITES, names
 
 CONTRACT = (
@@ -157,7 +157,7 @@ def test_out_on_a_link_to_nowhere(capsys, tmp_path, scene_file, fakes):
 def test_solve_writes_the_contract(capsys, tmp_path, scene_file, fakes):
     out = tmp_path / "deep" / "down"
     assert code_of("solve", scene_file, "--solver", "bem", "--resolution", "4", "--out", str(out)) == 0
-    assert sorted(file.name for file in out.iterdir()) == ["scene.toml", "summary.json", "trace.csv"]
+    assert sorted(file.name for file in out.glob("[!.]*")) == ["scene.toml", "summary.json", "trace.csv"]
     summary = json.loads((out / "summary.json").read_text())
     assert set(CONTRACT) <= set(summary)
     assert set(COUNTERS) <= set(summary["counters"])

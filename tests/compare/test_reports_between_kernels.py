@@ -13,8 +13,7 @@ from benchmarks.reports_apart import main
 from contact_scene import OutcomeKind, scene_from_dict
 from validation import solvers
 from validation.cases import Case
-from validation.runs.run import run
-from validation.runs.run_folder import write_run
+from validation.runs.run import run, write_run
 
 CASE = Case("small", scene_from_dict(tomllib.loads(SCENE)))
 ESTIMATE = 1e-3

@@ -182,7 +182,7 @@ def test_the_folder_is_that_of_the_command_line(tmp_path, capsys):
     assert main([*command, str(tmp_path / "command")]) == 0
     names = ["scene.toml", "summary.json", "trace.csv"]
     for folder in ("api", "command"):
-        assert sorted(file.name for file in (tmp_path / folder).iterdir()) == names
+        assert sorted(file.name for file in (tmp_path / folder).glob("[!.]*")) == names
     for name in ("scene.toml", "trace.csv"):
         assert (tmp_path / "api" / name).read_bytes() == (tmp_path / "command" / name).read_bytes()
     api, command_line = cc.load(tmp_path / "api"), cc.load(tmp_path / "command")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import pytest
@@ -22,9 +21,9 @@ from contact_scene import (
 )
 from crosscontact.cli import main
 from validation.fits.curve_files import write_csv
-from validation.fits.fit import fit_curves
-from validation.fits.fit_question import check_folder, question
+from validation.fits.fit import fit_curves, question
 from validation.fits.page import statements
+from validation.runs.folder import claim
 
 pytestmark = pytest.mark.usefixtures("closed_form")
 
@@ -66,21 +65,17 @@ def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path
     write_scene(elastic_scene(), tmp_path / "scene.toml")
     [curve], out = cc.read_curves(tmp_path / "a.csv"), tmp_path / "out"
     out.mkdir()
-    asked = question([curve], elastic_scene(), settings_of("material.modulus"))
-    (out / "fit.json").write_text(json.dumps({"question": asked}))
+    claim(out, "a fit", question([curve], elastic_scene(), settings_of("material.modulus")))
+    (out / "fit.json").write_text("{}")
     renamed = question([replace(curve, name="b")], elastic_scene(), settings_of("material.modulus"))
-    check_folder(out, renamed, elastic_scene())
+    claim(out, "a fit", renamed)
     arguments = ["fit", str(tmp_path / "a.csv"), str(tmp_path / "scene.toml"), "--out", str(out)]
     assert main([*arguments, "--vary", "indenter.radius"]) == 2
-    assert "holds another fit (other parameters)" in capsys.readouterr().err
+    assert "holds a fit (other parameters)" in capsys.readouterr().err
     with pytest.raises(
-        SceneError, match=r"out: .* holds another fit \(other parameters\); allowed: another folder$"
+        SceneError, match=r"out: .* holds a fit \(other parameters\); allowed: another folder$"
     ):
         cc.fit(curve, elastic_scene(), ["indenter.radius"], solver="closed-form", check_solver=None, out=out)
-    (out / "fit.json").write_text("{}")
-    assert main([*arguments, "--vary", "material.modulus"]) == 2
-    said = capsys.readouterr().err
-    assert "not of a fit of this program; allowed: another folder, or --fresh" in said
     assert main([*arguments, "--vary", "material.modulos", "--fresh"]) == 2
     assert "material has no modulos" in capsys.readouterr().err
 

@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from validation.runs.engines import LOCAL_CLUSTER, own_engine
+from validation.runs.pool import LOCAL_CLUSTER, own_engine
 from validation.runs.process import deferred, interrupting, interrupts_blocked
 
 DASK = "the optional extra `dask` is not installed"

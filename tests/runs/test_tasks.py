@@ -49,7 +49,8 @@ def test_an_answer_that_reports_a_breakdown_is_tried_again(tmp_path):
     lines = []
     run_tasks(reports, None, Store(tmp_path), lambda share, text, _: lines.append(text))
     assert lines[1] == "2/2 b: no memory left"
-    assert [file.name for file in (tmp_path / ".unfinished").glob("[!.]*")] == ["a"]
+    kept = Store(tmp_path)
+    assert [kept.get(key, Answer) for key in "ab"] == [Answer(""), None]
 
 
 def test_several_calls_share_one_progress():

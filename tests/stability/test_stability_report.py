@@ -43,7 +43,7 @@ MATRIX = StabilityMatrix(CELLS, 3.0)
 
 
 def test_json_is_strict_and_whole():
-    from validation.runs.files import to_json
+    from validation.runs.folder import to_json
 
     told = json.loads(to_json(page.data(MATRIX)))
     assert [entry["number"] for entry in told["cells"]] == [1, 1, 2, 2, 3, 3]

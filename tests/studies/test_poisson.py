@@ -12,7 +12,7 @@ from crosscontact.cli import main
 from validation import cases
 from validation.measure.norms import CURVES
 from validation.measure.scalars import measure
-from validation.runs import solver_tasks
+from validation.runs import pool
 from validation.runs.run import Run, run
 from validation.studies import poisson, poisson_material
 
@@ -103,7 +103,7 @@ def careless(case, solver, resolution=None, progress=None, estimate=False, max_s
 
 
 def test_command_prints_a_table_and_leaves_every_number(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(solver_tasks, "run", answered)
+    monkeypatch.setattr(pool, "run", answered)
     assert main(["study", "cycle-v0.02", "--poisson", "100", "--jobs", "1", "--out", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
     assert "pull off force" in printed
@@ -121,14 +121,12 @@ def test_command_prints_a_table_and_leaves_every_number(monkeypatch, capsys, tmp
 
 
 def test_disagreement_and_failure_are_exit_code_1(monkeypatch, capsys):
-    monkeypatch.setattr(solver_tasks, "run", careless)
+    monkeypatch.setattr(pool, "run", careless)
     assert main(["study", "cycle-v0.02", "--jobs", "1", "--poisson", "10"]) == 1
     said = capsys.readouterr().err
     assert "failed: cycle-v0.02: K/G = 10: approach_force: beyond the error estimates" in said
     assert "radius: beyond" not in said
-    monkeypatch.setattr(
-        solver_tasks, "run", lambda of, solver, *rest, **named: Run("x", solver, failure="no")
-    )
+    monkeypatch.setattr(pool, "run", lambda of, solver, *rest, **named: Run("x", solver, failure="no"))
     assert main(["study", "cycle-v0.02", "--jobs", "1", "--poisson"]) == 1
     assert capsys.readouterr().err.count("full: failed: no") == len(poisson.RATIOS)
 

@@ -16,7 +16,7 @@ from contact_scene import OutcomeKind, SceneError
 from crosscontact.cli import main
 from validation.cases import load
 from validation.report import html, markdown
-from validation.runs.files import to_json
+from validation.runs.folder import to_json
 from validation.runs.progress import Progress
 from validation.studies import charts, schemes, study
 from validation.studies.ladders import ladders
@@ -68,7 +68,12 @@ def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
     with without_layout():
         assert main(["study", scene_file, "--jobs", "1", "--out", str(out)]) == 0
     data = json.loads((out / "study.json").read_text())
-    assert sorted(file.name for file in out.iterdir()) == ["figures", "index.html", "study.json", "study.md"]
+    assert sorted(file.name for file in out.glob("[!.]*")) == [
+        "figures",
+        "index.html",
+        "study.json",
+        "study.md",
+    ]
     shown, progress = capsys.readouterr()
     assert "paper-scheme" in shown
     assert "is cheapest" in shown

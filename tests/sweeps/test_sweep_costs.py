@@ -7,7 +7,7 @@ from support.spring_solver import SCENE, FunctionSolver, named, spring
 
 from benchmarks.sweep_price import plan_of
 from validation import solvers
-from validation.runs.run_table import RunTable
+from validation.runs.store import RunTable
 from validation.sweeps.dataset import write_results
 from validation.sweeps.figures import draw
 from validation.sweeps.plan import plan_from_dict
@@ -31,8 +31,8 @@ def test_short_runs_are_stored_by_batches_in_this_process_too(tmp_path, monkeypa
     )
     batches = []
     with RunTable() as table:
-        put = table.put
-        monkeypatch.setattr(table, "put", lambda runs: put(batches.append(list(runs)) or batches[-1]))
+        keep = table.keep
+        monkeypatch.setattr(table, "keep", lambda runs: keep(batches.append(list(runs)) or batches[-1]))
         runs = carry_out(plan, table)
         assert [run.fingerprint for batch in batches for run in batch] == runs.keys
     assert len(batches) < 20

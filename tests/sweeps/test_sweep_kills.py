@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from validation.runs.engines import BATCH_SECONDS, Engine
-from validation.runs.run_table import RunTable
+from validation.runs.pool import BATCH_SECONDS, Engine
+from validation.runs.store import RunTable
 from validation.sweeps.dataset import to_dataset, write_results
 from validation.sweeps.plan import read_plan
 from validation.sweeps.run_plan import carry_out
@@ -77,7 +77,7 @@ def command(plan, out, jobs=2):
 
 def stored(file):
     with closing(sqlite3.connect(file)) as connection:
-        return dict(connection.execute("SELECT fingerprint, seconds FROM runs").fetchall())
+        return dict(connection.execute("SELECT fingerprint, seconds FROM answers").fetchall())
 
 
 def wait_for_runs(out, process):

@@ -17,9 +17,9 @@ import crosscontact as cc
 from contact_scene import UnsupportedScene
 from crosscontact.cli import main
 from validation import solvers
-from validation.runs import run_table
-from validation.runs.engines import Engine
-from validation.runs.run_table import RunRecord, RunTable, StoredRun
+from validation.runs import store
+from validation.runs.pool import Engine
+from validation.runs.store import RunRecord, RunTable, StoredRun
 from validation.sweeps import run_plan
 from validation.sweeps.dataset import to_dataset
 from validation.sweeps.plan import plan_from_dict
@@ -177,11 +177,11 @@ def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):
     numbers = RunRecord("completed", "", True, {"a": 0.1 + 0.2, "b": 5e-324}, rows=2)
     columns = {"time": np.array([0.0, 1.0 / 3.0])}
     with RunTable(tmp_path) as table:
-        table.put([StoredRun("x", numbers, 1.5, columns), StoredRun("y", numbers, 0.5)])
+        table.keep([StoredRun("x", numbers, 1.5, columns), StoredRun("y", numbers, 0.5)])
     with RunTable(tmp_path) as table:
         assert table.record("x") == numbers
         assert table.columns("x")["time"].tobytes() == columns["time"].tobytes()
-        assert table.seconds("x") == 1.5
+        assert table.seconds_of("x") == 1.5
         assert [table.holds("x", trace=True), table.holds("y"), table.holds("y", trace=True)] == [
             True,
             True,
@@ -199,7 +199,7 @@ def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):
 def test_a_full_disk_is_one_line_with_the_file(capsys, tmp_path, monkeypatch, pages):
     """SQLite's limit of pages answers as a full disk does: for a new file, and for its first run."""
     limit = f"PRAGMA page_size = 512; PRAGMA max_page_count = {pages};"
-    monkeypatch.setattr(run_table, "_TABLES", limit + run_table._TABLES)
+    monkeypatch.setattr(store, "_TABLE", limit + store._TABLE)
     plan = tmp_path / "plan.toml"
     plan.write_text(
         f'scene = "{small_scene(tmp_path)}"\nresolution = 4\nestimate = false\n'
@@ -214,7 +214,7 @@ def test_a_full_disk_is_one_line_with_the_file(capsys, tmp_path, monkeypatch, pa
 
 def test_files_of_another_program_are_refused_in_one_line(capsys, tmp_path):
     with closing(sqlite3.connect(tmp_path / "runs.sqlite")) as connection:
-        connection.execute("CREATE TABLE runs (number REAL)")
+        connection.execute("CREATE TABLE answers (number REAL)")
     with pytest.raises(cc.SceneError, match=r"runs\.sqlite cannot be used: no such column"):
         RunTable(tmp_path)
     xarray.Dataset({"a": ("x", np.arange(3.0))}).to_netcdf(tmp_path / "sweep.nc", engine="h5netcdf")

@@ -1,7 +1,7 @@
 """The runs that claims rest on: sweeps around the built-in scenes, and how their results are looked up.
 
 Every sweep varies the loading (or the zone) of a built-in scene, so that whatever the paper fixes is stated
-once, in that scene's file. Runs go through :func:`validation.runs.solver_tasks.run_all`, hence through
+once, in that scene's file. Runs go through :func:`validation.runs.pool.run_all`, hence through
 any ``concurrent.futures`` executor: a process pool, Dask's ``Client.get_executor()``, an MPI pool.
 """
 
@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 from contact_scene import Adhesion, Hold, Loading, Ramp, Scene, Trace
 from validation.cases import Case, load
 from validation.measure.dimensionless import unit_sizes
-from validation.runs.pool import TellProgress
+from validation.runs.pool import TellProgress, run_all
 from validation.runs.run import Run
-from validation.runs.solver_tasks import run_all
 from validation.solvers import REFERENCE
 from validation.solvers.boundary_elements import BoundaryElements
 

@@ -40,12 +40,10 @@ from validation.report.document import (
 )
 from validation.report.report import Chapter
 from validation.report.tables import costs, environment, of_checks, spent
-from validation.runs.files import to_json
-from validation.runs.premises import of_case
-from validation.runs.provenance import version
-from validation.runs.report_folder import REPORT
-from validation.runs.run_folder import summary as summary_of_run
-from validation.runs.run_folder import write_run
+from validation.runs.folder import to_json
+from validation.runs.provenance import of_case, version
+from validation.runs.run import summary as summary_of_run
+from validation.runs.run import write_run
 from validation.solvers import SOLVERS
 from validation.solvers.base import QUICK_DIVISIONS
 
@@ -165,7 +163,7 @@ def write(
         folder,
         Document(title, opening, parts),
         {
-            REPORT: to_json(whole),
+            "report.json": to_json(whole),
             "junit.xml": junit.text(
                 f"crosscontact {compared.suite}", [*scenes, *beside], compared.wall_seconds
             ),

@@ -10,7 +10,7 @@ than round-off, and it moved *beyond tolerance* if
 - a scene or a solver is missing from a report of the same suite.
 
 Changes of input, tolerances or version are said first (see
-:mod:`validation.runs.premises`); by themselves they move nothing.
+:mod:`validation.runs.provenance`); by themselves they move nothing.
 
 Exit code rule of ``crosscontact report --baseline``: 1 if anything moved beyond tolerance or a check fails.
 Run times are not compared: they belong to the machine.
@@ -30,8 +30,8 @@ from validation.cases import Case
 from validation.measure.check import Check
 from validation.measure.difference import relative
 from validation.measure.scaling import Magnitudes
-from validation.runs.files import from_json
-from validation.runs.premises import changes
+from validation.runs.folder import from_json
+from validation.runs.provenance import changes
 
 ROUND_OFF = 1e-10
 """Change, relative as for checks, below which a number counts as unchanged."""

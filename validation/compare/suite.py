@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from validation.cases import Case
 from validation.compare.against_reference import check_case
 from validation.measure.check import Check
+from validation.runs.pool import run_all
 from validation.runs.progress import Progress
 from validation.runs.provenance import stamp
 from validation.runs.run import Run
-from validation.runs.solver_tasks import run_all
 from validation.runs.store import Store
 from validation.solvers import SOLVERS
 

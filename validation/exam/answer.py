@@ -30,7 +30,7 @@ from contact_scene.trace import Array
 from contact_scene.value_checks import SMALLEST, Range, finite, not_negative
 from validation.cases import Case, load
 from validation.exam.question import EXAM, POSSIBLE, difference, expanded, listed_cases, tags
-from validation.runs.files import from_json
+from validation.runs.folder import from_json
 from validation.scenes import names
 
 MOST_ROWS = 100_000

@@ -40,10 +40,9 @@ from validation.report.document import (
 )
 from validation.report.report import Chapter
 from validation.report.tables import environment
-from validation.runs.files import to_json
+from validation.runs.folder import to_json
 from validation.runs.pool import TellProgress
 from validation.runs.provenance import stamp
-from validation.runs.report_folder import EXAM
 from validation.runs.run import Run
 from validation.runs.store import Store
 
@@ -318,7 +317,7 @@ def write(judgement: Judgement, folder: Path, wall_seconds: float) -> None:
         for code in judgement.codes
     ]
     texts = {
-        EXAM: to_json(data(judgement)),
+        "exam.json": to_json(data(judgement)),
         "junit.xml": junit.text(TITLE, codes, wall_seconds),
         "exam.md": markdown.text(page),
     }

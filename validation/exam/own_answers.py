@@ -14,10 +14,9 @@ from validation.cases import Case
 from validation.exam.answer import BY_REASON, Header, read_answer
 from validation.exam.question import expanded, scene_of
 from validation.runs import provenance
-from validation.runs.files import to_json, write_whole
-from validation.runs.pool import TellProgress, run_tasks
+from validation.runs.folder import to_json, write_whole
+from validation.runs.pool import TellProgress, run_of, run_task, run_tasks
 from validation.runs.run import Run, run
-from validation.runs.solver_tasks import run_of, run_task
 from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
 

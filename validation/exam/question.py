@@ -34,7 +34,7 @@ from contact_scene.loading import STEPS
 from contact_scene.scene import scene_table
 from validation.cases import Case, load
 from validation.runs import provenance
-from validation.runs.files import from_json, to_json, write_whole
+from validation.runs.folder import from_json, to_json, write_whole
 from validation.scenes import names
 from validation.scenes import suite as of_suite
 from validation.solvers import REFERENCE

@@ -24,7 +24,7 @@ from validation.fields.quantities import QUANTITIES, Quantity, ValueKind
 from validation.fields.rendering import INDENTER, MARK, ZONE, NoRendering
 from validation.fields.section import Look, Section, look_at, look_at_edge
 from validation.measure.approach import end_of_approach
-from validation.runs.files import in_words, write_whole
+from validation.runs.folder import in_words, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

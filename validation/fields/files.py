@@ -27,8 +27,7 @@ from contact_scene import Scene
 from validation.fields.moments import EnergySums
 from validation.fields.quantities import DENSITY, QUANTITIES, RATE, STRESS
 from validation.fields.section import outline, surface_nodes, triangle_areas
-from validation.runs.files import to_json, write_whole
-from validation.runs.run_folder import FIELDS
+from validation.runs.folder import to_json, write_whole
 
 if TYPE_CHECKING:
     import pyvista
@@ -139,7 +138,7 @@ class ParaViewSeries:
             (folder / name).mkdir(exist_ok=True)
             for left_over in (folder / name).glob(f"{name}_[0-9]*.{kind}"):
                 left_over.unlink()
-        (folder / FIELDS).unlink(missing_ok=True)
+        (folder / "moments.json").unlink(missing_ok=True)
 
     def add(self, state: FieldState, balance: EnergySums) -> None:
         """Write one state, and what its densities add up to."""
@@ -164,7 +163,7 @@ class ParaViewSeries:
             written.append(self._folder / f"{name}.pvd")
             head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
             write_whole(written[-1], f"{head}  <Collection>\n{sets}  </Collection>\n</VTKFile>\n")
-        write_whole(self._folder / FIELDS, to_json({"moments": self._moments} | numbers))
+        write_whole(self._folder / "moments.json", to_json({"moments": self._moments} | numbers))
         return written
 
 

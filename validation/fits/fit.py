@@ -15,7 +15,6 @@ from validation.fits.curve_model import CurveModel
 from validation.fits.decimation import decimated
 from validation.fits.fineness import fineness
 from validation.fits.fit_outcome import explained, judged, unfinished
-from validation.fits.fit_question import question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import FitSettings
 from validation.fits.measured_curve import Array, MeasuredCurve
@@ -26,8 +25,19 @@ from validation.fits.search import BestSoFar, Search, search
 from validation.fits.second_solver import SecondSolver, second_solver
 from validation.fits.statistics import covariance
 from validation.fits.unknowns import bending, unknowns, with_grid, with_spring
+from validation.runs.provenance import hashed
 from validation.runs.store import Store
 from validation.solvers import REFERENCE
+
+
+def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
+    """Hashes of curves, first guess and parameters; not of how the fit is carried out."""
+    varied = settings.vary, settings.tie, settings.per_curve, settings.free, settings.prony
+    return {
+        "curves": hashed([replace(curve, name="") for curve in curves]),
+        "first guess": hashed(scene),
+        "parameters": hashed(varied),
+    }
 
 
 def fit_curves(

@@ -34,9 +34,8 @@ from validation.report.document import (
     formatted,
     with_drawing,
 )
-from validation.runs.files import to_json
+from validation.runs.folder import to_json
 from validation.runs.provenance import stamp, version
-from validation.runs.report_folder import FIT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -108,7 +107,7 @@ def write_fit(result: FitResult, folder: Path) -> None:
     write_scene(result.scene, folder / "scene.toml")
     drawn = drawings(result)
     curves = {"fit.png": export.png(drawn["curves"]), "fit.svg": export.svg_file(drawn["curves"])}
-    report.write(folder, document(result, drawn), {FIT: to_json(of_fit(result)), **curves})
+    report.write(folder, document(result, drawn), {"fit.json": to_json(of_fit(result)), **curves})
 
 
 def document(result: FitResult, drawings: Mapping[str, Drawing]) -> Document:

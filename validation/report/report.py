@@ -10,7 +10,7 @@ from typing import Any
 from validation.measure.check import Check
 from validation.report import html
 from validation.report.document import Document, Part, Section, figures_of
-from validation.runs.files import write_whole
+from validation.runs.folder import write_whole
 
 
 @dataclass(frozen=True)

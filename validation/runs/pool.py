@@ -1,14 +1,14 @@
-"""Independent tasks: carried out here, in worker processes or by any executor; one that breaks down costs
-no other.
+"""Independent tasks, each a function call: carried out here, in processes of this machine, by Dask, or by any
+``concurrent.futures`` executor; one that breaks down costs no other.
 
-A task is a function call with a fingerprint, so that what an earlier attempt has answered is taken over
-from a :class:`~validation.runs.store.Store`. Any ``concurrent.futures`` executor will do:
-:class:`WorkerProcesses`, Dask's ``Client.get_executor()``, an MPI pool; only the first enforces time
-limits. However many tasks there are, an executor holds a bounded number of them at a time.
+What an earlier attempt has answered is taken over from a :class:`~validation.runs.store.Store`. However many
+tasks there are, an executor holds a bounded number of them at a time. Only :class:`WorkerProcesses` enforces
+time limits.
 """
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import pickle
@@ -16,11 +16,12 @@ import signal
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 from itertools import islice
 from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
@@ -30,19 +31,35 @@ from weakref import WeakSet
 
 import pebble
 
-from contact_scene.errors import one_line
-from validation.runs.process import interrupts_blocked, keep_freed
+from contact_scene.errors import SceneError, one_line
+from validation import solvers
+from validation.cases import Case
+from validation.runs.process import deferred, interrupts_blocked, keep_freed
 from validation.runs.progress import time_left
+from validation.runs.provenance import fingerprint
+from validation.runs.run import Run, run
 from validation.runs.store import Store
 
 OUTSTANDING = 512
 """Tasks that an executor holds at a time: more than the workers of a large cluster, so that none waits for
 its next one, and few enough that neither their arguments nor their futures count in memory."""
+PER_WORKER = 4
+"""The same for each worker of our own: none is idle while a result travels and the next batch is made."""
 GUARD = 'a script that has processes work for it stands under `if __name__ == "__main__":`'
 """Why all processes end as they begin: each imports the script, which starts its work anew."""
 WALL_PER_PROCESSOR_SECOND = 10.0
 """Wall time after which a task is given up, over its limit of processor time: a task that sleeps uses none,
 and on a machine with ten times as many busy processes as cores no other task reaches it."""
+LOCAL_CLUSTER = "local"
+"""In place of the address of a Dask scheduler: a cluster of this command's own, on this machine."""
+BATCH_SECONDS = 0.25
+"""Processor time of a batch: more than a hundred times what a task costs the processes; what a kill can lose
+of runs that are done, for each worker."""
+DASK_SECONDS = 1.0
+"""The same by Dask, whose scheduler, client and worker spend 5 to 12 ms on a task: a hundredth, and a
+twentieth in the shorter batches at the end."""
+CONNECT_SECONDS = 20.0
+"""Seconds to wait for a Dask scheduler: what a cluster on its way up may take; Dask's own limit is 30."""
 TellProgress = Callable[[float, str, str], None]
 """Called with the share of the tasks that have ended, 0 to 1, a line of text, and the time left in words
 (empty where too little is known)."""
@@ -86,6 +103,10 @@ class TaskResult:
     seconds: float = 0.0
     stored: bool = False
     ending: TaskEnding = TaskEnding.ANSWERED
+
+
+class ExecutorGone(ConnectionError):
+    """An executor has given up tasks that it was given: it will carry out no other."""
 
 
 def run_tasks(
@@ -135,10 +156,6 @@ def run_tasks(
     return [results[index] for index in range(len(tasks))]
 
 
-class ExecutorGone(ConnectionError):
-    """An executor has given up tasks that it was given: it will carry out no other."""
-
-
 def completed_tasks(
     numbered: Iterable[tuple[int, Task]], executor: Executor | None = None, outstanding: int = OUTSTANDING
 ) -> Iterator[tuple[int, TaskResult]]:
@@ -170,12 +187,6 @@ def completed_tasks(
             future.cancel()
 
 
-def _submit(executor: Executor, task: Task) -> Future[Any]:
-    if task.time_limit is not None and isinstance(executor, WorkerProcesses):
-        return executor.submit_limited(task.time_limit, execute, task.function, task.arguments)
-    return executor.submit(execute, task.function, task.arguments)
-
-
 def execute(
     function: Callable[..., Any], arguments: tuple[Any, ...]
 ) -> tuple[Any, str, str, float, bool, TaskEnding]:
@@ -186,6 +197,12 @@ def execute(
     except Exception as error:
         value, failure, details, ending = None, one_line(error), traceback.format_exc(), TaskEnding.RAISED
     return value, failure, details, time.perf_counter() - began, False, ending
+
+
+def _submit(executor: Executor, task: Task) -> Future[Any]:
+    if task.time_limit is not None and isinstance(executor, WorkerProcesses):
+        return executor.schedule(task.time_limit, execute, task.function, task.arguments)
+    return executor.submit(execute, task.function, task.arguments)
 
 
 def _collected(task: Task, future: Future[Any]) -> TaskResult:
@@ -207,10 +224,73 @@ def _collected(task: Task, future: Future[Any]) -> TaskResult:
         return TaskResult(task, failure=failure, ending=ending)
 
 
+def run_task(
+    case: Case,
+    solver: str,
+    resolution: int | None = None,
+    estimate: bool = False,
+    max_steps: int | None = None,
+) -> Task:
+    """A run of a solver as a task; arguments as of :func:`~validation.runs.run.run_or_raise`."""
+    asked = (case.scene, solver, resolution, case.profile_times, estimate, max_steps)
+    return Task(
+        fingerprint("run", *asked, *origin_of(solver)),
+        f"{case.name} {solver}",
+        partial(run, estimate=estimate, max_steps=max_steps),
+        (case, solver, resolution),
+        Run,
+    )
+
+
+def origin_of(solver: str) -> tuple[str, ...]:
+    """Version of a solver that is no part of this program."""
+    origin = solvers.SOLVERS.origin(solver)
+    return (origin,) if origin else ()
+
+
+def run_of(result: TaskResult) -> Run:
+    """The run that a task of :func:`run_task` gave, or its failure where a process died with it."""
+    case, solver = result.task.arguments[:2]
+    if result.value is None:
+        return Run(case.name, solver, failure=result.failure, details=result.details)
+    return replace(result.value, scene=case.name)  # a stored one may come from a scene of another name
+
+
+def quick_resolution(case: Case, solver: str) -> int | None:
+    """Resolution in the quick suite; ``None`` for a solver that is not known here."""
+    method = solvers.SOLVERS.get(solver)
+    return None if method is None else method.quick_resolution(case.scene)
+
+
+def run_all(
+    pairs: Iterable[tuple[Case, str]],
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: TellProgress | None = None,
+    estimated: Collection[str] = (),
+    max_steps: int | None = None,
+    quick: bool = False,
+) -> dict[tuple[str, str], Run]:
+    """Run pairs of case and solver; the runs by scene and solver, in the order of ``pairs``.
+
+    ``estimated`` are the names of the scenes whose errors are estimated; ``quick`` runs have the resolution
+    of the quick suite, others each solver's default.
+    """
+    tasks = [
+        run_task(
+            case, name, quick_resolution(case, name) if quick else None, case.name in estimated, max_steps
+        )
+        for case, name in pairs
+    ]
+    runs = map(run_of, run_tasks(tasks, executor, store, progress))
+    return {(result.scene, result.solver): result for result in runs}
+
+
 class WorkerProcesses(Executor):
     """Spawned processes that leave an interrupt to their parent and end with it, even if it is killed.
 
-    A process that dies, or is killed because its task exceeds its time limit, costs this one task.
+    A process that dies, or is killed because its task exceeds its time limit, costs this one task; one is
+    replaced after ``tasks_per_process`` tasks (0: never).
     """
 
     def __init__(
@@ -222,23 +302,19 @@ class WorkerProcesses(Executor):
         if getattr(multiprocessing.current_process(), "_inheriting", False):
             os._exit(1)  # this process imports a script that has no guard: its parent says so (``GUARD``)
         self._wall_per_processor_second = wall_per_processor_second
-        # Started later, where interrupts are blocked, it would unblock them for the processes that follow.
-        resource_tracker.ensure_running()
+        resource_tracker.ensure_running()  # begun where interrupts are blocked, it would unblock them again
         context = multiprocessing.get_context("spawn")
         self._pool = pebble.ProcessPool(count, tasks_per_process, initializer=_begin_worker, context=context)
         self._futures: WeakSet[Future[Any]] = WeakSet()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **named: Any) -> Future[Any]:
-        """As of any executor; what is called is picklable."""
-        return self._schedule(None, function, arguments, named)
+        return self.schedule(None, function, *arguments, **named)
 
-    def submit_limited(self, seconds: float, function: Callable[..., Any], /, *arguments: Any) -> Future[Any]:
-        """The same, given up after some processor time (s), which a busy machine does not change."""
-        return self._schedule(seconds, function, arguments, {})
-
-    def _schedule(
-        self, seconds: float | None, function: Callable[..., Any], arguments: tuple[Any, ...], named: Any
+    def schedule(
+        self, seconds: float | None, function: Callable[..., Any], /, *arguments: Any, **named: Any
     ) -> Future[Any]:
+        """Submit a call that is given up after some processor time (s), which a busy machine does not
+        change."""
         # Bytes: what cannot be unpickled in a process then fails with its task, not with the process.
         call = pickle.dumps((function, arguments, named))
         timeout = None if seconds is None else self._wall_per_processor_second * seconds
@@ -258,29 +334,6 @@ class WorkerProcesses(Executor):
             for future in list(self._futures):
                 future.cancel()
         self._pool.join()
-
-
-@contextmanager
-def processes(
-    workers: int,
-    isolated: bool = False,
-    wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
-    tasks_per_process: int = 0,
-) -> Iterator[WorkerProcesses | None]:
-    """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process.
-
-    A process is replaced by a fresh one after ``tasks_per_process`` tasks; 0: never.
-    """
-    if workers <= 1 and not isolated:
-        yield None
-        return
-    pool = WorkerProcesses(max(workers, 1), wall_per_processor_second, tasks_per_process)
-    try:
-        yield pool
-    except BaseException:
-        pool.shutdown(cancel_futures=True)
-        raise
-    pool.shutdown()
 
 
 def _carry_out(call: bytes, seconds: float | None) -> Any:
@@ -307,3 +360,87 @@ def _begin_worker() -> None:
 def _exit_after(sentinel: int) -> None:
     wait([sentinel])
     os._exit(1)
+
+
+@contextmanager
+def processes(
+    workers: int,
+    isolated: bool = False,
+    wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
+    tasks_per_process: int = 0,
+) -> Iterator[WorkerProcesses | None]:
+    """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process."""
+    if workers <= 1 and not isolated:
+        yield None
+        return
+    pool = WorkerProcesses(max(workers, 1), wall_per_processor_second, tasks_per_process)
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(cancel_futures=True)
+        raise
+    pool.shutdown()
+
+
+@dataclass(frozen=True)
+class Engine:
+    """An executor (``None``: this process), the batches it holds at a time, and how long one lasts (s)."""
+
+    executor: Executor | None = None
+    outstanding: int = 1
+    batch_seconds: float = BATCH_SECONDS
+
+
+def engine_of(executor: Executor) -> Engine:
+    """A user's executor."""
+    if not isinstance(executor, Executor):
+        allowed = "an executor of concurrent.futures"
+        raise SceneError("executor", f"got {type(executor).__name__}", allowed)
+    return Engine(executor, OUTSTANDING)
+
+
+@contextmanager
+def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
+    """Processes of this machine, or workers of a Dask cluster: at an ``address`` or, ``LOCAL_CLUSTER``, of
+    its own.
+
+    Raises ``SceneError`` if Dask is not installed or the address does not answer, ``ConnectionError`` if
+    the scheduler ends while tasks are out.
+    """
+    if address is None:
+        with processes(jobs) as pool:
+            yield Engine(pool, 1 if pool is None else PER_WORKER * jobs)
+        return
+    try:
+        import distributed
+    except ImportError:
+        allowed = "Dask.distributed: pip install 'crosscontact[dask]'"
+        raise SceneError("--dask", "distributed is not installed", allowed) from None
+    for logger in ("distributed", "distributed.client"):  # a lost worker is no error: its runs go on
+        logging.getLogger(logger).setLevel(logging.CRITICAL)
+    with ExitStack() as opened:
+        scheduler: object = address
+        if address == LOCAL_CLUSTER:
+            resource_tracker.ensure_running()  # begun later, it would unblock interrupts for the workers
+            with deferred(), interrupts_blocked():  # Ctrl-C reaches all of a terminal: workers leave it to us
+                cluster = distributed.LocalCluster(
+                    n_workers=jobs,
+                    threads_per_worker=1,
+                    dashboard_address=":0",
+                    silence_logs=logging.CRITICAL,
+                )
+                scheduler = opened.enter_context(cluster)
+        try:
+            client = opened.enter_context(distributed.Client(scheduler, timeout=CONNECT_SECONDS))
+        except (OSError, ValueError) as error:
+            problem = f"no scheduler answers at {address}: {error}"
+            raise SceneError("--dask", problem, f"tcp://HOST:8786, or {LOCAL_CLUSTER}") from None
+        executor = opened.enter_context(client.get_executor())
+        least = 0 if address == LOCAL_CLUSTER else 64
+        try:
+            yield Engine(executor, max(PER_WORKER * len(client.nthreads()), least), DASK_SECONDS)
+        except ExecutorGone:
+            raise ConnectionError(f"the scheduler at {client.scheduler.address} is gone") from None
+        except BaseException:
+            executor.shutdown(wait=False)  # cancels
+            raise

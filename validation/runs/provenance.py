@@ -1,4 +1,8 @@
-"""On what a result was computed: fingerprint of a computation, sources, packages, machine, commit."""
+"""On what a result rests: fingerprint of a computation, version, machine, and the premises of a report.
+
+Two reports whose premises differ may differ in numbers without anything being wrong; a comparison says so
+before it lists them.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +13,14 @@ import os
 import platform
 import subprocess
 import sys
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from validation.cases import Case
+from validation.solvers import solvers
 
 OWN_PACKAGES = ("contact_scene", "bem_solver", "fem_solver", "meshes", "validation")
 NUMERICAL_PACKAGES = ("numpy", "scipy", "scikit-fem", "gmsh")
@@ -24,8 +32,12 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 def fingerprint(*parts: Any) -> str:
     """Hash that tells apart any two computations, and any two versions of this program."""
-    text = json.dumps([version(), canonical(parts)], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return hashed((version(), parts))
+
+
+def hashed(value: Any) -> str:
+    """Hash that tells apart any two values (see :func:`canonical`), whatever the version."""
+    return hashlib.sha256(json.dumps(canonical(value), sort_keys=True).encode()).hexdigest()
 
 
 def canonical(value: Any) -> Any:
@@ -58,7 +70,6 @@ def _compared(kind: type) -> tuple[str, ...]:
 @cache
 def version() -> str:
     """Hash of the sources that make the numbers, and of the packages they compute with."""
-
     digest = hashlib.sha256()
     root = Path(__file__).parents[2]
     for package in OWN_PACKAGES:
@@ -125,3 +136,62 @@ def _git(*arguments: str) -> str | None:
     except (OSError, subprocess.TimeoutExpired):
         return None
     return result.stdout.strip() or None if result.returncode == 0 else None
+
+
+def of_case(case: Case) -> dict[str, Any]:
+    """Fingerprints of the parts of a scene, by name, and tolerances by solver and quantity."""
+    scene = case.scene
+    parts = {part.name: getattr(scene, part.name) for part in fields(scene) if part.name != "title"}
+    parts["profile times"] = case.profile_times
+    tolerances = {}
+    for method in solvers():
+        solver = method.name
+        names = {"values", "curves", *method.quantity_tolerances, *case.tolerances.get(solver, {})}
+        tolerances[solver] = {name: case.tolerance(solver, name) for name in sorted(names)}
+    return {"input": {name: hashed(part)[:16] for name, part in parts.items()}, "tolerances": tolerances}
+
+
+def changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> tuple[str, ...]:
+    """What differs between the premises of an earlier report and a new one, each in one line."""
+    lines = _version(old, new)
+    before = {scene["name"]: scene.get("premises") for scene in old["scenes"]}
+    for scene in new["scenes"]:
+        name, now = scene["name"], scene["premises"]
+        if name in before:
+            lines += [f"{name}: {line}" for line in _of_scene(before[name], now)]
+    return tuple(lines)
+
+
+def _version(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    if old.get("program") == new["program"]:
+        return []
+    told = old.get("environment")
+    was, now = told if isinstance(told, dict) else {}, new["environment"]
+    packages, present = was.get("packages") or {}, now["packages"]
+    moved = [
+        f"{name} {packages.get(name, 'missing')} -> {present.get(name, 'missing')}"
+        for name in sorted({*packages, *present})
+        if packages.get(name) != present.get(name)
+    ]
+    commits = f"commit {was.get('commit') or 'unknown'} -> {now['commit'] or 'unknown'}"
+    return [f"another version of the program or its packages: {', '.join([commits, *moved])}"]
+
+
+def _of_scene(old: Any, new: Mapping[str, Any]) -> list[str]:
+    if not isinstance(old, dict):
+        return ["input and tolerances: the earlier report does not say"]
+    lines = []
+    parts = [name for name, value in new["input"].items() if old["input"].get(name) != value]
+    if parts:
+        lines.append(f"another input: {', '.join(parts)}")
+    for solver, table in new["tolerances"].items():
+        before = old["tolerances"].get(solver)
+        if before is not None and before != table:
+            names = sorted({*before, *table})
+            moved = [
+                f"{name} {before.get(name)} -> {table.get(name)}"
+                for name in names
+                if before.get(name) != table.get(name)
+            ]
+            lines.append(f"other tolerances of {solver}: {', '.join(moved)}")
+    return lines

@@ -1,27 +1,52 @@
-"""One run of one solver on one scene.
+"""One run of one solver on one scene: carried out, and as the files of a folder.
 
 A run never raises for what a scene or a solver did: it carries the failure, so that a report shows it.
 """
 
 from __future__ import annotations
 
+import csv
+import os
+import shutil
+import tempfile
 import time
 import traceback
 from collections.abc import Collection
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from contact_scene import RunMonitor, SceneError, Trace
+from contact_scene import (
+    COLUMNS,
+    Counters,
+    Event,
+    Outcome,
+    OutcomeKind,
+    RunMonitor,
+    Scene,
+    SceneError,
+    Trace,
+    read_columns,
+    read_scene,
+    write_scene,
+    write_trace,
+)
 from contact_scene.errors import one_line
+from contact_scene.files import read_text
 from contact_scene.run_control import outcome_of_loss
 from validation import solvers
 from validation.cases import Case
 from validation.measure import error_estimate
 from validation.measure.falling_loss import fall_warnings
+from validation.measure.observables import Observables
 from validation.measure.scalars import measure
 from validation.measure.small_swings import swing_warnings
 from validation.measure.windows import cycle_times
+from validation.runs.folder import from_json, move_whole, to_json, write_whole
+from validation.runs.store import checked
 
 
 @dataclass(frozen=True)
@@ -72,11 +97,14 @@ class Run:
         return "" if self.trace is not None or self.refused else self.failure
 
     @property
+    def reason(self) -> str:
+        """Why it ended so, in a line."""
+        return self.failure if self.trace is None else self.trace.outcome.reason
+
+    @property
     def ending(self) -> str:
         """How it ended, in words."""
-        if self.trace is None:
-            return f"{self.outcome}: {self.failure}"
-        return f"{self.outcome}: {self.trace.outcome.reason}"
+        return f"{self.outcome}: {self.reason}"
 
 
 class NotFiniteError(ArithmeticError):
@@ -133,14 +161,13 @@ def run_or_raise(
     Raises ``SceneError`` if the solver does not take the scene or an option, :class:`NotFiniteError` if the
     answer is not finite.
     """
-    method = solvers.solver(solver)
+    scene, method = case.scene, solvers.solver(solver)
     method.load()
-    stops = (*cycle_times(case.scene.loading), *stop_times)
     begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
     trace = method.solve(
-        case.scene,
+        scene,
         resolution,
-        stop_times=stops,
+        stop_times=(*cycle_times(scene.loading), *stop_times),
         profile_times=case.profile_times,
         max_steps=max_steps,
         progress=progress,
@@ -148,18 +175,20 @@ def run_or_raise(
         estimate_errors=estimate,
     )
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
-    _refuse_not_finite(trace)
-    outcome = outcome_of_loss(trace.outcome, case.scene.is_adhesive, trace.penetration, trace.contact_radius)
+    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
+    if broken:
+        raise NotFiniteError(f"not finite: {', '.join(broken)}")
+    outcome = outcome_of_loss(trace.outcome, scene.is_adhesive, trace.penetration, trace.contact_radius)
     trace = replace(trace, outcome=outcome)
-    measures = measure(trace, case.scene, wall)
-    warnings = solvers.trace_warnings(case.scene, trace) or solvers.scene_warnings(case.scene)
-    warnings += swing_warnings(trace, case.scene.loading, method.edge_spacing(case.scene, resolution))
+    measures = measure(trace, scene, wall)
+    warnings = solvers.trace_warnings(scene, trace) or solvers.scene_warnings(scene)
+    warnings += swing_warnings(trace, scene.loading, method.edge_spacing(scene, resolution))
     result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
     if estimate and result.finished:
         spent = time.process_time()
-        errors = _errors(case, result, method, resolution, monitor)
+        errors = _errors(case, trace, measures, method, resolution, monitor)
         result = replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
-    return replace(result, warnings=warnings + fall_warnings(case.scene, trace, fall_error(case, result)))
+    return replace(result, warnings=warnings + fall_warnings(scene, trace, fall_error(case, result)))
 
 
 def fall_error(case: Case, result: Run) -> float:
@@ -167,33 +196,147 @@ def fall_error(case: Case, result: Run) -> float:
     return result.errors.get("loss_fall", case.tolerance(result.solver, "loss_fall") or 0.0)
 
 
-def _refuse_not_finite(trace: Trace) -> None:
-    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
-    if broken:
-        raise NotFiniteError(f"not finite: {', '.join(broken)}")
-
-
 def _errors(
     case: Case,
-    result: Run,
+    trace: Trace,
+    measures: dict[str, float | None],
     method: solvers.Solver,
     resolution: int | None,
     monitor: RunMonitor | None,
 ) -> dict[str, float]:
     """Error estimates of a finished run; none if the second run ends otherwise."""
-    trace = result.trace
-    if trace is None:
-        return {}
+    loading = case.scene.loading
     if method.estimates_errors:
-        return error_estimate.from_own(trace, result.measures, case.scene.loading)
-    second, stops = method.comparison_run(case.scene, resolution), cycle_times(case.scene.loading)
+        return error_estimate.from_own(trace, measures, loading)
+    second = method.comparison_run(case.scene, resolution)
     try:
-        other = second.solve(stop_times=stops, profile_times=case.profile_times, monitor=monitor)
+        other = second.solve(
+            stop_times=cycle_times(loading), profile_times=case.profile_times, monitor=monitor
+        )
     except Exception:  # a scene too coarse to be solved has no estimate; the run itself stands
         return {}
     if other.outcome.kind is not trace.outcome.kind:
         return {}
     otherwise = measure(other, case.scene, 0.0)
-    return error_estimate.from_two_runs(
-        trace, other, result.measures, otherwise, second.ratio, case.scene.loading
+    return error_estimate.from_two_runs(trace, other, measures, otherwise, second.ratio, loading)
+
+
+_NO_MEASURES: dict[str, Any] = {
+    "solver": str,
+    "scene": str,
+    "outcome": OutcomeKind,
+    "reason": str,
+    "finished": bool,
+    "past_extremum": bool,
+    "warnings": tuple[str, ...],
+    "wall_seconds": float,
+    "cpu_seconds": float,
+    "estimate_seconds": float,
+    "counters": Counters,
+    "error_estimates": dict[str, float | None],
+    "events": tuple[Event, ...],
+}
+"""Keys of the ``summary.json`` of a run with a trace that are no measures, and what each holds."""
+_TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
+
+
+def write_run(folder: Path, scene: Scene, result: Run) -> None:
+    """Write the three files, ``summary.json`` last: where it exists, the set is complete."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "summary.json").unlink(missing_ok=True)
+    for left in folder.glob(".run.*"):  # by a program that was killed
+        shutil.rmtree(left, ignore_errors=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".run.") as stage:
+        write_scene(scene, Path(stage) / "scene.toml")  # with tables of its own, where it has any
+        if result.trace is not None:
+            write_trace(result.trace, Path(stage) / "trace.csv")
+        else:
+            (folder / "trace.csv").unlink(missing_ok=True)
+        move_whole(Path(stage), folder)
+    write_whole(folder / "summary.json", to_json(summary(result)))
+
+
+def summary(result: Run) -> dict[str, Any]:
+    """Contents of ``summary.json``; ``None`` where something does not apply."""
+    trace = result.trace
+    return {
+        "solver": result.solver,
+        "scene": result.scene,
+        "outcome": result.outcome,
+        "reason": result.reason,
+        "finished": result.finished,
+        "past_extremum": None if trace is None else trace.outcome.past_extremum,
+        "warnings": list(result.warnings),
+        **Observables().as_dict(),
+        **{name: value for name, value in result.measures.items() if not name.startswith("counters.")},
+        **{name: getattr(result, name) for name in _TIMES},
+        "counters": None if trace is None else asdict(trace.counters),
+        "error_estimates": None if trace is None else result.errors or dict(trace.errors),
+        "events": [asdict(event) for event in trace.events] if trace is not None else [],
+    }
+
+
+def read_run(source: Path) -> tuple[Scene, Run]:
+    """Read a folder back, bit for bit; profiles were not written.
+
+    Raises ``SceneError``, one line, if a file is missing or damaged, or the run gave no answer.
+    """
+    for name in ("scene.toml", "summary.json"):
+        if not os.path.isfile(source / name):
+            allowed = "a folder written by `crosscontact solve --out`"
+            raise SceneError("", f"has no {name}", allowed, str(source))
+    scene = read_scene(source / "scene.toml")
+    file = str(source / "summary.json")
+    try:
+        stated = from_json(read_text(Path(file)))
+        if not isinstance(stated, dict):
+            raise ValueError("no object of JSON")
+        if stated.get("outcome") in ("failed", "refused"):
+            problem = f"{stated.get('solver')} gave no answer: {stated.get('reason')}"
+            raise SceneError("outcome", problem, "a run with a trace")
+        return scene, _run(stated, read_columns(source / "trace.csv"))
+    except SceneError as error:
+        raise error.in_file(file) from None
+    except OSError as error:
+        problem = f"cannot be read: {error.strerror or error}"
+        raise SceneError("trace.csv", problem, "the trace of the run", str(source)) from None
+    except (ValueError, csv.Error) as error:
+        raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
+
+
+def _run(stated: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
+    """The run that a folder holds; its outcome is dated by the last row of the trace."""
+    of = {name: checked(stated.get(name), kind, name) for name, kind in _NO_MEASURES.items()}
+    measures: dict[str, float | None] = {
+        name: checked(value, float | None, name)
+        for name, value in stated.items()
+        if name == "wall_seconds" or name not in _NO_MEASURES
+    }
+    if not all(np.isfinite(column).all() for column in columns.values()):
+        raise ValueError("a number is not finite")
+    end = float(columns["time"][-1]) if columns["time"].size else 0.0
+    trace = Trace(
+        of["solver"],
+        columns["time"],
+        columns["penetration"],
+        columns["force"],
+        columns["contact_radius"],
+        columns["stored_energy"],
+        columns["external_work"],
+        columns["dissipated_energy"],
+        outcome=Outcome(of["outcome"], of["reason"], end, of["past_extremum"]),
+        counters=of["counters"],
+        extra={name: column for name, column in columns.items() if name not in COLUMNS},
+        events=of["events"],
+        wall_seconds=of["wall_seconds"],
+    )
+    measures |= {f"counters.{name}": float(count) for name, count in vars(of["counters"]).items()}
+    return Run(
+        of["scene"],
+        of["solver"],
+        trace,
+        **{name: of[name] for name in _TIMES},
+        measures=measures,
+        errors={name: error for name, error in of["error_estimates"].items() if error is not None},
+        warnings=of["warnings"],
     )

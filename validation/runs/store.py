@@ -1,40 +1,54 @@
-"""Finished parts of a long command, stored in its folder until the whole is done.
+"""Finished runs, kept in the folder of a long command: whatever ends the program leaves whole records.
 
-A command that is stopped, in whatever way, does what is missing when it is given again; stored answers are
-taken over bit for bit, run times included. When its results are written the store is removed.
-
-An answer is JSON: dataclasses by the names of their fields, arrays of floats by their bytes. What is read
-has the types that the dataclasses declare; anything else is refused, and nothing is executed.
+An SQLite file with a write-ahead log. An answer is JSON by the fingerprint of its question: dataclasses by
+the names of their fields, arrays of floats by their bytes, beside a digest. What is read has the types that
+the dataclasses declare; what has not, or is damaged, counts as not stored, and nothing is executed. One
+process holds the file at a time, as it holds the folder (see ``folder``).
 """
 
 from __future__ import annotations
 
 import base64
+import errno
 import hashlib
 import json
-import shutil
+import sqlite3
 import sys
 import time
 import types
-from collections.abc import Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+import zlib
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from pathlib import Path
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Self, Union, get_args, get_origin, get_type_hints
+from weakref import WeakValueDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError, shown
-from contact_scene.files import read_text
 from validation.runs import provenance
-from validation.runs.files import from_json, write_whole
+from validation.runs.folder import from_json
 
-FOLDER = ".unfinished"
-VERSION = ".version"
-"""File that says by which version of the program, and of its packages, the answers were given."""
-LARGEST = 1_000_000_000
-"""Bytes of a stored answer, at most."""
+UNFINISHED = ".unfinished.sqlite"
+"""The file of a command that removes it when its results are written."""
+FILE = "runs.sqlite"
+"""The file of a sweep, which keeps it."""
+Columns = dict[str, NDArray[np.float64]]
+
+_TABLE = """
+PRAGMA locking_mode = EXCLUSIVE;
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = NORMAL;
+CREATE TABLE IF NOT EXISTS answers (fingerprint TEXT PRIMARY KEY, digest TEXT, answer TEXT, seconds REAL);
+"""
+_ROW = "SELECT digest, answer, seconds FROM answers WHERE fingerprint = ?"
+_DAMAGED = sqlite3.DatabaseError, UnicodeDecodeError
+"""What is raised over a damaged file; the latter where SQLite's message quotes it."""
+_FOREIGN = sqlite3.SQLITE_ERROR, sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB
+"""Errors of a file that is damaged or another program's, rather than of a disk that is full or fails."""
 _ARRAY = "float64"
 """Key under which the bytes of an array stand, little-endian."""
 _LARGEST = 2**63
@@ -48,31 +62,28 @@ _WORDS = {
 }
 
 
-@dataclass(frozen=True)
-class _Header:
-    """What stands beside an answer: its fingerprint, and the wall time (s) of the work up to it."""
-
-    fingerprint: str
-    seconds: float
-
-
 class Store:
-    """Answers by fingerprint, each a file in the command's folder: a digest, a header and the answer as JSON.
+    """Answers by fingerprint, in a file of the command's folder, or ``in_memory``; otherwise nothing is kept.
 
-    Without a folder nothing is stored. ``fresh`` removes what is stored; what another version has stored is
-    removed in any case. ``taken_over`` counts the answers of an earlier attempt so far.
+    ``fresh`` removes what is stored. ``taken_over`` counts the answers that were found so far. Every method
+    raises ``SceneError`` over a file that is damaged or another program's, ``OSError`` with its name if the
+    disk is full or fails.
     """
 
-    def __init__(self, out: Path | None = None, fresh: bool = False) -> None:
-        self._folder = None if out is None else out / FOLDER
+    _open: ClassVar[WeakValueDictionary[str, Store]] = WeakValueDictionary()
+    """By file: one that is opened again, after an interruption say, is closed where it was left open."""
+
+    def __init__(
+        self, folder: Path | None = None, fresh: bool = False, file: str = UNFINISHED, in_memory: bool = False
+    ) -> None:
+        self._path = None if folder is None else folder / file
+        self._connection: sqlite3.Connection | None = None
         self.taken_over = 0
-        self._seconds_before = 0.0
-        self._began = time.perf_counter()
+        self._seconds_before, self._began = 0.0, time.perf_counter()
         if fresh:
             self.clear()
-        elif self._folder is not None and self._folder.is_dir() and not _is_of_this_version(self._folder):
-            print(f"crosscontact: starting anew: {self._folder} is of another version", file=sys.stderr)
-            self.clear()
+        if in_memory or (self._path is not None and self._path.exists()):
+            self._connect()
 
     @property
     def seconds(self) -> float:
@@ -82,46 +93,167 @@ class Store:
     @property
     def holds_answers(self) -> bool:
         """Whether an answer is stored, of this attempt or an earlier one."""
-        return self._folder is not None and any(self._folder.glob("[!.]*"))
+        return self._ask("SELECT 1 FROM answers LIMIT 1") is not None
 
     def get(self, fingerprint: str, kind: Any) -> Any:
         """The stored answer of a kind (see :func:`checked`); ``None`` if there is none that can be used."""
-        if self._folder is None or not (self._folder / fingerprint).is_file():
+        row = self._ask(_ROW, fingerprint)
+        if row is None or not all(isinstance(cell, str) for cell in row[:2]):
             return None
+        digest, answer, seconds = row
         try:
-            digest, _, body = read_text(self._folder / fingerprint, LARGEST).partition("\n")
-            if hashlib.sha256(body.encode()).hexdigest() != digest:
-                return None
-            header, _, answer = body.partition("\n")
-            about: _Header = loads(header, _Header)
-            found = loads(answer, kind) if about.fingerprint == fingerprint else None
+            found = loads(answer, kind) if _digest(fingerprint, answer) == digest else None
         except SceneError:
             return None
         self.taken_over += found is not None
-        self._seconds_before = max(self._seconds_before, about.seconds)
+        if isinstance(seconds, float):
+            self._seconds_before = max(self._seconds_before, seconds)
         return found
 
     def put(self, fingerprint: str, answer: Any) -> None:
         """Store an answer."""
-        if self._folder is None:
+        self.put_all([(fingerprint, answer, self.seconds)])
+
+    def put_all(self, answers: Iterable[tuple[str, Any, float]]) -> None:
+        """Store answers by fingerprint, each beside a time (s): all of them or none."""
+        if self._connection is None and self._path is None:
             return
-        if not self._folder.is_dir():
-            self._folder.mkdir()
-            write_whole(self._folder / VERSION, provenance.version())
-        body = f"{dumps(_Header(fingerprint, self.seconds))}\n{dumps(answer)}"
-        write_whole(self._folder / fingerprint, f"{hashlib.sha256(body.encode()).hexdigest()}\n{body}")
+        try:
+            with self._connect() as connection:
+                for fingerprint, answer, seconds in answers:
+                    text = dumps(answer)
+                    row = (fingerprint, _digest(fingerprint, text), text, seconds)
+                    connection.execute("INSERT OR REPLACE INTO answers VALUES (?, ?, ?, ?)", row)
+        except _DAMAGED as error:
+            raise self._unusable(error) from None
+
+    def seconds_of(self, fingerprint: str) -> float | None:
+        """The time (s) that stands beside an answer."""
+        row = self._ask(_ROW, fingerprint)
+        return row[2] if row is not None and isinstance(row[2], float) else None
 
     def clear(self) -> None:
         """Remove all answers."""
-        if self._folder is not None:
-            shutil.rmtree(self._folder, ignore_errors=True)
+        self.close()
+        if self._path is not None:
+            for ending in ("", "-wal", "-shm"):
+                self._path.with_name(self._path.name + ending).unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Close the file."""
+        if self._connection is not None:
+            self._connection.close()
+            self._connection = None
+
+    def __del__(self) -> None:
+        self.close()  # a connection alone would wait for the collector, and hold the file
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def _ask(self, question: str, *given: str) -> Any:
+        """The first row of an answer of the file; ``None`` if there is none."""
+        if self._connection is None:
+            return None
+        try:
+            return self._connection.execute(question, given).fetchone()
+        except _DAMAGED as error:
+            raise self._unusable(error) from None
+
+    def _connect(self) -> sqlite3.Connection:
+        """Open the file, and say that nothing is taken over of what another version has stored."""
+        if self._connection is not None:
+            return self._connection
+        name = str(self._path or ":memory:")
+        if self._path is not None and (earlier := self._open.get(name)) is not None:
+            earlier.close()
+        try:
+            self._connection = sqlite3.connect(name, check_same_thread=False)
+            self._connection.executescript(_TABLE)
+            self._connection.execute(_ROW, ("",))  # the table of another program has other columns
+            of_this = zlib.crc32(provenance.version().encode()) >> 1
+            (before,) = self._connection.execute("PRAGMA user_version").fetchone()
+            if before != of_this and self.holds_answers:
+                print(f"crosscontact: starting anew: {self._path} is of another version", file=sys.stderr)
+            self._connection.execute(f"PRAGMA user_version = {of_this}")
+        except _DAMAGED as error:
+            self.close()
+            raise self._unusable(error) from None
+        self._open[name] = self
+        return self._connection
+
+    def _unusable(self, error: Exception) -> SceneError | OSError:
+        if getattr(error, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF not in _FOREIGN:
+            return OSError(errno.EIO, str(error), str(self._path))
+        problem = f"{self._path} cannot be used: {error}"
+        return SceneError("--out", problem, "runs that this program has stored, or --fresh")
 
 
-def _is_of_this_version(folder: Path) -> bool:
-    try:
-        return read_text(folder / VERSION) == provenance.version()
-    except SceneError:
-        return False
+@dataclass(frozen=True)
+class RunRecord:
+    """What a sweep keeps of a run: measures and relative error estimates that apply, rows of its trace."""
+
+    outcome: str
+    reason: str
+    finished: bool = False
+    measures: dict[str, float] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+    rows: int = 0
+
+
+@dataclass(frozen=True)
+class StoredRun:
+    """A run by the fingerprint of what was computed, its processor time (s), and its columns, if kept."""
+
+    fingerprint: str
+    record: RunRecord
+    seconds: float
+    columns: Columns | None = None
+
+
+class RunTable(Store):
+    """The runs of a sweep, in its folder or, without one, in memory: records, and traces beside them."""
+
+    def __init__(self, folder: Path | None = None, fresh: bool = False) -> None:
+        super().__init__(folder, fresh, FILE, folder is None)
+
+    def keep(self, runs: Iterable[StoredRun]) -> None:
+        """Store runs, all of them or none."""
+        rows: list[tuple[str, Any, float]] = []
+        for run in runs:
+            rows.append((run.fingerprint, run.record, run.seconds))
+            if run.columns is not None:
+                rows.append((_trace(run.fingerprint), run.columns, run.seconds))
+        self.put_all(rows)
+
+    def record(self, fingerprint: str) -> RunRecord | None:
+        """What is known about a run; ``None`` if it is not stored."""
+        found: RunRecord | None = self.get(fingerprint, RunRecord)
+        return found
+
+    def columns(self, fingerprint: str) -> Columns | None:
+        """The trace of a run; ``None`` if it is not kept."""
+        found: Columns | None = self.get(_trace(fingerprint), Columns)
+        return found
+
+    def holds(self, fingerprint: str, trace: bool = False) -> bool:
+        """Whether a run is stored, with its trace if that is asked for and the run has one."""
+        record = self.record(fingerprint)
+        if record is None:
+            return False
+        return not trace or record.rows == 0 or self.columns(fingerprint) is not None
+
+
+def _trace(fingerprint: str) -> str:
+    return f"{fingerprint} trace"
+
+
+def _digest(fingerprint: str, answer: str) -> str:
+    return hashlib.sha256(f"{fingerprint}\n{answer}".encode()).hexdigest()
 
 
 def dumps(value: Any) -> str:

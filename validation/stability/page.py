@@ -30,9 +30,8 @@ from validation.report.document import (
 )
 from validation.report.report import Chapter
 from validation.report.tables import environment
-from validation.runs.files import to_json, write_whole
+from validation.runs.folder import to_json, write_whole
 from validation.runs.provenance import stamp
-from validation.runs.report_folder import STABILITY
 from validation.stability import heat_map
 from validation.stability import verdict as judged
 from validation.stability.limits import limits, work_growth
@@ -107,13 +106,13 @@ def write(matrix: StabilityMatrix, folder: Path) -> None:
     title, lead = "crosscontact stability", (_lead(matrix),)
     parts = section(matrix), environment(stamp(), matrix.wall_seconds)
     short = Document(title, lead, (summary(matrix),))
-    texts = {STABILITY: _json(matrix, True), "stability.md": markdown.text(short)}
+    texts = {"stability.json": _json(matrix, True), "stability.md": markdown.text(short)}
     report.write(folder, Document(title, lead, parts), texts)
 
 
 def write_cells(cells: Sequence[judged.Cell], folder: Path) -> None:
     """Write ``stability.json`` alone, of a matrix that is not complete yet."""
-    write_whole(folder / STABILITY, _json(StabilityMatrix(tuple(cells), 0.0), False))
+    write_whole(folder / "stability.json", _json(StabilityMatrix(tuple(cells), 0.0), False))
 
 
 def _json(matrix: StabilityMatrix, complete: bool) -> str:

@@ -32,9 +32,8 @@ from validation.report.document import (
     with_drawing,
 )
 from validation.report.tables import COUNTERS, environment, in_words
-from validation.runs.files import to_json
-from validation.runs.premises import of_case
-from validation.runs.report_folder import STUDY
+from validation.runs.folder import to_json
+from validation.runs.provenance import of_case
 from validation.studies import charts, schemes, work_precision
 from validation.studies.convergence import Convergence, LevelRun, Row
 from validation.studies.schemes import scheme
@@ -74,7 +73,7 @@ DOMAIN_NOTE = (
 def write(study: Study, folder: Path) -> None:
     """Write ``index.html``, ``study.md``, ``study.json`` and ``figures/SCENE-NAME.png`` and ``.svg``."""
     page = document(study)
-    report.write(folder, page, {STUDY: to_json(data(study)), "study.md": markdown.text(page)})
+    report.write(folder, page, {"study.json": to_json(data(study)), "study.md": markdown.text(page)})
 
 
 def data(study: Study) -> dict[str, Any]:

@@ -21,9 +21,8 @@ from dataclasses import dataclass, replace
 from validation.cases import Case
 from validation.measure.difference import Difference, of_curves, of_numbers
 from validation.measure.norms import CURVES
-from validation.runs.pool import TellProgress, run_tasks
+from validation.runs.pool import TellProgress, run_of, run_task, run_tasks
 from validation.runs.run import Run
-from validation.runs.solver_tasks import run_of, run_task
 from validation.runs.store import Store
 from validation.solvers import REFERENCE
 from validation.solvers.finite_elements import FiniteElements

@@ -15,9 +15,8 @@ from validation.measure.norms import CURVES
 from validation.report import markdown
 from validation.report.document import ABSENT, DataTable, Document, Paragraph, Section, formatted, plain
 from validation.report.tables import estimates
-from validation.runs.files import to_json, write_whole
-from validation.runs.premises import of_case
-from validation.runs.report_folder import poisson_json
+from validation.runs.folder import to_json, write_whole
+from validation.runs.provenance import of_case
 from validation.runs.run import Run
 from validation.studies.poisson import (
     ASSUMPTIONS,
@@ -36,7 +35,7 @@ takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if meas
 
 def write(case: Case, compressibilities: Sequence[CompressibilityComparison], folder: Path) -> Path:
     """Write ``poisson-NAME.md`` and ``.json``; returns the first."""
-    shown, path = section(case.name, compressibilities), folder / poisson_json(case.name)
+    shown, path = section(case.name, compressibilities), folder / f"poisson-{case.name}.json"
     write_whole(path, to_json(data(case, compressibilities)))
     page = path.with_suffix(".md")
     write_whole(page, markdown.text(Document(shown.title, (), shown.parts)))

@@ -24,9 +24,8 @@ from validation.report.document import (
     formatted,
     plain,
 )
-from validation.runs.files import to_json, write_whole
-from validation.runs.premises import of_case
-from validation.runs.report_folder import zones_json
+from validation.runs.folder import to_json, write_whole
+from validation.runs.provenance import of_case
 from validation.studies.zones import OBSERVED, ZoneRun, growth
 
 if TYPE_CHECKING:
@@ -41,7 +40,7 @@ zone^-p over all zones of a solver; 0 where a shorter zone costs no more than it
 
 def write(case: Case, runs: Sequence[ZoneRun], folder: Path) -> Path:
     """Write ``zones-NAME.md``, ``.json``, ``.png`` and ``.svg``; returns the first."""
-    shown, path = section(case.name, runs), folder / zones_json(case.name)
+    shown, path = section(case.name, runs), folder / f"zones-{case.name}.json"
     write_whole(path, to_json(data(case, runs)))
     page = path.with_suffix(".md")
     write_whole(page, markdown.text(Document(shown.title, (), shown.parts)))

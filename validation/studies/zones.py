@@ -18,11 +18,10 @@ import numpy as np
 from contact_scene import SceneError
 from validation.cases import Case
 from validation.measure.difference import of_numbers
-from validation.runs.pool import TaskEnding, run_tasks
+from validation.runs.pool import TaskEnding, run_of, run_task, run_tasks
 from validation.runs.process import peak_memory
 from validation.runs.provenance import fingerprint
 from validation.runs.run import Run, run
-from validation.runs.solver_tasks import run_of, run_task
 from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
 

@@ -15,8 +15,8 @@ import numpy as np
 import tomli_w
 
 from contact_scene.errors import SceneError
-from validation.runs.files import move_whole, write_whole
-from validation.runs.run_table import Columns
+from validation.runs.folder import move_whole, write_whole
+from validation.runs.store import Columns
 from validation.sweeps.plan import Coordinate, SweepPlan
 from validation.sweeps.run_plan import SweepRuns
 

@@ -12,7 +12,7 @@ import numpy as np
 from validation.drawing.axes import format_axes
 from validation.drawing.export import png, svg_file
 from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
-from validation.runs.files import write_whole
+from validation.runs.folder import write_whole
 from validation.sweeps.dataset import RUN, drawn_measures
 
 if TYPE_CHECKING:

@@ -15,14 +15,12 @@ from dataclasses import dataclass, field
 from contact_scene import Scene
 from contact_scene.errors import SceneError
 from validation.cases import Case
-from validation.runs.engines import Engine
-from validation.runs.pool import Task, completed_tasks
+from validation.runs.pool import Engine, Task, completed_tasks, origin_of
 from validation.runs.process import keep_freed
 from validation.runs.progress import duration
 from validation.runs.provenance import fingerprint, version
 from validation.runs.run import Run, run
-from validation.runs.run_table import Columns, RunRecord, RunTable, StoredRun
-from validation.runs.solver_tasks import origin_of
+from validation.runs.store import Columns, RunRecord, RunTable, StoredRun
 from validation.sweeps.plan import Row, SweepPlan, measure_names
 
 NOT_REPEATABLE = ("wall_seconds",)
@@ -129,7 +127,7 @@ class SweepRuns:
     def keep(self, runs: Sequence[StoredRun]) -> None:
         """Store what a batch has carried out."""
         failed = {run.fingerprint: run.record for run in runs if run.record.reason.startswith("MemoryError")}
-        self.table.put(run for run in runs if run.fingerprint not in failed)
+        self.table.keep(run for run in runs if run.fingerprint not in failed)
         self.failed.update(failed)
 
 
@@ -234,7 +232,9 @@ def forecast(plan: SweepPlan, table: RunTable) -> SweepForecast:
     """Forecast a sweep by the runs that are stored; where there are none, its first run is carried out."""
     keys, missing = missing_runs(plan, table)
     stored = [key for key in keys if key not in missing]
-    spent = [seconds for key in stored[:: max(1, len(stored) // SAMPLED)] if (seconds := table.seconds(key))]
+    spent = [
+        seconds for key in stored[:: max(1, len(stored) // SAMPLED)] if (seconds := table.seconds_of(key))
+    ]
     names = plan.measures or measure_names(plan.scene.with_values({}))
     numbers = len(names) * (2 if plan.estimate else 1)
     size = float(BYTES_OF_NUMBER * numbers * len(keys) + FIGURES_BYTES * len(plan.drawn))

@@ -5,14 +5,15 @@ from __future__ import annotations
 import json
 import os
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing, suppress
 from functools import cache
 from pathlib import Path
 
 import pytest
-from support.damage import EXECUTED
 from support.interruptible_command import BEGUN, VERSION
 from support.spring_solver import SCENE, FunctionSolver, spring
 from support.unlaid_figures import without_layout
@@ -20,9 +21,10 @@ from support.unlaid_figures import without_layout
 from contact_scene import read_columns
 from crosscontact.cli import main
 from validation import solvers
-from validation.runs import folder_lock, provenance
+from validation.runs import provenance
+from validation.runs.folder import CLAIM, LOCK_FILE, locked_folder
 from validation.runs.run import Run
-from validation.runs.store import loads
+from validation.runs.store import UNFINISHED, loads
 
 ENVIRONMENT = os.environ | {"PYTHONPATH": os.getcwd(), "OMP_NUM_THREADS": "1"}
 TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
@@ -90,7 +92,7 @@ def without_times(value):
 
 
 def assert_same_results(found: Path, wanted: Path) -> None:
-    assert sorted(file.name for file in found.iterdir()) == RESULTS
+    assert sorted(file.name for file in found.glob("[!.]*")) == RESULTS
     assert (found / "trace.csv").read_bytes() == (wanted / "trace.csv").read_bytes()
     one, other = (json.loads((folder / "summary.json").read_text()) for folder in (found, wanted))
     assert without_times(one) == without_times(other)
@@ -108,7 +110,7 @@ def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, unint
     assert err.splitlines()[-1] == "crosscontact: interrupted"
     assert "the same command begins it anew" in err
     assert "interrupted: stopped from outside" in out
-    assert sorted(file.name for file in tmp_path.iterdir()) == RESULTS
+    assert sorted(file.name for file in tmp_path.glob("[!.]*")) == RESULTS
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert (summary["outcome"], summary["finished"]) == ("interrupted", False)
     whole = uninterrupted("reference")
@@ -117,14 +119,6 @@ def test_a_signal_ends_the_run_with_its_step(capsys, tmp_path, scene_file, unint
     assert part.tobytes() == force[: len(part)].tobytes()
     assert main(arguments(scene_file, "reference", tmp_path)) == 0
     assert_same_results(tmp_path, whole)
-
-
-def test_a_run_of_an_earlier_version_is_begun_anew(capsys, tmp_path, scene_file, uninterrupted):
-    (tmp_path / "checkpoint").write_bytes(EXECUTED)
-    assert main(arguments(scene_file, "reference", tmp_path)) == 0
-    (line,) = [line for line in capsys.readouterr().err.splitlines() if "checkpoint" in line]
-    assert line == f"crosscontact: starting anew: {tmp_path / 'checkpoint'} is of an earlier version"
-    assert_same_results(tmp_path, uninterrupted("reference"))
 
 
 def test_bad_input_leaves_no_folder(tmp_path):
@@ -152,6 +146,13 @@ class Counting:
         return call
 
 
+def kept_runs(folder: Path) -> list[Run]:
+    """The runs that a stopped command has kept, read past its store."""
+    with suppress(sqlite3.OperationalError), closing(sqlite3.connect(folder / UNFINISHED)) as connection:
+        return [loads(text, Run) for (text,) in connection.execute("SELECT answer FROM answers")]
+    return []
+
+
 def report_of(folder: Path):
     report = without_times(json.loads((folder / "report.json").read_text()))
     del report["environment"]  # with the time of day
@@ -168,10 +169,8 @@ def test_a_report_does_what_is_missing_and_has_the_run_times_of_the_runs(
     all_runs, solved.runs = solved.runs, []
     solved.stops = "reference"
     assert main([*given, str(twice)]) == 1
-    assert [file.name for file in twice.iterdir()] == [".unfinished"]
-    entries = list((twice / ".unfinished").glob("[!.]*"))
-    kept = [loads(file.read_text().splitlines()[2], Run) for file in entries]
-    measured = {run.solver: run.wall_seconds for run in kept}
+    assert sorted(file.name for file in twice.iterdir()) == [CLAIM, UNFINISHED]
+    measured = {run.solver: run.wall_seconds for run in kept_runs(twice)}
     assert set(measured) == {"bem", "fem"}
     assert main([*given, str(twice)]) == 0
     assert sorted(solved.runs) == sorted(all_runs)
@@ -197,11 +196,11 @@ def test_a_fresh_report_takes_nothing_over(tmp_path, scene_file, monkeypatch):
 def test_a_folder_in_use_is_refused(capsys, tmp_path, scene_file, monkeypatch, command):
     monkeypatch.setattr(f"crosscontact.commands.{command}.run", lambda *given: pytest.fail("it ran"))
     given = {"report": [], "solve": [scene_file, "--solver", "bem"]}.get(command, [scene_file])
-    with folder_lock.locked_folder(tmp_path):
+    with locked_folder(tmp_path):
         assert main([command, *given, "--out", str(tmp_path)]) == 2
         (line,) = capsys.readouterr().err.splitlines()
         assert f"in use by another crosscontact (process {os.getpid()} on " in line
-        assert [file.name for file in tmp_path.iterdir()] == [folder_lock.LOCK_FILE]
+        assert [file.name for file in tmp_path.iterdir()] == [LOCK_FILE]
 
 
 POOL = """
@@ -221,9 +220,7 @@ MATRIX = """
     "work", [pytest.param(POOL, id="pool", marks=pytest.mark.slow), pytest.param(MATRIX, id="matrix")]
 )
 def test_workers_end_with_their_parent(work):
-    imports = "import os, time\nfrom validation.runs.pool import processes\n"
-    imports += "from validation.runs.pool import run_tasks\n"
-    imports += "from validation.runs.pool import Task\n"
+    imports = "import os, time\nfrom validation.runs.pool import Task, processes, run_tasks\n"
     program = f"{imports}if __name__ == '__main__':{work}"
     parent = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, text=True, env=ENVIRONMENT
@@ -252,14 +249,11 @@ def test_a_report_killed_again_and_again(tmp_path):
     given += ["--jobs", "2", "--out"]
     once, twice = tmp_path / "once", tmp_path / "twice"
     subprocess.run([*given, str(once)], check=True, capture_output=True, env=ENVIRONMENT)
-    store = twice / ".unfinished"
     for wanted in (1, 2):
         work = subprocess.Popen(
             [*given, str(twice)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT
         )
-        wait_for(
-            lambda wanted=wanted: store.is_dir() and len(list(store.glob("[!.]*"))) >= wanted, "finished runs"
-        )
+        wait_for(lambda wanted=wanted: len(kept_runs(twice)) >= wanted, "finished runs")
         threads = Path(f"/proc/{work.pid}/task").glob("*/children")
         children = [child for thread in threads for child in thread.read_text().split()]
         work.kill()
