@@ -23,7 +23,7 @@ import numpy as np
 from scipy import stats
 
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
-from contact_scene.scene_values import value_at, with_values
+from contact_scene.scene import value_at, with_values
 from validation.drawing import export
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION

@@ -18,12 +18,9 @@ from contact_scene.loading import (
     Trigger,
 )
 from contact_scene.machine import Machine
-from contact_scene.material import Branch, BulkRelaxation, Material
-from contact_scene.material_file import read_material
-from contact_scene.material_models import PowerLawRelaxation, StandardLinearSolid
-from contact_scene.measured_moduli import DynamicData, RelaxationData
-from contact_scene.prony import PronyFit, fit_prony
-from contact_scene.readers import read_measured, read_shift_factors
+from contact_scene.material import Branch, BulkRelaxation, Material, PowerLawRelaxation, StandardLinearSolid
+from contact_scene.material_file import read_material, read_measured, read_shift_factors
+from contact_scene.prony import DynamicData, PronyFit, RelaxationData, fit_prony
 from contact_scene.run_control import LoadingCursor, RunMonitor
 from contact_scene.scene import Scene, read_scene, scene_from_dict, write_material, write_scene
 from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature

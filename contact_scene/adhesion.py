@@ -30,7 +30,7 @@ from typing import Annotated, Any
 
 from contact_scene.checked import Checked, Key, NotNegative, Positive, Tabulated, ZeroOrPositive
 from contact_scene.errors import SceneError
-from contact_scene.value_checks import LARGEST, POSITIVE, SMALLEST, Range, positive
+from contact_scene.value_checks import LARGEST, SMALLEST, Range, positive
 
 
 @dataclass(frozen=True)
@@ -158,5 +158,5 @@ class Adhesion(Checked):
             return self
         zone = self.zone_for(2.0 * plane_modulus * self.work)
         if self.work > 0.0 and not SMALLEST <= zone <= LARGEST:
-            raise SceneError("stress", f"the process zone would be {zone:.4g}", POSITIVE)
+            raise SceneError("stress", f"the process zone would be {zone:.4g}", positive.words)
         return replace(self, zone=zone)

@@ -26,8 +26,8 @@ from contact_scene.value_checks import (
     Range,
     Rule,
     as_tuple,
+    column,
     finite,
-    finite_column,
     not_negative,
     of_class,
     positive,
@@ -48,7 +48,7 @@ class Key:
     unit: str = ""
 
 
-_PLAIN = {str: "a string", bool: "true or false", object: "a value"}
+_PLAIN = {str: "a string", bool: "true or false", object: "a value", dict: "a dictionary"}
 """Plain kinds of values, in words."""
 
 
@@ -155,10 +155,13 @@ class Tabulated(Checked):
 
     def checked(self, name: str, field: Declaration) -> Any:
         position = list(fields_of(type(self))).index(name)
-        if position > 1 or field.entries is None or not isinstance(field.entries.rule, Range):
+        if position > 1 or field.entries is None or not isinstance(rule := field.entries.rule, Range):
             return super().checked(name, field)
-        column = self.column_names(vars(self))[position]
-        return finite_column(getattr(self, name), column, field.entries.rule)
+        given, key = getattr(self, name), self.column_names(vars(self))[position]
+        entries = as_tuple(given.tolist() if isinstance(given, np.ndarray) else given, key, column.words)
+        if all(type(entry) is float for entry in entries) and rule.holds(np.array(entries)).all():
+            return entries
+        return tuple(rule(entry, f"{key}, row {row}") for row, entry in enumerate(entries, 1))
 
     @classmethod
     def column_names(cls, data: dict[str, Any]) -> tuple[str, str]:
@@ -288,7 +291,11 @@ def from_table(kinds: Iterable[type[Checked]], data: dict[str, Any], where: Path
                 raise SceneError("file", "is missing", f"a CSV file of {', '.join(kind.column_names(data))}")
             keys = ", ".join(_keys_of_file(kind))
             raise SceneError(name, "is missing", f"{field.allowed(name)}; keys {keys}")
-    stated = {key: taken[key].check(value, key, where) for key, value in data.items() if key != "file"}
+    stated = {
+        key: value if key in columns else taken[key].check(value, key, where)
+        for key, value in data.items()
+        if key != "file"
+    }
     if "file" not in data:
         return kind(**stated)
     if not issubclass(kind, Tabulated):

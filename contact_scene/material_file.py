@@ -1,34 +1,113 @@
-"""A material from a file, or from the table ``[material]``: a series given, in a file, or of a model."""
+"""A material from a file of material data, or from the table ``[material]``.
+
+Every file is a table of :mod:`contact_scene.tables`; a format says what its columns hold. Series, which a
+scene takes as they are:
+
+- ``pyvisco``: coefficients as pyvisco 2.1 writes them (``df_prony.csv``), a row of names, one of units and
+  one a branch: ``i,tau_i,alpha_i,E_0,E_i``. ``tau_i`` is a *relaxation* time, ``E_0`` the **instantaneous**
+  modulus and ``alpha_i = E_i/E_0``, so that ``E(t) = E_0 (1 - sum_i alpha_i + sum_i alpha_i exp(-t/tau_i))``;
+- ``reptate``: a mode file of RepTate ("Save Modes"): the number of modes, then number, relaxation time and
+  **shear** modulus of each. It has no relaxed modulus;
+- ``branches``: relaxation time and branch modulus, ``tau, E``.
+
+Measured data, which :mod:`contact_scene.prony` turns into a series:
+
+- ``relaxation``: time and relaxation modulus, ``t, E`` (pyvisco: ``t, E_relax``; RepTate: ``.gt``, whose
+  ``sxy`` is the stress after a step of the strain ``gamma``);
+- ``dynamic``: frequency, storage and loss modulus, ``w, E', E''`` (pyvisco: ``f, E_stor, E_loss``; RepTate:
+  ``.tts``).
+
+Names tell ``f`` (cycles per unit time) from ``w`` or ``omega`` (radians per unit time), and ``E`` from ``G``.
+Without names two columns are time and modulus, three are angular frequency, storage and loss modulus, and the
+moduli are Young's (in RepTate's data files shear moduli).
+"""
 
 from __future__ import annotations
 
+import math
 import os
-from dataclasses import replace
+import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from contact_scene.checked import beside, check_keys, fields_of, from_table, required, under
-from contact_scene.errors import SceneError, shown
+from contact_scene.errors import SceneError, cell_shown, shown
 from contact_scene.files import as_path, read_text
-from contact_scene.material import Material
-from contact_scene.material_models import MODELS
-from contact_scene.prony import PronyFit, fit_prony, series_material, young_over
-from contact_scene.readers import (
-    FORMATS,
-    MEASURED,
-    branch_table,
-    format_of,
-    measured_data,
-    read_pyvisco,
-    read_shift_factors,
-)
+from contact_scene.material import MODELS, Branch, Material
+from contact_scene.prony import DynamicData, PronyFit, RelaxationData, fit_prony, series_material, young_over
+from contact_scene.tables import QUANTITIES, Array, TextTable, modulus_letter, read_table
 from contact_scene.temperature_shift import SHIFTS, Shift, ShiftTable, at_temperature
-from contact_scene.value_checks import one_of, positive
+from contact_scene.value_checks import Range, finite, not_negative, one_of, positive, whole_from
 
 LARGEST_MISFIT = 0.05
 """Root mean square of the relative residuals up to which measured data become a material without a look at
 the fit. Rheometers scatter by less: beyond it no series meets the data."""
-_COMMON = ("model", "poisson", "bulk", "temperature", "shift")
+CONTRADICTION = 0.01
+"""Difference of ``E_i`` from ``alpha_i E_0``, relative to ``E_0``, from which on they contradict each other:
+a table rounded to two digits passes."""
+EXHAUSTED = 1e-6
+"""If ``1 - sum alpha_i`` is below this, it is rounding in the file, not a relaxed modulus."""
+SHEAR_FILES = (".tts", ".gt")
+"""Ends of RepTate's data files, whose moduli are shear moduli."""
+_PLAIN = "tau, E | t, E | f, E', E'' (f per unit time) | w, E', E'' (angular), with G for shear moduli"
+
+
+@dataclass(frozen=True)
+class _Format:
+    """What the columns of a file hold, one of several ways (without names, the last), and the same in words.
+
+    ``beside``: what further known columns may hold; ``any_more``: others may stand there as well. A modulus
+    that is ``zero`` is none of a branch.
+    """
+
+    columns: tuple[tuple[str, ...], ...]
+    wanted: str = _PLAIN
+    beside: tuple[str, ...] = ()
+    any_more: bool = False
+    zero: bool = False
+
+
+FORMATS = {
+    "pyvisco": _Format(
+        (("relaxation time", "fraction"), ("relaxation time", "instantaneous modulus", "modulus")),
+        "tau_i and alpha_i, E_0, E_i (or G_0, G_i), as in a pyvisco coefficient file",
+        ("fraction", "instantaneous modulus", "modulus"),
+        any_more=True,
+        zero=True,
+    ),
+    "reptate": _Format(
+        (("mode", "relaxation time", "modulus"),),
+        "a mode file: number of modes, then i, tau_i, G_i",
+        zero=True,
+    ),
+    "branches": _Format((("relaxation time", "modulus"),), beside=("temperature",), zero=True),
+    "relaxation": _Format((("time", "stress"), ("time", "modulus")), beside=("temperature",)),
+    "dynamic": _Format(
+        (
+            ("frequency", "storage modulus", "loss modulus"),
+            ("angular frequency", "storage modulus", "loss modulus"),
+        ),
+        beside=("temperature",),
+    ),
+}
+"""Kinds of material files."""
+MEASURED = ("relaxation", "dynamic")
+"""Those that hold measured data, not a series."""
+_SHIFT = _Format(
+    (("temperature", "log shift factor"), ("temperature", "shift factor")),
+    "T, a_T | T, log_aT",
+    any_more=True,
+)
+_RANGES: dict[str, Range] = {
+    "fraction": Range("0 <= alpha_i <= 1", 0.0, 1.0),
+    "log shift factor": finite,
+    "temperature": finite,
+    "mode": whole_from(0),
+}
+"""Of what is not positive."""
 
 
 def read_material(
@@ -62,33 +141,181 @@ def read_material(
     """
     text, file = read_text(as_path(path)), str(path)
     kind = format_of(text, file) if format is None else one_of(format, "format", FORMATS)
-    if kind == "pyvisco":
-        relaxed, branches = read_pyvisco(text, file, modulus, poisson)
-        return Material(relaxed, poisson, branches)
+    given = None if modulus is None else positive(modulus, "modulus")
     if kind in MEASURED:
-        return _fitted(text, file, kind, poisson, modulus)
-    branches, shear = branch_table(text, file, kind)
-    if modulus is None:
+        return _fitted(measured_data(text, file, kind), file, poisson, given)
+    table, columns, shear = _columns(text, file, FORMATS[kind])
+    scale = young_over(shear, poisson)
+    if kind == "pyvisco":
+        relaxed, moduli = _of_fractions(table, columns, given, scale)
+    elif given is None:
         raise SceneError("modulus", f"{file} has no relaxed modulus", "the relaxed Young's modulus, > 0")
-    relaxed = positive(modulus, "modulus") / young_over(shear, poisson)
-    return series_material(relaxed, branches, poisson, shear)
+    else:
+        relaxed, moduli = given, scale * columns["modulus"]
+    pairs = zip(moduli.tolist(), columns["relaxation time"].tolist(), strict=True)
+    return series_material(relaxed, [Branch(*pair) for pair in pairs], poisson, shear=False)
 
 
-def _fitted(text: str, file: str, format: str, poisson: float, modulus: float | None) -> Material:
-    data = measured_data(text, file, format)
+def read_measured(path: str | os.PathLike[str], format: str | None = None) -> RelaxationData | DynamicData:
+    """Measured moduli from a file, in whichever of the formats above; ``None``: told by its columns.
+
+    Raises
+    ------
+    SceneError
+        One line: file, line or column, what is wrong, what is allowed.
+    """
+    text, file = read_text(as_path(path)), str(path)
+    kind = format_of(text, file) if format is None else one_of(format, "format", FORMATS)
+    if kind not in MEASURED:
+        allowed = "measured data: time, modulus or frequency, storage, loss"
+        raise SceneError("", f"holds a Prony series ({kind}), not measured data", allowed, file)
+    return measured_data(text, file, kind)
+
+
+def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
+    """Shift factors from a table with the columns ``T`` and ``a_T`` or ``log_aT`` (decadic)."""
+    file = str(path)
+    _, columns, _ = _columns(read_text(as_path(path)), file, _SHIFT)
+    factors = columns.get("log shift factor")
+    logarithms = map(math.log10, columns["shift factor"]) if factors is None else factors.tolist()
+    try:
+        return ShiftTable(tuple(columns["temperature"].tolist()), tuple(logarithms))
+    except SceneError as error:
+        raise error.in_file(file) from None
+
+
+def format_of(text: str, file: str) -> str:
+    """Which of ``FORMATS`` a text is in, by its header or the number of its columns."""
+    count, text = _without_count(text)
+    if count is not None or re.search(r"#\s*(maxwell modes|number of modes)", text[:4000].lower()):
+        return "reptate"
+    known = {kind for form in FORMATS.values() for one in form.columns for kind in (*one, *form.beside)}
+    table = read_table(text, file, [kind for kind in QUANTITIES if kind in known], _PLAIN)
+    for name, form in FORMATS.items():
+        if any({*one} <= {*table.kinds} for one in form.columns):
+            return name
+    by_width = {2: "relaxation", 3: "dynamic"}
+    if any(table.names) or table.width not in by_width:
+        raise table.unknown()
+    return by_width[table.width]
+
+
+def measured_data(text: str, file: str, format: str) -> RelaxationData | DynamicData:
+    """Measured moduli from the text of a file in one of the formats ``MEASURED``, in any order of rows."""
+    table, columns, shear = _columns(text, file, FORMATS[format])
+    units = dict(zip(table.kinds, table.units, strict=True))
+    (across, points), *moduli = columns.items()
+    order = np.argsort(points, kind="stable")
+    points, values = points[order], [column[order] for _, column in moduli]
+    stress = units.get(moduli[0][0], "")
+    if format == "relaxation":
+        if moduli[0][0] == "stress":
+            values, shear = [values[0] / (table.stated("gamma", positive) or 1.0)], True
+        return RelaxationData(points, values[0], shear, (units.get(across, ""), stress))
+    time = "s" if units.get(across, "").lower() in ("hz", "rad/s", "1/s") else ""
+    omega = 2.0 * math.pi * points if across == "frequency" else points
+    return DynamicData(omega, values[0], values[1], shear, (time, stress))
+
+
+def _columns(text: str, file: str, form: _Format) -> tuple[TextTable, dict[str, Array], bool]:
+    """The table in a text, its columns by what they hold, and whether its moduli are shear moduli."""
+    modes = form is FORMATS["reptate"]
+    count, text = _without_count(text) if modes else (None, text)
+    plain = form.wanted == _PLAIN
+    held = {kind for one in (FORMATS.values() if plain else [form]) for way in one.columns for kind in way}
+    known = {*held, *form.beside} - ({"mode", "fraction", "instantaneous modulus"} if plain else set())
+    table = read_table(text, file, [kind for kind in QUANTITIES if kind in known], form.wanted)
+    if any(table.names) or form.any_more:
+        at = table.places(*form.columns)
+        wanted = next(one for one in form.columns if {*one} <= {*at})
+        wanted = (*wanted, *(kind for kind in at if kind not in wanted and kind in form.beside))
+        if not form.any_more and {*table.kinds} - {*wanted}:
+            raise table.unknown()
+    elif table.width != len(wanted := form.columns[-1]):
+        raise table.unknown()
+    else:
+        at = {kind: place for place, kind in enumerate(wanted)}
+    ranges = _RANGES | ({"modulus": not_negative} if form.zero else {})
+    columns = {kind: table.column(at[kind], ranges.get(kind, positive), kind) for kind in wanted}
+    if "temperature" in form.beside and np.ptp(columns.pop("temperature", np.zeros(1))) > 0.0:
+        raise SceneError("temperature", "differs between rows", "moduli at one temperature", file)
+    if count not in (None, len(table.rows)):
+        problem = f"is {count}, but there are {len(table.rows)} rows"
+        raise SceneError("number of modes", problem, "as many rows", file)
+    letters = {modulus_letter(table.names[at[kind]]) for kind in columns} - {""}
+    if len(letters) > 1 or (modes and "E" in letters):
+        raise SceneError("columns", f"got {cell_shown(','.join(table.names))}", "either E or G", file)
+    for kind, contradiction in (("frequency", r"rad\W.*"), ("angular frequency", "hz")):
+        unit = table.units[at[kind]] if kind in at else ""
+        if re.fullmatch(contradiction, unit.lower()):
+            raise SceneError("columns", f"{kind} in {unit}", "f in Hz, or w in rad/s", file)
+    of_reptate = modes or (plain and not form.zero and not letters and file.endswith(SHEAR_FILES))
+    return table, columns, letters == {"G"} or of_reptate
+
+
+def _without_count(text: str) -> tuple[int | None, str]:
+    """The number of modes in a line of its own above RepTate's modes, if it is there, and the text with that
+    line as a comment."""
+    found = re.match(r"((?:[^\S\n]*(?:#.*)?\n)*)([^\S\n]*(\d{1,6})[^\S\n]*\n)", text)
+    if found is None:
+        return None, text
+    return int(found[3]), f"{found[1]}# {found[2]}{text[found.end() :]}"
+
+
+def _of_fractions(
+    table: TextTable, columns: dict[str, Array], relaxed: float | None, scale: float
+) -> tuple[float, Array]:
+    """Relaxed Young's modulus and Young's moduli of the branches of a pyvisco table.
+
+    ``relaxed``, if not ``None``, is the relaxed Young's modulus: the instantaneous one is ``relaxed/(1 - sum
+    alpha_i)``, and ``E_0`` is not used. If ``sum alpha_i = 1``, as fits in the frequency domain usually have
+    it, that ratio says nothing: then the branches share ``E_0 - relaxed``.
+    """
+    file, glassy, ratios = table.file, None, None
+    if (stated := columns.get("instantaneous modulus")) is not None:
+        if np.ptp(stated) > 0.0:
+            name = table.names[table.kinds.index("instantaneous modulus")]
+            raise SceneError(name, "differs between rows", "the same value in every row", file)
+        glassy = scale * float(stated[0])
+        ratios = columns["modulus"] / stated if "modulus" in columns else None
+    fractions = columns.get("fraction", ratios)
+    assert fractions is not None  # the format has one or the other
+    total = math.fsum(fractions)
+    if total > 1.0 + EXHAUSTED:
+        raise SceneError("alpha_i", f"the sum is {total:.7g}", "fractions with a sum of at most 1", file)
+    if ratios is not None and (apart := np.abs(fractions - ratios) > CONTRADICTION).any():
+        row = int(apart.argmax())
+        wrong = f"alpha_i is {fractions[row]:g}, but E_i/E_0 is {ratios[row]:g}"
+        raise SceneError(f"line {table.rows[row][0]}", wrong, "alpha_i = E_i/E_0", file)
+    exhausted = 1.0 - total < EXHAUSTED
+    if relaxed is not None and not exhausted:
+        return relaxed, relaxed / (1.0 - total) * fractions
+    if relaxed is not None:
+        if glassy is None or glassy <= relaxed:
+            instead = "the file has no E_0" if glassy is None else f"got {relaxed:g}, and E_0 is {glassy:g}"
+            raise SceneError("modulus", instead, "a relaxed modulus below E_0, as the sum of alpha_i is 1")
+        return relaxed, (glassy - relaxed) / total * fractions
+    if glassy is None:
+        allowed = "E_0 (or G_0) in the file, or modulus in the scene"
+        raise SceneError("E_0", "the file has no such column", allowed, file)
+    if exhausted:
+        problem = "the sum is 1, which leaves nothing for the relaxed modulus"
+        raise SceneError(
+            "alpha_i", problem, "a sum below 1, or the relaxed modulus as modulus in the scene", file
+        )
+    return glassy * (1.0 - total), glassy * fractions
+
+
+def _fitted(data: RelaxationData | DynamicData, file: str, poisson: float, relaxed: float | None) -> Material:
     scale = young_over(data.shear, poisson)
     try:
-        fit = fit_prony(data, relaxed=None if modulus is None else positive(modulus, "modulus") / scale)
+        fit = fit_prony(data, relaxed=None if relaxed is None else relaxed / scale)
         material = fit.material(poisson)
     except SceneError as error:
         raise error if error.key == "modulus" else error.in_file(file) from None
     if fit.misfit > LARGEST_MISFIT:
-        raise SceneError(
-            "",
-            no_series_meets(fit),
-            f"a misfit of at most {LARGEST_MISFIT:g}; `crosscontact material {file} --plot` draws it",
-            file,
-        )
+        allowed = f"a misfit of at most {LARGEST_MISFIT:g}; `crosscontact material {file} --plot` draws it"
+        raise SceneError("", no_series_meets(fit), allowed, file)
     return material
 
 
@@ -97,49 +324,43 @@ def no_series_meets(fit: PronyFit) -> str:
     return f"no Prony series meets the data: misfit {fit.misfit:.2g}, at most {fit.largest_residual:.2g}"
 
 
+# The table [material] of a scene
+
+
 def material_of(data: dict[str, Any], where: Path) -> Material:
     """The material of a table; files it names are looked up in the folder ``where``."""
     models = {kind.model: kind for kind in MODELS}
     model = one_of(data.get("model", "prony"), "model", ("prony", *models))
     own = (*fields_of(models[model]),) if model in models else ("modulus", "branches", "file", "format")
-    check_keys(data, (*own, *_COMMON))
+    check_keys(data, (*own, "model", "poisson", "bulk", "temperature", "shift"))
     poisson = required(data, "poisson", fields_of(Material)["poisson"].allowed("poisson"))
     stated = {key: data[key] for key in own if key in data}
     common = {key: data[key] for key in ("poisson", "bulk") if key in data}
     if model in models:
         modulus, branches = from_table([models[model]], stated | {"model": model}, where).series()
-        material: Material = from_table(
-            [Material], common | {"modulus": modulus, "branches": branches}, where
-        )
+        stated = {"modulus": modulus, "branches": branches}
     elif "file" in data:
         if "branches" in data:
             raise SceneError("branches", "given beside file", "either branches or file")
         form = one_of(data.get("format", "pyvisco"), "format", FORMATS)
-        material = read_material(beside(where, data["file"]), poisson, data.get("modulus"), form)
-        bulk = fields_of(Material)["bulk"].check(data.get("bulk"), "bulk", where)
-        material = replace(material, bulk=bulk)
-    else:
-        if "format" in data:
-            raise SceneError("format", "given without file", "file and format together")
-        material = from_table([Material], common | stated, where)
-    return _at_temperature(material, data, where)
-
-
-def _at_temperature(material: Material, data: dict[str, Any], where: Path) -> Material:
-    """The material at ``temperature``, where the scene gives one, and ``shift`` with it."""
+        read = read_material(beside(where, data["file"]), poisson, data.get("modulus"), form)
+        stated = {"modulus": read.modulus, "branches": read.branches}
+    elif "format" in data:
+        raise SceneError("format", "given without file", "file and format together")
+    material: Material = from_table([Material], common | stated, where)
     if "temperature" not in data and "shift" not in data:
         return material
     for key, other in (("shift", "temperature"), ("temperature", "shift")):
         if key not in data:
             raise SceneError(key, f"is missing beside {other}", "temperature and shift together")
-    kinds = [kind.model for kind in (*SHIFTS, ShiftTable)]
-    if not isinstance(data["shift"], dict):
-        raise SceneError("shift", f"got {shown(data['shift'])}", f"a table with a model: {', '.join(kinds)}")
-    shift = under("shift", lambda: _shift(data["shift"], kinds, where))
+    shift = under("shift", lambda: _shift(data["shift"], where))
     return at_temperature(material, shift, data["temperature"])
 
 
-def _shift(entry: dict[str, Any], kinds: list[str], where: Path) -> Shift:
+def _shift(entry: Any, where: Path) -> Shift:
+    kinds = [kind.model for kind in (*SHIFTS, ShiftTable)]
+    if not isinstance(entry, dict):
+        raise SceneError("", f"got {shown(entry)}", f"a table with a model: {', '.join(kinds)}")
     default = ShiftTable.model if "file" in entry else None
     if one_of(entry.get("model", default), "model", kinds) != ShiftTable.model:
         shift: Shift = from_table(SHIFTS, entry, where)

@@ -20,141 +20,245 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene.errors import SceneError
+from contact_scene.checked import Checked
+from contact_scene.errors import SceneError, shown
 from contact_scene.material import Branch, Material
-from contact_scene.measured_moduli import Array, DynamicData, MeasuredModuli, RelaxationData
-from contact_scene.value_checks import LARGEST, SMALLEST, number, of_class, positive
+from contact_scene.value_checks import (
+    LARGEST,
+    SMALLEST,
+    Column,
+    Range,
+    number,
+    of_class,
+    positive,
+    true_or_false,
+)
+
+Array = NDArray[np.float64]
+Moduli = Annotated[Array, Column("numbers > 0, one a row", Range(positive.words, SMALLEST))]
 
 PER_DECADE = 10
 """Grid times a decade: neighbours differ by a quarter, so refinement starts within an eighth of any time."""
-
 TOLERANCE = 1e-3
 """Default root mean square of the relative residuals below which branches are dropped: what the solvers are
 checked to, and finer than a rheometer is calibrated."""
-
 ROUNDING = 1e-6
 """Root mean square of the relative residuals below which a series without relaxed modulus meets the data
 exactly: the digits that instruments write."""
-
-MOST_ROWS = 20_000
-"""Rows of measured data: the design matrix of more would not fit into memory comfortably."""
-
-FEWEST_ROWS = 3
+FEWEST_ROWS, MOST_ROWS = 3, 20_000
 """Rows of measured data, at different times or frequencies: fewer determine no branch beside a relaxed
-modulus."""
-
+modulus, and the design matrix of more would not fit into memory comfortably."""
 REFINEMENTS, LAST_REFINEMENTS = 12, 100
 """Evaluations of a refinement while branches are dropped, which starts near its end, and of the last one."""
 
 
+class MeasuredModuli(Checked):
+    """What both kinds of data have in common: columns of numbers > 0, the first of them ascending."""
+
+    columns: ClassVar[tuple[str, ...]]
+    over: ClassVar[str]
+    shear: bool
+    units: tuple[str, ...]
+
+    def rules(self) -> None:
+        if len(self.units) != 2:
+            raise SceneError("units", f"got {shown(self.units)}", "two strings: units of time and of stress")
+        for name in self.columns:
+            values = getattr(self, name)
+            if values.size == 0 or values.shape != self.points.shape:
+                raise SceneError(name, f"shape {values.shape}", "as many numbers as in the other columns")
+            values.flags.writeable = False
+        if np.any(np.diff(self.points) < 0.0):
+            raise SceneError(self.columns[0], "decreases", "ascending values")
+
+    @property
+    def points(self) -> Array:
+        """Times or angular frequencies of the rows, shape (n,)."""
+        points: Array = getattr(self, self.columns[0])
+        return points
+
+    @property
+    def measured(self) -> Array:
+        """All moduli, one column after the other."""
+        return np.concatenate([getattr(self, name) for name in self.columns[1:]])
+
+    def window(self) -> tuple[float, float]:
+        """Shortest and longest time that the rows tell of."""
+        raise NotImplementedError
+
+    def responses(self, times: Array) -> tuple[Array, Array, Array]:
+        """What was measured of a relaxed modulus of 1; of branches of modulus 1, a column each; and the
+        derivative of these by the log time."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class RelaxationData(MeasuredModuli):
+    """Measured relaxation modulus.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        > 0, ascending; the moment of the strain step is 0.
+    moduli : ndarray, shape (n,)
+        Relaxation modulus at these, > 0.
+    shear : bool
+        Whether they are shear moduli.
+    units : pair of str
+        Of time and stress, for labels; "" where the file names none.
+    """
+
+    columns = ("times", "moduli")
+    over = "times"
+    times: Moduli
+    moduli: Moduli
+    shear: Annotated[bool, true_or_false] = False
+    units: tuple[str, ...] = ("", "")
+
+    def window(self) -> tuple[float, float]:
+        return float(self.times[0]), float(self.times[-1])
+
+    def responses(self, times: Array) -> tuple[Array, Array, Array]:
+        ratio = np.minimum(self.times[:, None] / times, 700.0)
+        values = np.exp(-ratio)
+        return np.ones(self.times.size), values, ratio * values
+
+
+@dataclass(frozen=True)
+class DynamicData(MeasuredModuli):
+    """Measured storage and loss modulus.
+
+    Parameters
+    ----------
+    angular_frequencies : ndarray, shape (n,)
+        > 0, ascending, radians per unit time.
+    storage, loss : ndarray, shape (n,)
+        > 0.
+    shear, units
+        As of :class:`RelaxationData`.
+    """
+
+    columns = ("angular_frequencies", "storage", "loss")
+    over = "frequencies"
+    angular_frequencies: Moduli
+    storage: Moduli
+    loss: Moduli
+    shear: Annotated[bool, true_or_false] = False
+    units: tuple[str, ...] = ("", "")
+
+    def window(self) -> tuple[float, float]:
+        return 1.0 / float(self.angular_frequencies[-1]), 1.0 / float(self.angular_frequencies[0])
+
+    def responses(self, times: Array) -> tuple[Array, Array, Array]:
+        phase = self.angular_frequencies[:, None] * times
+        length = np.hypot(1.0, phase)
+        cosine, sine = 1.0 / length, phase / length
+        slopes = [2.0 * (sine * cosine) ** 2, sine * cosine * (cosine**2 - sine**2)]
+        relaxed = np.repeat([1.0, 0.0], self.storage.size)
+        return relaxed, np.concatenate([sine**2, sine * cosine]), np.concatenate(slopes)
+
+
 @dataclass(frozen=True)
 class PronySeries:
-    """Relaxed modulus, branches (times, moduli and the number each began with), root mean square residual."""
+    """Relaxed modulus, branches (times and moduli), root mean square of the relative residuals."""
 
     relaxed: float
     times: Array
     moduli: Array
-    misfit: float
-    origin: NDArray[np.int64]
+    misfit: float = math.nan
 
-    def without(self, gone: NDArray[np.bool_]) -> PronySeries:
-        """The same without some branches; its misfit holds if their moduli are zero."""
-        return PronySeries(
-            self.relaxed, self.times[~gone], self.moduli[~gone], self.misfit, self.origin[~gone]
-        )
+    @property
+    def parameters(self) -> int:
+        """Numbers that state it: two a branch, and the relaxed modulus if there is one."""
+        return 2 * self.times.size + int(self.relaxed > 0.0)
 
 
 class SeriesDesign:
-    """Relative responses of unit moduli at the points of the data."""
+    """Relative responses of series at the points of the data; ``relaxed``: the relaxed modulus, if known."""
 
-    def __init__(self, data: MeasuredModuli, grid: Array, relaxed: float | None) -> None:
+    def __init__(self, data: MeasuredModuli, relaxed: float | None) -> None:
         rows, distinct = data.points.size, np.unique(data.points).size
         if not FEWEST_ROWS <= rows <= MOST_ROWS:
             raise SceneError("", f"{rows} rows of data", f"{FEWEST_ROWS} to {MOST_ROWS} rows")
         if distinct < FEWEST_ROWS:
             allowed = f"{FEWEST_ROWS} {data.over} or more"
             raise SceneError("", f"{rows} rows at {distinct} {data.over}", allowed)
-        self.data, self.known = data, relaxed
-        self.window = math.log(grid[0]), math.log(grid[-1])
+        self.data, self.known, self.grid = data, relaxed, _grid(data)
         measured = data.measured
         self.unit = float(np.exp(np.log(measured).mean()))  # moduli in this unit are of order one
-        self.weights = self.unit / measured
-        self.constant = data.relaxed_response() * self.weights
+        self.weights = (self.unit / measured)[:, None]
         self.count = measured.size
 
-    def responses(self, times: Array) -> tuple[Array, Array]:
-        """Relative responses of unit branches, shape (N, n), and their derivatives by the log of the time."""
-        values, slopes = self.data.responses(times)
-        return values * self.weights[:, None], slopes * self.weights[:, None]
+    def responses(self, times: Array) -> tuple[Array, Array, Array]:
+        """Relative responses of a relaxed modulus of one unit, shape (N, 1), of branches, (N, n), and the
+        derivatives of these by the log of the time."""
+        relaxed, values, slopes = self.data.responses(times)
+        return relaxed[:, None] * self.weights, values * self.weights, slopes * self.weights
 
-    def least_squares(self, times: Array, origin: NDArray[np.int64] | None = None) -> PronySeries:
-        """The non-negative moduli of branches with these times that meet the data best."""
+    def residuals(self, series: PronySeries) -> Array:
+        """``fit/measured - 1``."""
+        relaxed, values, _ = self.responses(series.times)
+        return values @ (series.moduli / self.unit) + relaxed[:, 0] * (series.relaxed / self.unit) - 1.0
+
+    def least_squares(self, times: Array) -> PronySeries:
+        """The branches of these times, with non-negative moduli, that meet the data best."""
         from scipy.optimize import nnls
 
-        columns, target = self.responses(times)[0], np.ones(self.count)
+        constant, columns, _ = self.responses(times)
+        target = np.ones(self.count)
         if self.known is None:
-            columns = np.column_stack([self.constant, columns])
+            columns = np.hstack([constant, columns])
         else:
-            target = target - self.known / self.unit * self.constant
+            target = target - self.known / self.unit * constant[:, 0]
         lengths = np.linalg.norm(columns, axis=0)
         lengths[lengths == 0.0] = 1.0
         # the triangular factor states the same problem in fewer rows
         factor = np.asarray(np.linalg.qr(np.column_stack([columns / lengths, target]), mode="r"))
-        try:  # without columns SciPy 1.17 writes beyond its arrays
-            scaled = (
-                nnls(factor[:, :-1], factor[:, -1], maxiter=100 * lengths.size)[0]
-                if lengths.size
-                else lengths
-            )
+        solution = np.zeros(0)
+        try:
+            if lengths.size:  # without columns SciPy 1.17 writes beyond its arrays
+                solution = nnls(factor[:, :-1], factor[:, -1], maxiter=100 * lengths.size)[0] / lengths
         except RuntimeError:
             raise SceneError("", "the fit did not converge", "data that a Prony series can meet") from None
-        solution = scaled / lengths
         relaxed = float(solution[0]) * self.unit if self.known is None else self.known
         moduli = solution[solution.size - times.size :] * self.unit
-        numbers = np.arange(times.size) if origin is None else origin
-        series = PronySeries(relaxed, times, moduli, 0.0, numbers)
-        return PronySeries(relaxed, times, moduli, root_mean_square(self.residuals(series)), numbers)
+        series = PronySeries(relaxed, times[moduli > 0.0], moduli[moduli > 0.0])
+        return replace(series, misfit=root_mean_square(self.residuals(series)))
 
-    def residuals(self, series: PronySeries) -> Array:
-        """``fit/measured - 1``."""
-        response = self.responses(series.times)[0] @ (series.moduli / self.unit)
-        return response + series.relaxed / self.unit * self.constant - 1.0
-
-    def refined(self, series: PronySeries, evaluations: int = REFINEMENTS) -> PronySeries:
-        """Times and moduli near those given that meet the data best; zero moduli are left out."""
+    def refined(self, times: Array, evaluations: int = REFINEMENTS) -> PronySeries:
+        """Times near those given, and moduli, that meet the data best."""
         from scipy.optimize import least_squares
 
-        series = self.least_squares(series.times, series.origin)
-        series = series.without(series.moduli == 0.0)
+        series = self.least_squares(times)
         count, free = series.times.size, int(self.known is None and series.relaxed > 0.0)
         if count == 0:
             return series
         unknown = np.log(np.concatenate([series.times, series.moduli, [series.relaxed] * free]))
         low, high = np.full(unknown.size, -np.inf), np.full(unknown.size, np.inf)
-        low[:count], high[:count] = self.window
-        unknown = np.clip(unknown, low, high)  # to the last digit
+        low[:count], high[:count] = math.log(self.grid[0]), math.log(self.grid[-1])
 
         def unpacked(logs: Array) -> PronySeries:
             # beyond these nothing changes, and exp would overflow
             values = np.exp(np.clip(logs, math.log(SMALLEST), math.log(LARGEST)))
             relaxed = float(values[-1]) if free else series.relaxed
-            return PronySeries(relaxed, values[:count], values[count : 2 * count], 0.0, series.origin)
+            return PronySeries(relaxed, values[:count], values[count : 2 * count])
 
         def jacobian(logs: Array) -> Array:
             at = unpacked(logs)
-            values, slopes = self.responses(at.times)
+            constant, values, slopes = self.responses(at.times)
             moduli = at.moduli / self.unit
-            parts = [slopes * moduli, values * moduli, self.constant[:, None] * (at.relaxed / self.unit)]
+            parts = [slopes * moduli, values * moduli, constant * (at.relaxed / self.unit)]
             return np.concatenate(parts[: 2 + free], axis=1)
 
         found = least_squares(
             lambda logs: self.residuals(unpacked(logs)),
-            unknown,
+            np.clip(unknown, low, high),  # to the last digit
             jacobian,
             bounds=(low, high),
             xtol=1e-12,
@@ -162,28 +266,20 @@ class SeriesDesign:
             gtol=1e-12,
             max_nfev=evaluations,
         )
-        better = self.least_squares(unpacked(found.x).times, series.origin)
-        better = better.without(better.moduli == 0.0)
-        return better if better.misfit < series.misfit else series
+        return min(series, self.least_squares(unpacked(found.x).times), key=lambda one: one.misfit)
 
-    def without_least(self, series: PronySeries) -> PronySeries:
-        """The series without the branch that it misses least."""
-        shorter = [
-            self.least_squares(np.delete(series.times, k), np.delete(series.origin, k))
-            for k in range(series.times.size)
-        ]
-        return min(shorter, key=lambda one: one.misfit)
+    def without_least(self, series: PronySeries) -> tuple[int, PronySeries]:
+        """The branch that the series misses least, and what is best without it."""
+        shorter = [self.least_squares(np.delete(series.times, k)) for k in range(series.times.size)]
+        least = min(range(len(shorter)), key=lambda k: shorter[k].misfit)
+        return least, self.refined(shorter[least].times)
 
     def prefers(self, shorter: PronySeries, longer: PronySeries, tolerance: float) -> bool:
         """Whether the shorter series is taken: its misfit is tolerated, or better by Schwarz' criterion."""
-        if shorter.misfit <= tolerance:
-            return True
-        if longer.misfit <= tolerance:
-            return False
-        parameters = 2 * (longer.times.size - shorter.times.size)
-        parameters += int(longer.relaxed > 0.0) - int(shorter.relaxed > 0.0)
+        if shorter.misfit <= tolerance or longer.misfit <= tolerance:
+            return shorter.misfit <= tolerance
         change = 2.0 * self.count * math.log(shorter.misfit / longer.misfit)
-        return change <= parameters * math.log(self.count)
+        return change <= (longer.parameters - shorter.parameters) * math.log(self.count)
 
 
 @dataclass(frozen=True)
@@ -294,35 +390,36 @@ def fit_prony(
     measured = "RelaxationData or DynamicData, as read_measured reads them from a file"
     of_class(data, "data", (RelaxationData, DynamicData), measured)
     number(tolerance, "tolerance", "0 <= tolerance <= 1", low=0.0, high=1.0)
-    grid = _grid(data)
-    design = SeriesDesign(data, grid, None if relaxed is None else positive(relaxed, "modulus"))
-    start = design.least_squares(grid)
-    used = int(np.count_nonzero(start.moduli))
-    series = design.refined(_joined(start, grid))
+    known = None if relaxed is None else positive(relaxed, "modulus")
+    design = SeriesDesign(data, known)
+    start = design.least_squares(design.grid)
+    used = start.times.size
+    series = design.refined(_joined(start, design.grid))
     joined = series.times.size
     if series.misfit > tolerance:  # a continuous spectrum, say, needs more
-        unjoined = design.refined(start.without(start.moduli == 0.0))
+        unjoined = design.refined(start.times)
         if not design.prefers(series, unjoined, tolerance):
             series, joined = unjoined, used
     dropped = []
     while series.times.size:
-        shorter = design.refined(design.without_least(series))
+        least, shorter = design.without_least(series)
         if not design.prefers(shorter, series, tolerance):
             break
-        gone = _missing(series, shorter)
-        dropped += [DroppedBranch(branch, series.misfit, shorter.misfit) for branch in gone]
+        gone = Branch(float(series.moduli[least]), float(series.times[least]))
+        dropped.append(DroppedBranch(gone, series.misfit, shorter.misfit))
         series = shorter
     if relaxed is None and series.relaxed > 0.0:
-        melt = SeriesDesign(data, grid, 0.0).refined(series)
+        melt = SeriesDesign(data, 0.0).refined(series.times)
         if design.prefers(melt, series, ROUNDING):
             series = melt
-    last = design if series.relaxed > 0.0 else SeriesDesign(data, grid, 0.0)
-    series = last.refined(series, LAST_REFINEMENTS)
+    last = design if series.relaxed > 0.0 else SeriesDesign(data, 0.0)
+    series = last.refined(series.times, LAST_REFINEMENTS)
     order = np.argsort(series.times)
     branches = tuple(Branch(float(series.moduli[k]), float(series.times[k])) for k in order)
-    unknowns = 2 * len(branches) + int(relaxed is None and series.relaxed > 0.0)
+    unknowns = series.parameters - int(relaxed is not None)
+    residuals = design.residuals(series)
     return PronyFit(
-        data, series.relaxed, branches, design.residuals(series), grid, used, joined, tuple(dropped), unknowns
+        data, series.relaxed, branches, residuals, design.grid, used, joined, tuple(dropped), unknowns
     )
 
 
@@ -337,22 +434,13 @@ def _grid(data: MeasuredModuli) -> Array:
     return np.clip(np.geomspace(first, last, count), first, last)
 
 
-def _joined(series: PronySeries, grid: Array) -> PronySeries:
-    """Runs of neighbours on the grid as one branch each, at their mean log time weighted by modulus."""
-    used = np.flatnonzero(series.moduli)
-    runs = np.split(used, np.flatnonzero(np.diff(used) > 1) + 1) if used.size else []
-    times = [
-        float(np.exp(np.average(np.log(grid[run]), weights=series.moduli[run] / series.moduli[run].sum())))
-        for run in runs
-    ]
-    moduli = [float(series.moduli[run].sum()) for run in runs]
-    return PronySeries(series.relaxed, np.array(times), np.array(moduli), series.misfit, np.arange(len(runs)))
-
-
-def _missing(longer: PronySeries, shorter: PronySeries) -> list[Branch]:
-    """The branches that only the longer series has."""
-    gone = np.flatnonzero(~np.isin(longer.origin, shorter.origin))
-    return [Branch(float(longer.moduli[k]), float(longer.times[k])) for k in gone]
+def _joined(series: PronySeries, grid: Array) -> Array:
+    """Times of one branch for each run of neighbours on the grid: their mean log weighted by modulus."""
+    used = np.searchsorted(grid, series.times)
+    runs = np.split(np.arange(used.size), np.flatnonzero(np.diff(used) > 1) + 1) if used.size else []
+    logs = np.log(series.times)
+    means = [np.average(logs[run], weights=series.moduli[run] / series.moduli[run].sum()) for run in runs]
+    return np.exp(np.array(means, float))
 
 
 def root_mean_square(residuals: Array) -> float:

@@ -7,7 +7,9 @@ beside it as CSV.
 from __future__ import annotations
 
 import os
+import re
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -170,3 +172,47 @@ def write_material(material: Material, path: str | os.PathLike[str], remark: str
 
 def _no_file(place: tuple[str, ...], part: Tabulated) -> str:
     raise AssertionError("a material has no tabulated part")
+
+
+def value_at(scene: Scene, path: str) -> float:
+    """The number of a scene at a dotted path, as in a scene file: ``loading.steps[1].rate``.
+
+    Places in lists are counted from 0, in brackets or between dots.
+    """
+    part, key = _place(scene_table(scene), path)
+    return float(part[key])
+
+
+def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with other numbers at some paths, put in together: it is checked once it is whole."""
+    table = scene_table(scene)
+    for path, value in values.items():
+        part, key = _place(table, path)
+        part[key] = value
+    return scene_from_dict(table)
+
+
+def _place(table: dict[str, Any], path: Any) -> tuple[Any, Any]:
+    """The table or list, and the key or place in it, where a number is."""
+    keys = re.sub(r"\[(\d+)\]", r".\1", path).split(".") if isinstance(path, str) else [""]
+    if not all(re.fullmatch(r"[A-Za-z_]\w*|\d+", key) for key in keys):
+        raise SceneError(shown(path), "is no path", "names joined by dots, as adhesion.work")
+    part: Any = None
+    at, key, where = table, keys[0], ""
+    for key in keys:
+        part, name = at, where or "a scene"
+        if isinstance(part, list) and key.isdecimal():
+            if int(key) >= len(part):
+                raise SceneError(path, f"{name} has {len(part)} entries", "places counted from 0")
+            at, where = part[int(key)], f"{where}[{key}]"
+            continue
+        if key.isdecimal():
+            raise SceneError(path, f"{name} is no list", "the path of a number in the scene")
+        if not isinstance(part, dict) or key not in part:
+            allowed = ", ".join(part) if isinstance(part, dict) else "the path of a number"
+            problem = f"the scene has no {key}" if part is table else f"{name} has no {key}"
+            raise SceneError(path, problem, allowed)
+        at, where = part[key], f"{where}.{key}".lstrip(".")
+    if isinstance(at, bool) or not isinstance(at, (int, float)):
+        raise SceneError(path, f"is no number but {shown(at)}", "the path of a number in the scene")
+    return part, int(key) if isinstance(part, list) else key

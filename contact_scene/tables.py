@@ -3,9 +3,10 @@
 Cells are parted by semicolons, commas, tabs or blanks, and numbers have decimal points. Decimal commas are
 refused, not converted: ``1,5`` may be one number or two. ``#`` (``%``, ``!``, ``//``, ``**``) starts a
 comment. Lines without a number before the first row are the head; one of them, a comment too, names the
-columns. Units stand in brackets behind the names, or in the line below. A unit is a label of the scene's own
-units and nothing is converted; one that contradicts its column, or another unit of that kind, is refused. No
-more of a file is quoted in an error than a number is long: a scene may name any file.
+columns, and ``columns:`` before the names says so. Units stand in brackets behind the names, or in the line
+below. A unit is a label of the scene's own units and nothing is converted; one that contradicts its column,
+or another unit of that kind, is refused. No more of a file is quoted in an error than a number is long: a
+scene may name any file.
 """
 
 from __future__ import annotations
@@ -43,18 +44,15 @@ QUANTITIES = {
     "fraction": ("number", ("alpha_i",)),
     "shift factor": ("number", ("at", "a_t", "shift_factor")),
     "log shift factor": ("number", ("log_at", "log_a_t", "log10_at", "log10_a_t")),
-    "penetration": ("length", ("penetration",)),
-    "stage": ("length", ("stage",)),
-    "contact_radius": ("length", ("contact_radius",)),
-    "radius": ("length", ("radius",)),
-    "height": ("length", ("height",)),
-    "force": ("force", ("force",)),
-    "speed": ("speed", ("speed",)),
     "work": ("energy per area", ("work",)),
-    "stored_energy": ("energy", ("stored_energy",)),
-    "external_work": ("energy", ("external_work",)),
-    "dissipated_energy": ("energy", ("dissipated_energy",)),
 }
+_OWN_NAMES = {
+    "length": ("penetration", "stage", "contact_radius", "radius", "height"),
+    "force": ("force",),
+    "speed": ("speed",),
+    "energy": ("stored_energy", "external_work", "dissipated_energy"),
+}
+QUANTITIES |= {name: (kind, (name,)) for kind, names in _OWN_NAMES.items() for name in names}
 """What a column may hold: the kind of its unit, and its names as :func:`kind_of` compares them."""
 
 _ABSCISSAS = ("time", "frequency", "temperature")
@@ -77,12 +75,51 @@ _SIGNS = {";": "semicolons", "\t": "tabs", " ": "blanks", '","': "commas"}
 _ANY_SIGN = "points in numbers; semicolons, commas or blanks between cells"
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+(\.\d{3})*,\d+([eE][+-]?\d+)?")
 _COMMENT = re.compile(r"\s*(#|%|!|//|\*\*)[#%!/*]*")
+_COLUMNS = re.compile(r"\s*columns?\s*:\s*", re.IGNORECASE)
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _NAME_AND_UNIT = re.compile(r"[^\s\[(]+(?: *[\[(][^\[\]()]*[\])])*|\S+")
 
 
 @dataclass(frozen=True)
-class Table:
+class _Line:
+    """A line of the head: text without the mark of a comment, cells, and what columns so named hold.
+
+    ``columns``: the line itself says that it names the columns.
+    """
+
+    number: int
+    content: str
+    comment: bool
+    columns: bool
+    cells: list[str]
+    kinds: tuple[str, ...]
+
+    def rank(self, sign: str) -> int | None:
+        """How sure it is that the line names columns parted by ``sign``, 0 most; ``None``: it does not."""
+        known = [kind != "" for kind in self.kinds]
+        if self.columns or (all if self.comment else any)(known):
+            return 0
+        if not self.comment:
+            return None if "=" in self.content else 1
+        if not all(re.fullmatch(r"[^\W\d_][^=:]*", cell) and not is_number(cell) for cell in self.cells):
+            return None  # a value is stated
+        listed = _sign(self.content) in (",", ";", sign) or any(map(_is_abscissa, self.kinds))
+        words = (_BRACKETS.sub("", cell).partition("/")[0].split() for cell in self.cells)
+        return 2 if listed and (any(known) or all(len(name) <= 2 for name in words)) else None
+
+    def check_width(self, width: int, file: str) -> None:
+        """Refuse names of columns, as far as they are no prose, that are more or fewer than ``width``."""
+        prose = "" in self.kinds and (self.comment or not re.search("[;,\t]", self.content))
+        abscissas = set(filter(_is_abscissa, self.kinds))
+        if self.columns or (not prose and abscissas and {*self.kinds} - abscissas - {""}):
+            problem = f"{len(self.cells)} names, {cell_shown(','.join(self.cells))}, over {width} columns"
+            raise SceneError(
+                f"line {self.number}", problem, "a name for each column, points in numbers", file
+            )
+
+
+@dataclass(frozen=True)
+class TextTable:
     """A table of ``width`` columns whose rows begin in line ``first``.
 
     Names, units and what the columns hold (of ``QUANTITIES``) are "" where the head does not tell.
@@ -121,17 +158,15 @@ class Table:
 
     def column(self, at: int, check: Range = finite, name: str = "") -> Array:
         """The numbers of a column, each in a range; ``name`` is told where the head has no known one."""
-        if self._numbers is not None:
-            values = self._numbers[:, at]
-            if ((values >= check.low) & (values <= check.high)).all():  # not a number compares as false
-                return np.ascontiguousarray(values)
+        if self._numbers is not None and check.holds(self._numbers[:, at]).all():
+            return np.ascontiguousarray(self._numbers[:, at])
         told = self.names[at] if self.kinds[at] else name
         return np.array([number_in(cells[at], told, line, self.file, check) for line, cells in self.rows])
 
     def stated(self, key: str, check: Range) -> float | None:
         """The number of the last ``key = number`` (or ``key: number``) above the rows."""
         pattern = re.compile(rf"(?:^|[;,]|=[^=\s]*)\s*{key}\s*[=:]\s*([^;\s]*)")
-        found = [(match[1], one.line) for one in self.head if (match := pattern.search(one.content))]
+        found = [(match[1], one.number) for one in self.head if (match := pattern.search(one.content))]
         return number_in(found[-1][0], key, found[-1][1], self.file, check) if found else None
 
     @cached_property
@@ -139,8 +174,7 @@ class Table:
         """Numbers of the lines of the rows, and their cells."""
         rows = []
         for line, content in enumerate(io.StringIO(self.body), self.first):
-            remark = _COMMENT.match(content)
-            cells = [] if remark else _cells(_without_remark(content), line, self.file)
+            cells = [] if _COMMENT.match(content) else _cells(_without_remark(content), line, self.file)
             if cells and len(cells) != self.width:
                 allowed = f"{self.width}, as in line {self.first}"
                 raise SceneError(f"line {line}", f"{len(cells)} cells", allowed, self.file)
@@ -157,35 +191,39 @@ class Table:
         return None
 
 
-def read_table(text: str, file: str, kinds: Sequence[str], wanted: str) -> Table:
+def read_table(text: str, file: str, kinds: Sequence[str], wanted: str) -> TextTable:
     """The table in a text; ``kinds`` of ``QUANTITIES`` are known in it; ``wanted``: its columns in words."""
     stream = io.StringIO(text, newline=None)  # any ends of lines
     head: list[_Line] = []
-    for line, content in enumerate(stream, 1):
+    for number, content in enumerate(stream, 1):
         mark = _COMMENT.match(content)
         rest = content[mark.end() :] if mark else content
-        cells = _cells(rest if mark else _without_remark(rest), line, file, strict=not mark)
+        told = _COLUMNS.match(rest)
+        rest = rest[told.end() :] if told else rest
+        cells = _cells(rest if mark else _without_remark(rest), number, file, strict=not mark)
         if not mark and any(map(is_number, cells)):
             break
         if cells:
-            told = tuple(kind_of(_name(cell), kinds) for cell in cells)
-            head.append(_Line(line, rest.strip(), bool(mark), cells, told))
+            held = tuple(kind_of(_name(cell), kinds) for cell in cells)
+            head.append(_Line(number, rest.strip(), bool(mark), bool(told), cells, held))
     else:
         reason = "no rows of numbers" if head else "the file is empty"
         raise SceneError("", reason, f"a table of numbers ({_ANY_SIGN}): {wanted}", file)
-    width, body = len(cells), content + stream.read()
+    width, body, sign = len(cells), content + stream.read(), _sign(content)
     fitting = [one for one in head if len(one.cells) == width]
-    named = _naming(fitting, _sign(content))
-    if named is None:
+    ranked = [(rank, one) for one in fitting if (rank := one.rank(sign)) is not None]
+    if not ranked or any(one.columns and one not in fitting for one in head):
         for one in head:
             one.check_width(width, file)
         nothing = ("",) * width
-        return Table(file, wanted, tuple(head), nothing, nothing, nothing, 0, line, body)
-    names, units = tuple(map(_name, named.cells)), tuple(map(bracketed, named.cells))
-    below = next((one for one in fitting if one.line > named.line), named)
+        return TextTable(file, wanted, tuple(head), nothing, nothing, nothing, 0, number, body)
+    _, named = min(ranked, key=lambda one: one[0])
+    units = tuple(map(bracketed, named.cells))
+    below = next((one for one in fitting if one.number > named.number), named)
     if not any(units) and below is not named and below.comment == named.comment:
         units = tuple(below.cells)
-    return Table(file, wanted, tuple(head), names, units, named.kinds, named.line, line, body)
+    names = tuple(map(_name, named.cells))
+    return TextTable(file, wanted, tuple(head), names, units, named.kinds, named.number, number, body)
 
 
 def read_pairs(
@@ -219,6 +257,9 @@ def number_in(cell: str, name: str, line: int, file: str, check: Range = finite)
         return check(float(cell), key)
     except SceneError as error:
         raise error.in_file(file) from None
+
+
+# Names and units
 
 
 def kind_of(name: str, kinds: Iterable[str]) -> str:
@@ -271,54 +312,22 @@ def check_units(columns: Iterable[tuple[str, str]], file: str) -> None:
             raise SceneError("columns", problem, f"one unit of {kind} in a file, that of the scene", file)
 
 
-@dataclass(frozen=True)
-class _Line:
-    """A line of the head: text without the mark of a comment, cells, and what columns so named hold."""
-
-    line: int
-    content: str
-    comment: bool
-    cells: list[str]
-    kinds: tuple[str, ...]
-
-    def names_columns(self, sign: str) -> bool:
-        """Whether it names columns whose cells ``sign`` parts; parameters and words of a remark do not."""
-        if not self.comment:
-            return "=" not in self.content
-        listed = _sign(self.content) in (",", ";", sign) or any(map(_is_abscissa, self.kinds))
-        words = (_BRACKETS.sub("", cell).partition("/")[0].split() for cell in self.cells)
-        short = all(len(name) <= 2 for name in words)
-        return listed and all(map(_is_name, self.cells)) and (any(self.kinds) or short)
-
-    def check_width(self, width: int, file: str) -> None:
-        """Refuse names of columns, as far as they are no prose, that are more or fewer than ``width``."""
-        kinds = set(self.kinds)
-        prose = "" in kinds and (self.comment or not re.search("[;,\t]", self.content))
-        abscissas = set(filter(_is_abscissa, kinds))
-        if not prose and abscissas and kinds - abscissas - {""}:
-            problem = f"{len(self.cells)} names, {cell_shown(','.join(self.cells))}, over {width} columns"
-            raise SceneError(f"line {self.line}", problem, "a name for each column, points in numbers", file)
-
-
-def _naming(head: Sequence[_Line], sign: str) -> _Line | None:
-    """The line that names the columns: with a known name (in a comment all), else with names."""
-    known = (one for one in head if (all if one.comment else any)(one.kinds))
-    named = [one for one in head if one.names_columns(sign)]
-    return next(known, min(named, key=lambda one: one.comment, default=None))
+def _spelt(unit: str) -> str:
+    """One spelling of the micro sign, and of the second."""
+    micro = unit.strip().replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    return "s" if micro == "sec" else micro
 
 
 def _is_abscissa(kind: str) -> bool:
     return kind != "" and QUANTITIES[kind][0] in _ABSCISSAS
 
 
-def _is_name(cell: str) -> bool:
-    """Whether a cell may name a column: it begins with a letter and states no value."""
-    return bool(re.fullmatch(r"[^\W\d_][^=:]*", cell)) and not is_number(cell)
-
-
 def _name(cell: str) -> str:
     """The name of a column, before any unit."""
     return re.split(r"[\[(]", cell)[0].strip().replace(" ", "_")
+
+
+# Cells
 
 
 def _sign(content: str) -> str:
@@ -345,9 +354,8 @@ def _cells(content: str, line: int, file: str, strict: bool = True) -> list[str]
         try:
             return [cell.strip() for cell in next(reader, [])]
         except csv.Error as error:
-            raise SceneError(
-                f"line {line}", f"not CSV: {error}", "cells, quoted whole or not", file
-            ) from None
+            allowed = "cells, quoted whole or not"
+            raise SceneError(f"line {line}", f"not CSV: {error}", allowed, file) from None
     words = content.split()
     if any(map(is_number, words)):
         return words
@@ -371,9 +379,3 @@ def _check_decimal_commas(content: str, line: int, file: str) -> None:
         if len(cells) > 1 and any(commas) and all(numbers):
             problem = f"cells are separated by {name} and numbers have decimal commas"
             raise SceneError(f"line {line}", problem, _ANY_SIGN, file)
-
-
-def _spelt(unit: str) -> str:
-    """One spelling of the micro sign, and of the second."""
-    micro = unit.strip().replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
-    return "s" if micro == "sec" else micro

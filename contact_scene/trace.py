@@ -12,16 +12,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene.checked import Checked
 from contact_scene.errors import SceneError
 from contact_scene.files import write_whole
-from contact_scene.value_checks import a_number, a_string, as_tuple, column, of_class, true_or_false
+from contact_scene.value_checks import Number, column, true_or_false
 
 Array = NDArray[np.float64]
+Values = Annotated[Array, column]
+AnyNumber = Annotated[float, Number("a number")]
 
 COLUMNS = (
     "time",
@@ -51,7 +54,7 @@ class OutcomeKind(StrEnum):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Outcome(Checked):
     """Why a run ended; ``finished`` separates complete from partial results.
 
     ``past_extremum`` matters for a contact that has shrunk to its process zone, where the model ends: whether
@@ -60,14 +63,8 @@ class Outcome:
 
     kind: OutcomeKind
     reason: str
-    time: float
-    past_extremum: bool = False
-
-    def __post_init__(self) -> None:
-        of_class(self.kind, "kind", OutcomeKind, "an OutcomeKind")
-        a_string(self.reason, "reason")
-        a_number(self.time, "time")
-        true_or_false(self.past_extremum, "past_extremum")
+    time: AnyNumber
+    past_extremum: Annotated[bool, true_or_false] = False
 
     @property
     def finished(self) -> bool:
@@ -101,30 +98,28 @@ class Event:
 
 
 @dataclass(frozen=True)
-class SurfaceProfile:
+class SurfaceProfile(Checked):
     """State of the surface at one time.
 
     ``radius``, ``pressure``, ``displacement`` and ``gap`` have shape (m,), rising radii from 0 to beyond the
     contact edge. ``pressure`` is zero outside; at the edge itself it may be singular and is not sampled.
     """
 
-    time: float
-    penetration: float
-    force: float
-    contact_radius: float
-    radius: Array
-    pressure: Array
-    displacement: Array
-    gap: Array
+    time: AnyNumber
+    penetration: AnyNumber
+    force: AnyNumber
+    contact_radius: AnyNumber
+    radius: Values
+    pressure: Values
+    displacement: Values
+    gap: Values
 
-    def __post_init__(self) -> None:
-        for name in ("time", "penetration", "force", "contact_radius"):
-            a_number(getattr(self, name), name)
-        _set_columns(self, ("radius", "pressure", "displacement", "gap"))
+    def rules(self) -> None:
+        _same_length(vars(self), ("radius", "pressure", "displacement", "gap"))
 
 
 @dataclass(frozen=True)
-class Trace:
+class Trace(Checked):
     """Time series of a run, one row per accepted step, the first row the start state.
 
     The seven arrays of ``COLUMNS`` have shape (n,). ``extra`` holds further columns of that shape (NaN-free).
@@ -132,36 +127,27 @@ class Trace:
     """
 
     solver: str
-    time: Array
-    penetration: Array
-    force: Array
-    contact_radius: Array
-    stored_energy: Array
-    external_work: Array
-    dissipated_energy: Array
+    time: Values
+    penetration: Values
+    force: Values
+    contact_radius: Values
+    stored_energy: Values
+    external_work: Values
+    dissipated_energy: Values
     outcome: Outcome
     counters: Counters
     extra: dict[str, Array] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
     profiles: tuple[SurfaceProfile, ...] = ()
     errors: dict[str, float] = field(default_factory=dict)
-    wall_seconds: float = 0.0
+    wall_seconds: AnyNumber = 0.0
 
-    def __post_init__(self) -> None:
-        a_string(self.solver, "solver")
-        _set_columns(self, COLUMNS)
-        of_class(self.outcome, "outcome", Outcome, "an Outcome")
-        of_class(self.counters, "counters", Counters, "Counters")
-        of_class(self.extra, "extra", Mapping, "columns by name")
-        of_class(self.errors, "errors", Mapping, "relative errors by observable")
-        a_number(self.wall_seconds, "wall_seconds")
+    def rules(self) -> None:
         extra = {
-            name: _same_length(values, f"extra[{name!r}]", self.time) for name, values in self.extra.items()
+            f"extra[{name!r}]": column(values, f"extra[{name!r}]") for name, values in self.extra.items()
         }
-        object.__setattr__(self, "extra", extra)
-        for key, kind in (("events", Event), ("profiles", SurfaceProfile)):
-            for index, entry in enumerate(as_tuple(getattr(self, key), key, f"a tuple of {kind.__name__}")):
-                of_class(entry, f"{key}[{index}]", kind, f"a {kind.__name__}")
+        _same_length(vars(self) | extra, (*COLUMNS, *extra))
+        object.__setattr__(self, "extra", dict(zip(self.extra, extra.values(), strict=True)))
 
     def __len__(self) -> int:
         return len(self.time)
@@ -176,18 +162,13 @@ class Trace:
         return {name: getattr(self, name) for name in COLUMNS} | self.extra
 
 
-def _set_columns(rows: Trace | SurfaceProfile, names: Sequence[str]) -> None:
-    """Columns of numbers as arrays, as many in each as in the first."""
-    first = column(getattr(rows, names[0]), names[0])
+def _same_length(rows: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Refuse columns with more or fewer rows than the first of them."""
+    first = rows[names[0]].shape
     for name in names:
-        object.__setattr__(rows, name, _same_length(getattr(rows, name), name, first))
-
-
-def _same_length(values: Any, name: str, first: Array) -> Array:
-    checked = column(values, name)
-    if checked.shape != first.shape:
-        raise SceneError(name, f"has shape {checked.shape}", f"shape {first.shape}, as the other columns")
-    return checked
+        if rows[name].shape != first:
+            allowed = f"shape {first}, as the other columns"
+            raise SceneError(name, f"has shape {rows[name].shape}", allowed)
 
 
 def write_trace(trace: Trace, path: str | os.PathLike[str]) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
 from contact_scene.run_control import whole_number
-from contact_scene.value_checks import NOT_NEGATIVE, function_or_none, number, several, true_or_false
+from contact_scene.value_checks import function_or_none, not_negative, several, true_or_false
 from crosscontact import arguments
 from crosscontact.arguments import case_of, checked_resolution
 from crosscontact.result import Result, html_table
@@ -216,4 +216,4 @@ def _row(check: Check) -> tuple[str, ...]:
 
 def _times(values: Collection[float], key: str) -> tuple[float, ...]:
     times = several(values, key, "several times")
-    return tuple(number(time, f"{key}[{i}]", NOT_NEGATIVE, low=0.0) for i, time in enumerate(times))
+    return tuple(not_negative(time, f"{key}[{i}]") for i, time in enumerate(times))

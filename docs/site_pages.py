@@ -29,7 +29,7 @@ from contact_scene.adhesion import PowerRate, RateTable  # noqa: E402
 from contact_scene.checked import Checked, Tabulated, fields_of, optional_keys  # noqa: E402
 from contact_scene.indenter import SHAPES  # noqa: E402
 from contact_scene.loading import STEPS  # noqa: E402
-from contact_scene.material_models import MODELS  # noqa: E402
+from contact_scene.material import MODELS  # noqa: E402
 from contact_scene.temperature_shift import SHIFTS  # noqa: E402
 from crosscontact.commands import parser  # noqa: E402
 from validation.cases import Case, load  # noqa: E402

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 
 from contact_scene import Material, SceneError
 from contact_scene.files import read_text
-from contact_scene.material_file import LARGEST_MISFIT, no_series_meets, read_material
-from contact_scene.measured_moduli import RelaxationData
-from contact_scene.prony import TOLERANCE, PronyFit, fit_prony, young_over
-from contact_scene.readers import FORMATS, MEASURED, format_of, measured_data
+from contact_scene.material_file import (
+    FORMATS,
+    LARGEST_MISFIT,
+    MEASURED,
+    format_of,
+    measured_data,
+    no_series_meets,
+    read_material,
+)
+from contact_scene.prony import TOLERANCE, DynamicData, PronyFit, RelaxationData, fit_prony, young_over
 from contact_scene.scene import write_material
 from contact_scene.value_checks import one_of, positive
 from crosscontact.commands import shared
@@ -40,54 +47,46 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--out", metavar="DIR", help="write material.toml, the table of a scene, there")
     command.add_argument(
-        "--plot",
-        action="store_true",
-        help="draw material.png and material.svg, into --out or the current folder",
+        "--plot", action="store_true", help="draw material.png and .svg, into --out or the current folder"
     )
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
     """Read a Prony series, or fit one to measured moduli; 1 if none meets the data, or they do not determine
     it."""
-    file, poisson, modulus, tolerance = options.file, options.poisson, options.modulus, options.tolerance
-    text = read_text(Path(file))
-    given = options.format
+    file, poisson, modulus = options.file, options.poisson, options.modulus
+    text, given = read_text(Path(file)), options.format
     kind = format_of(text, file) if given is None else one_of(given, "--format", FORMATS)
-    if tolerance is not None and kind not in MEASURED:
+    if options.tolerance is not None and kind not in MEASURED:
         raise SceneError("--tolerance", f"given for a Prony series ({kind})", "with measured data only", file)
     folder = None if options.out is None else output_folder(options.out)
     drawn = (folder or output_folder(".", "--plot")) if options.plot else None
-    fit: PronyFit | None = None
-    material: Material | None = None
     doubts: list[str] = []
     if kind in MEASURED:
-        allowed_misfit = TOLERANCE if tolerance is None else tolerance
-        fit = _fit(text, file, kind, poisson, modulus, allowed_misfit)
+        tolerance = TOLERANCE if options.tolerance is None else options.tolerance
+        fit = _fit(measured_data(text, file, kind), file, poisson, modulus, tolerance)
         material = fit.material(poisson) if fit.modulus else None
-        lines = _fit_lines(file, fit)
-        doubts = _doubts(fit, allowed_misfit)
+        lines, doubts, figure = _fit_lines(file, fit), _doubts(fit, tolerance), partial(draw_fit, fit)
     else:
         material = read_material(file, poisson, modulus, kind)
         lines = [f"{file}: Prony series ({kind}) of {len(material.branches)} branches"]
+        figure = partial(draw_series, material)
     print("\n".join([*lines, *_series_lines(material)]))
-    if drawn is not None and fit is not None:
-        shared.draw(draw_fit(fit), drawn, "material")
-    elif drawn is not None and material is not None:
-        shared.draw(draw_series(material), drawn, "material")
-    if folder is not None:
-        if material is None:
-            allowed = "the relaxed Young's modulus, > 0"
-            raise SceneError("--modulus", "is missing: the data show no relaxed modulus", allowed, file)
+    if drawn is not None:
+        shared.draw(figure(), drawn, "material")
+    if folder is not None and material is None:
+        problem = "is missing: the data show no relaxed modulus"
+        raise SceneError("--modulus", problem, "the relaxed Young's modulus, > 0", file)
+    if folder is not None and material is not None:
         write_material(material, folder / "material.toml", "\n".join([*lines, *doubts]))
         print(f"written to {folder / 'material.toml'}")
     return shared.failed([f"crosscontact: {file}: {doubt}" for doubt in doubts])
 
 
 def _fit(
-    text: str, file: str, kind: str, poisson: float, modulus: float | None, tolerance: float
+    data: RelaxationData | DynamicData, file: str, poisson: float, modulus: float | None, tolerance: float
 ) -> PronyFit:
     """The series fitted to measured moduli."""
-    data = measured_data(text, file, kind)
     scale = young_over(data.shear, poisson)
     relaxed = None if modulus is None else positive(modulus, "--modulus") / scale
     least = scale * float((data.moduli if isinstance(data, RelaxationData) else data.storage).min())
@@ -113,41 +112,36 @@ def _doubts(fit: PronyFit, tolerance: float) -> list[str]:
 
 def _fit_lines(file: str, fit: PronyFit) -> list[str]:
     """What was read, how the series meets it, and what was dropped, in lines."""
-    letter, data = "shear modulus" if fit.data.shear else "Young's modulus", fit.data
-    if isinstance(data, RelaxationData):
-        read, rows = f"relaxation {letter} over time", data.times.size
-    else:
-        read, rows = f"storage and loss {letter} over angular frequency", data.storage.size
-    lines = [f"{file}: {read}, {rows} rows"]
-    lines += aligned(
-        [
-            ("misfit", f"{fit.misfit:.3e}", "root mean square of fit/measured - 1"),
-            ("largest residual", f"{fit.largest_residual:.3e}", ""),
-            ("times tried", f"{fit.grid.size}", f"from {fit.grid[0]:.4g} to {fit.grid[-1]:.4g}"),
-            ("branches", f"{len(fit.branches)}", f"{fit.used} times in use, joined to {fit.joined}"),
-            ("dropped", f"{len(fit.dropped)}", ""),
-        ]
-    )
+    letter = "shear modulus" if fit.data.shear else "Young's modulus"
+    what, over = "storage and loss", "angular frequency"
+    if isinstance(fit.data, RelaxationData):
+        what, over = "relaxation", "time"
+    rows = [
+        ("misfit", f"{fit.misfit:.3e}", "root mean square of fit/measured - 1"),
+        ("largest residual", f"{fit.largest_residual:.3e}", ""),
+        ("times tried", f"{fit.grid.size}", f"from {fit.grid[0]:.4g} to {fit.grid[-1]:.4g}"),
+        ("branches", f"{len(fit.branches)}", f"{fit.used} times in use, joined to {fit.joined}"),
+        ("dropped", f"{len(fit.dropped)}", ""),
+    ]
+    lines = [f"{file}: {what} {letter} over {over}, {fit.data.points.size} rows", *aligned(rows)]
     for one in fit.dropped:
         of, change = one.branch, f"misfit {one.misfit_before:.3e} -> {one.misfit_after:.3e}"
         lines.append(f"  dropped: time {of.time:.6g}, {letter} {of.modulus:.6g}: {change}")
-    if fit.modulus == 0.0:
-        lines.append("  the data show no relaxed modulus; a scene needs one: --modulus")
-    return lines
+    missing = ["  the data show no relaxed modulus; a scene needs one: --modulus"]
+    return [*lines, *(missing if fit.modulus == 0.0 else [])]
 
 
 def _series_lines(material: Material | None) -> list[str]:
     """The series as a scene takes it, in lines."""
     if material is None:
         return []
-    rows: list[tuple[str, ...]] = [
-        ("poisson", f"{material.poisson:.8g}", ""),
-        ("relaxed modulus", f"{material.modulus:.8g}", ""),
-        ("glassy modulus", f"{material.glassy_modulus:.8g}", ""),
-        ("", "branch modulus", "time"),
-    ]
-    rows += [
-        (str(number), f"{branch.modulus:.8g}", f"{branch.time:.8g}")
-        for number, branch in enumerate(material.branches, 1)
-    ]
+    stated = {
+        "poisson": material.poisson,
+        "relaxed modulus": material.modulus,
+        "glassy modulus": material.glassy_modulus,
+    }
+    rows = [(name, f"{value:.8g}", "") for name, value in stated.items()]
+    rows.append(("", "branch modulus", "time"))
+    for number, branch in enumerate(material.branches, 1):
+        rows.append((str(number), f"{branch.modulus:.8g}", f"{branch.time:.8g}"))
     return aligned(rows)

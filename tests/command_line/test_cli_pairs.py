@@ -33,7 +33,7 @@ import crosscontact as cc
 from contact_scene import Approach, OutcomeKind, SceneError, read_scene, scene_from_dict
 from contact_scene.indenter import SHAPES
 from contact_scene.loading import STEPS
-from contact_scene.material_models import MODELS
+from contact_scene.material import MODELS
 from crosscontact.cli import main
 from validation import solvers
 from validation.drawing import export

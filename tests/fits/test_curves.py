@@ -10,7 +10,7 @@ import pytest
 from support.recorded import MODULUS, elastic_scene, hertz_curve
 
 from contact_scene import SceneError
-from contact_scene.scene_values import with_values
+from contact_scene.scene import with_values
 from validation.fits.afm_files import read_afm, write_afm
 from validation.fits.baseline import features
 from validation.fits.curve_files import read_csv, write_csv

@@ -20,7 +20,7 @@ from contact_scene import (
     SceneError,
     Sphere,
 )
-from contact_scene.scene_values import with_values
+from contact_scene.scene import with_values
 from validation.fits.baseline import features
 from validation.fits.fit import fit_curves
 from validation.fits.fit_settings import FitSettings

@@ -82,7 +82,7 @@ def test_each_record_may_have_a_spring_of_its_own():
     options = settings_of("adhesion.work", per_curve=("machine.stiffness",), starts=1)
     found = fit_curves(curves, rigid, options)
     assert [one.start for one in found.estimates[1:]] == pytest.approx(springs)
-    with pytest.raises(SceneError, match="the scene has no loading"):
+    with pytest.raises(SceneError, match="the scene has no machine"):
         fit_curves(curves, rigid, settings_of("adhesion.work", "machine.stiffness"))
     tied = settings_of("adhesion.work", tie=("machine.stiffness=adhesion.work",), starts=1)
     assert fit_curves(curves[:1], spring_scene(0.1), tied).warnings == ()

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.fit_recovery import ENOUGH, VARIED, RecoveredMaterial, random_scenes, report
-from contact_scene.scene_values import value_at
+from contact_scene.scene import value_at
 
 DOCS = Path(__file__).parents[2] / "docs"
 FACTOR = np.exp(0.4)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.special import gamma
 
 from contact_scene import Branch, Material, SceneError, scene_from_dict
-from contact_scene.material_models import (
+from contact_scene.material import (
     PowerLawRelaxation,
     StandardLinearSolid,
     spacing_error,

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from contact_scene import Material, SceneError, read_scene, scene_from_dict
-from contact_scene.readers import read_pyvisco
 
 # A fit in the time domain: E_0 = 20 MPa, a fifth of it is left at the end.
 TIME = """i,tau_i,alpha_i,E_0,E_i
@@ -152,6 +151,6 @@ def test_keys_of_the_scene(tmp_path):
     assert material(tmp_path, TIME, format="pyvisco") == material(tmp_path, TIME)
 
 
-def test_poisson_is_checked_before_shear_is_converted():
+def test_poisson_is_checked_before_shear_is_converted(tmp_path):
     with pytest.raises(SceneError, match="poisson: got 0\\.6"):
-        read_pyvisco(TIME.replace("E_", "G_"), "x.csv", None, 0.6)
+        material(tmp_path, TIME.replace("E_", "G_"), poisson=0.6)

@@ -15,7 +15,7 @@ from contact_scene import (
     read_scene,
 )
 from contact_scene.files import TOO_LARGE
-from contact_scene.readers import FORMATS
+from contact_scene.material_file import FORMATS
 
 POSITIVE = "> 0"
 STEP = '[[loading.steps]]\nkind = "hold"\nduration = 1\n'

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from contact_scene import Adhesion, Branch, Loading, Machine, Material, Ramp, Scene, SceneError, Sphere
-from contact_scene.scene_values import value_at, with_values
+from contact_scene.scene import value_at, with_values
 
 SCENE = Scene(
     Material(0.75, 0.5, (Branch(6.75, 1.0), Branch(1.0, 10.0))),

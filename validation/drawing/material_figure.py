@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Material
-from contact_scene.measured_moduli import RelaxationData
-from contact_scene.prony import PronyFit
+from contact_scene.prony import PronyFit, RelaxationData
 from contact_scene.value_checks import SMALLEST
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import BLUE, GREY, INK, ORANGE, VERMILION

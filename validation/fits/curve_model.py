@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Machine, Scene, SceneError, Sphere, Table
-from contact_scene.scene_values import with_values
+from contact_scene.scene import with_values
 from validation.fits.baseline import CurveFeatures, features
 from validation.fits.fit_run import FitRun, sampled
 from validation.fits.measured_curve import Array, MeasuredCurve

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene
-from contact_scene.scene_values import with_values
+from contact_scene.scene import with_values
 from validation.fits.fit_result import FitResult, FittedCurve
 from validation.fits.fit_settings import FitSettings
 from validation.fits.goodness import Goodness, goodness

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene.errors import SceneError
-from contact_scene.value_checks import FINITE, LARGEST, SMALLEST, a_string, column, positive
+from contact_scene.value_checks import LARGEST, SMALLEST, a_string, column, finite, positive
 
 Array = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ class MeasuredCurve:
 
     def _checked(self, given: ArrayLike, name: str) -> Array:
         try:
-            values = column(given, name, "finite numbers")
+            values = column(given, name)
         except SceneError as error:
             raise error.in_file(self.name) from None
         if name != "time" and values.shape != self.time.shape:
@@ -95,7 +95,7 @@ class MeasuredCurve:
             raise self._error(
                 name,
                 f"{values[row]} in row {row + 1}",
-                "finite numbers" if not np.isfinite(values[row]) else FINITE,
+                "finite numbers" if not np.isfinite(values[row]) else finite.words,
             )
         if values.size and 0.0 < np.ptp(values) < SMALLEST:
             raise self._error(name, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")

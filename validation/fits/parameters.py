@@ -14,7 +14,7 @@ import numpy as np
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
-from contact_scene.scene_values import value_at
+from contact_scene.scene import value_at
 from contact_scene.value_checks import finite
 from validation.fits.measured_curve import Array
 

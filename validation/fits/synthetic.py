@@ -11,7 +11,7 @@ import numpy as np
 from contact_scene import Loading, Machine, Scene, SceneError
 from contact_scene.loading import Segment
 from contact_scene.run_control import LoadingCursor, whole_number
-from contact_scene.value_checks import NOT_NEGATIVE, a_string, finite, number, of_class, one_of, positive
+from contact_scene.value_checks import a_string, finite, not_negative, of_class, one_of, positive
 from validation.fits.fit_run import FitRun, run_of, sampled
 from validation.fits.measured_curve import FEWEST_ROWS, Array, MeasuredCurve
 from validation.solvers import REFERENCE, SOLVERS
@@ -76,7 +76,7 @@ def synthetic(
         If a load step controls the force, or the solver does not finish the scene.
     """
     of_class(scene, "scene", Scene, "a Scene, as read_scene reads one from a file")
-    noise = number(noise, "noise", NOT_NEGATIVE, low=0.0)
+    noise = not_negative(noise, "noise")
     sampling = None if sampling is None else positive(sampling, "sampling")
     contact_point, baseline = finite(contact_point, "contact_point"), finite(baseline, "baseline")
     drift = finite(drift, "drift")

@@ -37,7 +37,7 @@ from contact_scene import Counters, Machine, Outcome, OutcomeKind, Scene, Trace,
 from contact_scene.checked import Checked, Finite, Key, Positive, check_keys, field_at, fields_of, from_table
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text
-from contact_scene.material_models import MODELS
+from contact_scene.material import MODELS
 from contact_scene.run_control import whole_number
 from contact_scene.scene import scene_table
 from contact_scene.value_checks import one_of, positive, whole_from
