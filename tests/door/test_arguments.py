@@ -234,7 +234,7 @@ def declared(name):
 
 
 def test_the_table_holds_every_public_name_and_argument():
-    asked = {name for name in cc.__all__ if not declared(name)}
+    asked = {name for name in cc.__all__ if name in TABLE or not declared(name)}
     assert set(TABLE) | set(NOT_ASKED) | {"scenes", "solvers"} == asked
     for name, (good, _) in TABLE.items():
         assert list(inspect.signature(getattr(cc, name)).parameters) == list(good), name
