@@ -36,47 +36,33 @@ def test_one_coordinate_gives_a_curve():
     assert axes.get_ylabel() == "pull off force (force)"
     assert axes.get_xscale() == "log"
     (line,) = axes.lines
+    assert line.get_linestyle() == "-"
     assert line.get_ydata().tolist() == pytest.approx(np.sqrt(np.arange(1.0, 6.0)).tolist())
-
-
-def test_one_value_gives_a_point():
     (axes,) = drawn(dataset(1))
     assert axes.lines[0].get_ydata().tolist() == [1.0]
 
 
 @pytest.mark.parametrize("hole", [False, True])
-def test_words_are_drawn_side_by_side(hole):
-    data = dataset(2, 1, hole=hole).assign_coords(speed=["jump-in", "relaxed"])
+def test_words_are_drawn_side_by_side_and_no_line_joins_them(hole):
+    data = dataset(3, 2, hole=hole).assign_coords(speed=["jump-in", "relaxed", "snap-in"], preload=["b", "a"])
     (axes,) = drawn(data)
-    assert [text.get_text() for text in axes.get_xticklabels()] == ["jump-in", "relaxed"]
-    assert np.isfinite(axes.lines[0].get_ydata()).tolist() == [not hole, True]
-
-
-def test_no_line_joins_words():
-    data = dataset(3, 2).assign_coords(speed=["jump-in", "relaxed", "snap-in"], preload=["cone", "sphere"])
-    (axes,) = drawn(data)
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["jump-in", "relaxed", "snap-in"]
     assert [line.get_linestyle() for line in axes.lines] == ["None", "None"]
+    assert [line.get_label() for line in axes.lines] == ["preload = a", "preload = b"]
     assert len({(line.get_color(), line.get_marker()) for line in axes.lines}) == 2
-    (axes,) = drawn(dataset(3))
-    assert axes.lines[0].get_linestyle() == "-"
+    assert np.isfinite(axes.lines[1].get_ydata()).tolist() == [not hole, True, True]
 
 
-def test_two_coordinates_give_a_map_with_contours_and_holes_are_said():
-    (axes,) = drawn(dataset(5, 4))
+def test_two_coordinates_give_a_map_with_contours_and_holes_are_said(recwarn):
+    (axes,) = drawn(dataset(5, 4).isel(speed=[2, 0, 1, 2, 4]))  # in any order, and one twice
     mesh, contours = axes.collections
-    assert mesh.get_array().shape == (4, 5)
+    assert mesh.get_array().shape == (4, 4)
     assert len(contours.get_paths()) > 3
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("speed V (length time⁻¹)", "preload (length)")
     assert not [text for text in axes.texts if "no value" in text.get_text()]
     (axes,) = drawn(dataset(5, 4, hole=True))
     assert np.ma.count_masked(axes.collections[0].get_array()) == 1
     assert [text for text in axes.texts if "no value" in text.get_text()]
-
-
-def test_unsorted_values_are_sorted_for_a_map(recwarn):
-    data = dataset(5, 4)
-    (axes,) = drawn(data.isel(speed=[2, 0, 1, 2, 4]))
-    assert axes.collections[0].get_array().shape == (4, 4)
     assert not recwarn.list
 
 
@@ -91,18 +77,9 @@ def test_of_many_values_some_are_drawn():
     assert len(drawn(dataset(5, 4, 4, 5))) == MOST_PANELS  # of sixteen
 
 
-def test_words_are_told_apart_as_curves():
-    data = dataset(5, 2).assign_coords(preload=["sphere", "cone"])
-    (axes,) = drawn(data)
-    assert [line.get_label() for line in axes.lines] == ["preload = cone", "preload = sphere"]
-    assert len({(line.get_color(), str(line.get_linestyle())) for line in axes.lines}) == 2
-
-
 def test_a_sample_is_drawn_over_each_coordinate():
-    points = (
-        dataset(6).rename_dims(speed="run").reset_index("speed").assign_coords(zone=("run", np.arange(6.0)))
-    )
-    panels = drawn(points)
+    points = dataset(6).rename_dims(speed="run").reset_index("speed")
+    panels = drawn(points.assign_coords(zone=("run", np.arange(6.0))))
     assert [axes.get_xlabel() for axes in panels] == ["speed V (length time⁻¹)", "zone"]
     assert [len(axes.collections[0].get_offsets()) for axes in panels] == [6, 6]
 

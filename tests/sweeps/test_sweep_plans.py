@@ -17,9 +17,8 @@ from validation.sweeps.plan import (
     Units,
     plan_from_dict,
     plan_names,
-    put,
     read_plan,
-    shares,
+    sample,
 )
 
 RATE = {"key": "loading.steps.0.rate", "values": [0.1, 0.2]}
@@ -27,15 +26,6 @@ RATE = {"key": "loading.steps.0.rate", "values": [0.1, 0.2]}
 
 def plan(*coordinates, folder, **more):
     return plan_from_dict({"scene": "retraction-fast", "coordinates": list(coordinates)} | more, folder)
-
-
-def test_a_path_changes_one_key_and_shares_the_rest():
-    table = {"a": [{"b": 1, "c": [2]}], "d": {"e": 3}}
-    changed = put(table, "a[0].b", 7)
-    assert changed == {"a": [{"b": 7, "c": [2]}], "d": {"e": 3}}
-    assert table["a"][0]["b"] == 1
-    assert changed["d"] is table["d"]
-    assert put(table, "f.g", 1)["f"] == {"g": 1}  # the reader of scenes knows which tables there may be
 
 
 def test_a_grid_ties_keys_together(tmp_path):
@@ -58,14 +48,14 @@ def test_a_sample_covers_its_ranges_and_a_longer_one_begins_with_a_shorter_one(t
     speed = {"key": "loading.steps.0.rate", "range": [1e-4, 1e4], "scale": "log"}
     depth = {"key": "loading.penetration", "range": [0.0, 0.1]}
     for design in ("sobol", "latin-hypercube"):
-        sample = plan(speed, depth, folder=tmp_path, design=design, points=100, seed=3)
-        rates, depths = np.array([[row[0] for row in rows] for rows in sample.rows()]).T
+        drawn = plan(speed, depth, folder=tmp_path, design=design, points=100, seed=3)
+        rates, depths = np.array([[row[0] for row in rows] for rows in drawn.rows()]).T
         assert 45 <= np.sum(rates < 1.0) <= 55
         assert 45 <= np.sum(depths < 0.05) <= 55
         assert rates.min() > 1e-4
         assert depths.max() < 0.1
-    assert np.array_equal(shares("sobol", 3, 70, 1)[:50], shares("sobol", 3, 50, 1))
-    assert not np.array_equal(shares("sobol", 3, 50, 2), shares("sobol", 3, 50, 1))
+    assert np.array_equal(sample("sobol", 3, 70, 1)[:50], sample("sobol", 3, 50, 1))
+    assert not np.array_equal(sample("sobol", 3, 50, 2), sample("sobol", 3, 50, 1))
 
 
 ZONE = {"key": "adhesion.zone"}
@@ -126,13 +116,11 @@ def test_an_unknown_key_is_refused_beside_those_there_are(tmp_path, place):
         ({"key": "loading.steps.3.rate", "values": [1.0]}, {}, "no entry '3'; allowed: an index from 0 to 0"),
         ({"key": "adhesion.work.x", "values": [1.0]}, {}, "has no keys"),
         (ZONE | {"values": [0.1, -1.0]}, {}, "at adhesion.zone = -1.0: got -1.0"),
-        (ZONE | {"values": [0.01, float("nan")]}, {}, "must be finite, got nan"),
         (ZONE | {"values": []}, {}, "coordinates[0].values: got []"),
         (ZONE | {"values": [1.0, "a"]}, {}, "values: got [1.0, 'a']"),
         (ZONE | {"linspace": [1.0, 1.0, 4]}, {}, "linspace: an empty range"),
         (ZONE | {"geomspace": [0.0, 1.0, 4]}, {}, "geomspace[0]: got 0.0"),
         (ZONE | {"linspace": [0.1, 1.0, 0]}, {}, "linspace[2]: got 0"),
-        (ZONE | {"linspace": [0.1, 1.0, 2.5]}, {}, "linspace[2]: got 2.5"),
         (ZONE | {"linspace": [0.1, 1.0, 10**9]}, {}, "linspace[2]: got 1000000000 values"),
         (ZONE | {"linspace": [0.1, 1.0]}, {}, "linspace: got [0.1, 1.0]; allowed: [first, last, count]"),
         (ZONE, {}, "no values"),
@@ -146,15 +134,12 @@ def test_an_unknown_key_is_refused_beside_those_there_are(tmp_path, place):
         (RANGE | {"range": [0.2, 0.1]}, {"design": "sobol", "points": 2}, "empty range"),
         (RANGE | {"range": [-0.2, 0.1], "scale": "log"}, {"design": "sobol", "points": 2}, "range[0]: got"),
         (RANGE, {"design": "sobol"}, "points: is missing"),
-        (RANGE, {"design": "sobol", "points": 10**9}, "at most 100"),
         (RATE, {"points": 3}, "points: given with design"),
         (RATE, {"resolution": 2}, "resolution: got 2"),
         (RATE, {"measures": ["pull_of_force"]}, "measures: no measure 'pull_of_force'"),
         (RATE, {"coordinates": []}, "coordinates: got []"),
         (RATE | {"name": "run"}, {}, "name: got 'run'"),
-        (RATE | {"name": "a\nb"}, {}, "name: got 'a\\nb'"),
         (RATE | {"name": "pull_off_force"}, {}, "has the name of a measure"),
-        (RATE | {"name": "loop_energy_error"}, {}, "has the name of a measure"),
     ],
 )  # fmt: skip
 def test_what_does_not_fit_together_is_refused_in_one_line(tmp_path, coordinate, more, problem):
@@ -164,18 +149,23 @@ def test_what_does_not_fit_together_is_refused_in_one_line(tmp_path, coordinate,
     refused(refusal.value)
 
 
-def test_coordinates_that_do_not_fit_are_refused(tmp_path):
-    with pytest.raises(SceneError, match=r"the key loading\.steps\.0\.rate comes twice"):
-        plan(RATE, RATE | {"name": "other"}, folder=tmp_path)
-    with pytest.raises(SceneError, match=r"the key loading\.steps\.0\.rate comes twice"):
-        plan(RATE, RATE | {"name": "other", "key": "loading.steps[0].rate"}, folder=tmp_path)
-    many = [
-        {"key": f"loading.{key}", "linspace": [0.1, 0.2, 10**5]} for key in ("penetration", "steps.0.rate")
-    ]
-    with pytest.raises(SceneError, match="make 10000000000 runs; allowed: at most 10000000"):
-        plan(*many, folder=tmp_path)
-    with pytest.raises(SceneError, match=r"got 2 of loading\.steps\.0\.rate, 1 of adhesion\.zone"):
-        plan(RATE, {"key": "adhesion.zone", "values": [0.1]}, folder=tmp_path, design="points")
+@pytest.mark.parametrize(
+    ("second", "more", "problem"),
+    [
+        (RATE | {"name": "other"}, {}, "the key loading.steps.0.rate comes twice"),
+        (
+            RATE | {"name": "a", "key": "loading.steps[0].rate"},
+            {},
+            "the key loading.steps.0.rate comes twice",
+        ),
+        (ZONE | {"linspace": [0.1, 0.2, 10**7]}, {}, "make 20000000 runs; allowed: at most 10000000"),
+        (ZONE | {"values": [0.1]}, {"design": "points"}, "got 2 of loading.steps.0.rate, 1 of adhesion.zone"),
+    ],
+)
+def test_coordinates_that_do_not_fit_each_other_are_refused(tmp_path, second, more, problem):
+    with pytest.raises(SceneError) as refusal:
+        plan(RATE, second, folder=tmp_path, **more)
+    assert problem in str(refusal.value)
 
 
 def test_a_plan_file_names_itself_in_a_refusal(tmp_path):
@@ -194,7 +184,6 @@ def test_a_plan_file_names_itself_in_a_refusal(tmp_path):
 
 def test_every_scene_of_the_built_in_plans_can_be_built():
     counts = {name: read_plan(name).count for name in plan_names()}
-    assert counts["speed-preload"] == 1000
     assert counts["surrogate"] == 2000
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sqlite3
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
@@ -14,6 +13,7 @@ import xarray
 from support.spring_solver import FunctionSolver, named, small_scene, spring
 
 import crosscontact as cc
+from benchmarks.sweep_price import plan_of
 from contact_scene import UnsupportedScene
 from crosscontact.cli import main
 from validation import solvers
@@ -21,9 +21,10 @@ from validation.runs import store
 from validation.runs.pool import Engine
 from validation.runs.store import RunRecord, RunTable, StoredRun
 from validation.sweeps import run_plan
-from validation.sweeps.dataset import to_dataset
+from validation.sweeps.dataset import to_dataset, write_results
+from validation.sweeps.figures import draw
 from validation.sweeps.plan import plan_from_dict
-from validation.sweeps.run_plan import OtherVersion, RunSettings, run_batch
+from validation.sweeps.run_plan import OtherVersion, RunSettings, carry_out, forecast, run_batch
 
 RATES = [0.01, 0.02, 0.05]
 DEPTHS = [0.02, 0.03]
@@ -121,10 +122,7 @@ def speeds_plan(scene_file, tmp_path, rates):
     return plan_from_dict(asked, tmp_path)
 
 
-@pytest.mark.parametrize("largest", [4, 2])
-def test_a_batch_that_ends_its_process_is_run_again_one_by_one(
-    tmp_path, scene_file, calls, monkeypatch, largest
-):
+def test_a_batch_that_ends_its_process_is_run_again_one_by_one(tmp_path, scene_file, calls, monkeypatch):
     sizes = []
 
     def dying(scenes, *arguments):
@@ -134,38 +132,16 @@ def test_a_batch_that_ends_its_process_is_run_again_one_by_one(
         return run_batch(scenes, *arguments)
 
     monkeypatch.setattr(run_plan, "run_batch", dying)
-    monkeypatch.setattr(run_plan._Batches, "_size", lambda batches, left: batches._largest or largest)
+    monkeypatch.setattr(run_plan._Batches, "_size", lambda batches, left: batches._largest or 2)
     plan = speeds_plan(scene_file, tmp_path, [0.01, 0.03, 0.06, 0.02])
     with ThreadPoolExecutor(1) as executor, RunTable() as table:
         runs = run_plan.carry_out(plan, table, Engine(executor, 1))
         data = to_dataset(plan, runs)
         assert data.outcome.values.tolist() == ["detached", "detached", "detached", "failed"]
         assert data.reason.values[3] == "MemoryError: killed"
-        assert sizes == {4: [4, 1, 1, 1, 1], 2: [2, 2, 1, 1]}[largest]
+        assert sizes == [2, 2, 1, 1]
         assert sorted(rate for rate, _ in calls) == [0.01, 0.03, 0.06]
-        again = run_plan.missing_runs(plan, table)[1]
-        assert len(again) == 1  # another attempt may end otherwise
-
-
-@pytest.mark.skipif(not hasattr(os, "fork"), reason="no processes that begin in the middle here")
-def test_a_killed_sweep_goes_on_where_it_was(tmp_path, scene_file, calls, monkeypatch):
-    monkeypatch.setattr(run_plan._Batches, "_size", lambda batches, left: 2)
-    plan = speeds_plan(scene_file, tmp_path, [0.01 * rate for rate in range(10, 18)])
-    with RunTable() as table:
-        whole = to_dataset(plan, run_plan.carry_out(plan, table))
-    calls.clear()
-    child = os.fork()
-    if child == 0:
-        try:
-            table = RunTable(tmp_path)
-            run_plan.carry_out(plan, table, progress=lambda share, _: share > 0.4 and os._exit(7))
-        finally:
-            os._exit(1)
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
-    with RunTable(tmp_path) as table:
-        assert len(run_plan.missing_runs(plan, table)[1]) == 4
-        assert to_dataset(plan, run_plan.carry_out(plan, table)).identical(whole)
-    assert len(calls) == 4
+        assert len(run_plan.missing_runs(plan, table)[1]) == 1  # another attempt may end otherwise
 
 
 def test_a_worker_with_other_sources_is_refused(monkeypatch):
@@ -289,3 +265,34 @@ def test_traces_are_kept_on_request(tmp_path, scene_file, calls, kind):
         assert max(table["force"]) == pytest.approx(0.06)
     with pytest.raises(cc.SceneError, match="traces: given without out"):
         swept(scene_file, traces=kind)
+
+
+def test_short_runs_are_stored_by_batches_in_this_process_too(tmp_path, scene_file, calls, monkeypatch):
+    plan = speeds_plan(scene_file, tmp_path, np.linspace(0.01, 0.03, 40).tolist())
+    batches = []
+    with RunTable() as table:
+        put = table.put
+        monkeypatch.setattr(table, "put", lambda runs: put(batches.append(list(runs)) or batches[-1]))
+        runs = carry_out(plan, table)
+        assert [run.fingerprint for batch in batches for run in batch] == runs.keys
+    assert len(batches) < 20
+
+
+def test_a_solver_that_is_installed_beside_is_told_apart_by_its_version(tmp_path, monkeypatch):
+    scene = plan_of(1, tmp_path).scene.with_values({})
+    prints = []
+    for version in ("", "other 1.0", "other 1.1"):
+        monkeypatch.setattr(type(solvers.SOLVERS), "origin", lambda self, name, v=version: v)
+        prints.append(RunSettings("reference").fingerprint(scene))
+    assert len(set(prints)) == 3
+
+
+@pytest.mark.slow
+def test_the_forecast_of_the_size_is_right_within_a_factor_of_two(tmp_path, monkeypatch):
+    plan = plan_of(24, tmp_path)
+    out = tmp_path / "out"
+    out.mkdir()
+    with RunTable(out) as table:
+        expected = forecast(plan, table).bytes
+        draw(write_results(plan, carry_out(plan, table), out), out)
+    assert 0.5 < sum(file.stat().st_size for file in out.iterdir()) / expected < 2.0

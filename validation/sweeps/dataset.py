@@ -1,4 +1,10 @@
-"""The runs of a sweep as an ``xarray.Dataset``, and its files: netCDF, a table, the time series."""
+"""The runs of a sweep as an ``xarray.Dataset``, and its files: netCDF, a table, the time series.
+
+A grid has a dimension for each coordinate; a list of points or a sample one, ``run``, along which the
+coordinates lie. For each measure there is a variable, for each error estimate one with ``ERROR``, relative;
+``outcome`` and ``reason`` tell how each run ended, ``warnings`` where the model comes to its limits. What a
+run does not have is NaN.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +12,7 @@ import os
 import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,19 +29,16 @@ from validation.sweeps.run_plan import SweepRuns
 if TYPE_CHECKING:
     import xarray
 
-FILE = "sweep.nc"
-TABLE = "sweep.csv"
-TRACES = "traces"
+FILE, TABLE, TRACES = "sweep.nc", "sweep.csv", "traces"
 ERROR = "_error"
 """Ending of the relative error estimate of a measure."""
 RUN = "run"
 """Dimension of a list of points and of a sample."""
 RUNS_PER_FILE = 500
-"""Runs of one file of traces: some 10 MB at 200 rows and a dozen columns a run, which is what is held in
-memory."""
-HEAD = ("measure", "unit", "runs", "least", "median", "largest", "largest error")
+"""Runs of one file of traces: some 10 MB, which is what is held in memory."""
 _STAGE = ".sweep."
 _PACKAGES = {"hdf5": "h5py", "parquet": "pyarrow"}
+_WORDS = {"outcome": "how the run ended", "reason": "why it ended", "warnings": "warnings"}
 _DIMENSIONS = {
     "force": "force",
     "radius": "length",
@@ -63,28 +66,23 @@ def check_writable(plan: SweepPlan | None = None) -> None:
 
 
 def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
-    """All runs of a plan by its coordinates; what a run does not have is NaN.
-
-    A grid has a dimension for each coordinate; a list of points or a sample one, ``run``, along which the
-    coordinates lie. For each measure a variable, for each error estimate one with ``ERROR``, relative;
-    ``outcome`` and ``reason`` tell how each run ended, ``warnings`` where the model comes to its limits.
-    """
+    """All runs of a plan by its coordinates (see the head of this module)."""
     import xarray
 
     if plan.design == "grid":
-        dimensions = [(coordinate.name,) for coordinate in plan.coordinates]
-        values: Any = [coordinate.labels for coordinate in plan.coordinates]
+        along = {one.name: (one.name,) for one in plan.coordinates}
+        values = [[row[0] for row in one.rows] for one in plan.coordinates]
     else:
-        dimensions = [(RUN,)] * len(plan.coordinates)
+        along = {one.name: (RUN,) for one in plan.coordinates}
         values = [[row[0] for row in rows] for rows in zip(*plan.rows(), strict=True)]
-    along = tuple(dict.fromkeys(name for names in dimensions for name in names))
-    variables = {
-        name: (along, column.reshape(plan.shape), _attributes(name, plan))
-        for name, column in _columns(plan, runs).items()
-    }
+    dimensions = list(dict.fromkeys(name for names in along.values() for name in names))
     coordinates = {
-        one.name: (names, np.array(numbers), _coordinate_attributes(one, plan))
-        for one, names, numbers in zip(plan.coordinates, dimensions, values, strict=True)
+        one.name: (along[one.name], np.array(numbers), _about_coordinate(one, plan))
+        for one, numbers in zip(plan.coordinates, values, strict=True)
+    }
+    variables = {
+        name: (dimensions, column.reshape(plan.shape), _about(name, plan))
+        for name, column in _columns(plan, runs).items()
     }
     attributes = {
         "title": plan.title,
@@ -100,26 +98,34 @@ def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
 
 def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, np.ndarray]:
     """One-dimensional, in the order of the plan: numbers by name, then the words."""
-    count = len(runs.keys)
-    numbers = {name: np.full(count, np.nan) for name in plan.measures}
-    words: dict[str, list[str]] = {"outcome": [], "reason": [], "warnings": []}
-    for index, key in enumerate(runs.keys):
-        record = runs.record(key)
-        words["outcome"].append(record.outcome)
-        words["reason"].append(record.reason)
-        words["warnings"].append("; ".join(record.warnings))
+    records = [runs.record(key) for key in runs.keys]
+    numbers = {name: np.full(len(records), np.nan) for name in plan.measures}
+    for index, record in enumerate(records):
         for ending, found in (("", record.measures), (ERROR, record.errors)):
             for name in found.keys() & (plan.measures or found.keys()):
-                numbers.setdefault(name + ending, np.full(count, np.nan))[index] = found[name]
-    return dict(sorted(numbers.items())) | {name: np.array(column) for name, column in words.items()}
+                numbers.setdefault(name + ending, np.full(len(records), np.nan))[index] = found[name]
+    return dict(sorted(numbers.items())) | {
+        "outcome": np.array([record.outcome for record in records]),
+        "reason": np.array([record.reason for record in records]),
+        "warnings": np.array(["; ".join(record.warnings) for record in records]),
+    }
 
 
-def _attributes(name: str, plan: SweepPlan) -> dict[str, str]:
-    if name in ("outcome", "reason", "warnings"):
-        return {"long_name": {"outcome": "how the run ended", "reason": "why it ended"}.get(name, name)}
+def _about(name: str, plan: SweepPlan) -> dict[str, str]:
+    if name in _WORDS:
+        return {"long_name": _WORDS[name]}
     if name.endswith(ERROR):
-        return {"units": "1", "long_name": f"relative error estimate of {_words(name.removesuffix(ERROR))}"}
-    return {"units": plan.units.named(dimension_of(name)), "long_name": _words(name)}
+        return {"units": "1", "long_name": f"relative error estimate of {_plain(name.removesuffix(ERROR))}"}
+    return {"units": plan.units.named(dimension_of(name)), "long_name": _plain(name)}
+
+
+def _about_coordinate(one: Coordinate, plan: SweepPlan) -> dict[str, str]:
+    return {
+        "units": one.unit or plan.units.named(plan.scene.unit(one.paths[0])),
+        "long_name": one.label or (one.name if "." in one.name else _plain(one.name)),
+        "keys": ", ".join(one.paths),
+        "scale": "log" if one.logarithmic else "linear",
+    }
 
 
 def dimension_of(measure: str) -> str:
@@ -127,17 +133,7 @@ def dimension_of(measure: str) -> str:
     return _DIMENSIONS.get(measure) or _DIMENSIONS.get(measure.rpartition("_")[2], "1")
 
 
-def _coordinate_attributes(coordinate: Coordinate, plan: SweepPlan) -> dict[str, str]:
-    label = coordinate.label or (_words(coordinate.name) if "." not in coordinate.name else coordinate.name)
-    return {
-        "units": coordinate.unit or plan.units.named(plan.scene.unit(coordinate.paths[0])),
-        "long_name": label,
-        "keys": ", ".join(coordinate.paths),
-        "scale": "log" if coordinate.logarithmic else "linear",
-    }
-
-
-def _words(name: str) -> str:
+def _plain(name: str) -> str:
     return name.replace("pull_off", "pull-off").replace("_", " ").replace(".", " ")
 
 
@@ -148,7 +144,10 @@ def write_results(plan: SweepPlan, runs: SweepRuns, out: Path) -> xarray.Dataset
     """
     data = to_dataset(plan, runs)
     _write_traces(plan, runs, out)
-    write_whole(out / TABLE, table(data))
+    dimensions = list(data["outcome"].dims)
+    frame = data.to_dataframe(dim_order=dimensions).reset_index()
+    names = [*(name for name in data.coords if name != RUN), *data.data_vars]
+    write_whole(out / TABLE, str(frame[names].to_csv(index=False, lineterminator="\n")))
     for left in out.glob(f"{_STAGE}*"):  # by a program that was killed
         shutil.rmtree(left, ignore_errors=True)
     with tempfile.TemporaryDirectory(dir=out, prefix=_STAGE) as stage:
@@ -157,20 +156,11 @@ def write_results(plan: SweepPlan, runs: SweepRuns, out: Path) -> xarray.Dataset
     return data
 
 
-def table(data: xarray.Dataset) -> str:
-    """All runs as CSV, one row each; numbers give themselves back, what a run does not have is empty."""
-    dimensions = list(next(iter(data.data_vars.values())).dims)
-    frame = data.to_dataframe(dim_order=dimensions).reset_index()
-    names = [*(name for name in data.coords if name != RUN), *data.data_vars]
-    return str(frame[names].to_csv(index=False, lineterminator="\n"))
-
-
 def read_dataset(folder: Path) -> xarray.Dataset:
     """The data set of a folder that a sweep was written to."""
     import xarray
 
-    path = folder / FILE
-    allowed = "a folder written by `crosscontact sweep --out`"
+    path, allowed = folder / FILE, "a folder written by `crosscontact sweep --out`"
     if not os.path.isfile(path):
         raise SceneError("", f"has no {FILE}", allowed, str(folder))
     try:
@@ -190,14 +180,13 @@ def drawn_measures(data: xarray.Dataset) -> list[str]:
 
 def summary_rows(data: xarray.Dataset) -> list[tuple[str, ...]]:
     """Heading and, for each measure that is drawn, how many runs have it and its range."""
-    rows: list[tuple[str, ...]] = [HEAD]
+    rows = [("measure", "unit", "runs", "least", "median", "largest", "largest error")]
     for name in drawn_measures(data):
         values = data[name].values[np.isfinite(data[name].values)]
-        numbers = (values.min(), np.median(values), values.max()) if values.size else ()
+        numbers = [f"{find(values):.6g}" if values.size else "-" for find in (np.min, np.median, np.max)]
         error = float(data[name + ERROR].max()) if name + ERROR in data else np.nan
-        shown = [format(float(number), ".6g") for number in numbers] or ["-"] * 3
         largest = f"{error:.1e}" if np.isfinite(error) else "-"
-        rows.append((name, str(data[name].attrs.get("units", "")), str(values.size), *shown, largest))
+        rows.append((name, str(data[name].attrs.get("units", "")), str(values.size), *numbers, largest))
     return rows
 
 
@@ -209,31 +198,28 @@ def endings(data: xarray.Dataset) -> list[tuple[str, str, int]]:
 
 
 def _write_traces(plan: SweepPlan, runs: SweepRuns, out: Path) -> None:
-    """Write all traces, where the plan keeps them, in place of those of an earlier plan.
-
-    HDF5: a group for each run, named by its number, with the columns and the coordinates as attributes.
-    Parquet: one table, with the columns ``run`` and those of the coordinates in front.
-    """
+    """Write all traces, where the plan keeps them, in place of those of an earlier plan."""
     if plan.traces is None:
         return
-    stage = out / f".{TRACES}.part"
+    stage, keys = out / f".{TRACES}.part", runs.keys
     shutil.rmtree(stage, ignore_errors=True)
     stage.mkdir()
     labels = [{c.name: row[0] for c, row in zip(plan.coordinates, rows, strict=True)} for rows in plan.rows()]
-    for first in range(0, len(runs.keys), RUNS_PER_FILE):
-        block = range(first, min(first + RUNS_PER_FILE, len(runs.keys)))
-        found = ((at, labels[at], columns) for at in block if (columns := runs.columns(runs.keys[at])))
-        name = f"runs-{block[0]:07d}-{block[-1]:07d}"
-        (_hdf5 if plan.traces == "hdf5" else _parquet)(stage / name, found)
+    for first in range(0, len(keys), RUNS_PER_FILE):
+        last = min(first + RUNS_PER_FILE, len(keys)) - 1
+        found = ((at, labels[at], runs.columns(keys[at])) for at in range(first, last + 1))
+        write = _hdf5 if plan.traces == "hdf5" else _parquet
+        write(stage / f"runs-{first:07d}-{last:07d}", [(at, of, one) for at, of, one in found if one])
     shutil.rmtree(out / TRACES, ignore_errors=True)
     stage.rename(out / TRACES)
 
 
-Labelled = Iterator[tuple[int, dict[str, Any], Columns]]
+Labelled = Iterable[tuple[int, dict[str, Any], Columns]]
 """Traces with the number of the run and its coordinates."""
 
 
 def _hdf5(path: Path, traces: Labelled) -> None:
+    """A group for each run, named by its number, with the columns and the coordinates as attributes."""
     import h5py
 
     with h5py.File(path.with_suffix(".h5"), "w") as file:
@@ -245,14 +231,16 @@ def _hdf5(path: Path, traces: Labelled) -> None:
 
 
 def _parquet(path: Path, traces: Labelled) -> None:
+    """One table, with the columns ``run`` and those of the coordinates in front."""
     import pyarrow
     from pyarrow import parquet
 
     tables = []
     for index, labels, columns in traces:
-        rows = len(columns["time"])
-        head = {name: np.full(rows, value) for name, value in ({"run": index} | labels).items()}
+        head = {
+            name: np.full(len(columns["time"]), value) for name, value in ({"run": index} | labels).items()
+        }
         tables.append(pyarrow.table(head | columns))
     if tables:
-        file = path.with_suffix(".parquet")
-        parquet.write_table(pyarrow.concat_tables(tables, promote_options="default"), file)
+        whole = pyarrow.concat_tables(tables, promote_options="default")
+        parquet.write_table(whole, path.with_suffix(".parquet"))

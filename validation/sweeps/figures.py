@@ -22,12 +22,8 @@ if TYPE_CHECKING:
 
 PANEL = (4.2, 3.2)
 """Inches of a panel."""
-MOST_PANELS = 12
-"""Small multiples of one figure; of more values of a coordinate, so many are drawn, evenly chosen."""
-MOST_CURVES = 6
-"""Values of a coordinate that are told apart as curves in one panel."""
-LEVELS = 8
-"""Contours of a map, about."""
+MOST_PANELS, MOST_CURVES = 12, 6
+"""Small multiples of one figure, of more evenly chosen ones; curves that are told apart in one panel."""
 NO_VALUE = "#c8c8c8"
 """Of runs without the measure; grey is no colour of the map."""
 COLOURS = "cividis"
@@ -49,84 +45,90 @@ def figures(data: xarray.Dataset) -> dict[str, Figure]:
         if dim in data.coords:
             data = data.sortby(str(dim)).drop_duplicates(dim)
     held = [name for name in drawn_measures(data) if bool(np.isfinite(data[name]).any())]
-    return {name: _figure(data, name) for name in held}
+    drawn = {name: _figure(data[name]) for name in held}
+    for figure in drawn.values() if data.attrs.get("title") else ():
+        figure.suptitle(str(data.attrs["title"]), fontsize="small", color=INK, wrap=True)
+    return drawn
 
 
-def _figure(data: xarray.Dataset, name: str) -> Figure:
-    measure = data[name]
+def _figure(measure: xarray.DataArray) -> Figure:
+    """Across the axes the longest coordinates that are numbers; a panel, or a curve, for each other value."""
     if measure.dims == (RUN,):
-        return _points(data, name)
-    dimensions = [str(dim) for dim in measure.dims]
-    varied = sorted((dim for dim in dimensions if data[dim].size > 1), key=lambda dim: -data[dim].size)
-    numeric = [dim for dim in varied if _is_numeric(data[dim].values)]
-    words = [dim for dim in dimensions if dim in varied and dim not in numeric]
-    across = numeric[:2] or words[:1] or dimensions[:1]
-    outer = [dim for dim in (*numeric[2:], *words) if dim not in across]
-    measure = measure.squeeze([dim for dim in dimensions if dim not in across and dim not in outer])
-    chosen = _chosen(data, outer)
-    in_one = len(across) == 1 and math.prod(data[dim].size for dim in outer) <= MOST_CURVES
-    panels = [chosen] if in_one else [[at] for at in chosen]
-    figure, axes = _grid(len(panels), data)
-    limits: dict[str, Any] = {"vmin": float(measure.min()), "vmax": float(measure.max())}
-    for one, parts in zip(axes, panels, strict=True):
-        for index, at in enumerate(parts):
-            if len(across) == 2:
-                picture = _map(one, data, measure.isel(at), across[0], across[1], limits)
-            else:
-                label = _title(data, at) if in_one else ""
-                _curve(one, data, name, measure.isel(at), across[0], index, label)
-        if not in_one:
-            one.set_title(_title(data, parts[0]), fontsize="small")
+        coordinates = [str(name) for name in measure.coords if name != RUN]
+        figure, axes = _panels(len(coordinates), measure)
+        for one, name in zip(axes, coordinates, strict=True):
+            size = float(np.clip(200.0 / math.sqrt(measure.size), 2.0, 25.0))
+            one.scatter(measure[name], measure, s=size, color=SERIES[0], linewidths=0, alpha=0.6)
+            _finish(one, measure[name], measure)
+        return figure
+    varied = sorted(
+        (dim for dim in measure.dims if measure[dim].size > 1), key=lambda dim: -measure[dim].size
+    )
+    numbers = [dim for dim in varied if np.issubdtype(measure[dim].dtype, np.number)]
+    across = numbers[:2] or varied[:1] or list(measure.dims[:1])
+    outer = [
+        dim for dim in (*numbers[2:], *(dim for dim in varied if dim not in numbers)) if dim not in across
+    ]
+    measure = measure.squeeze([dim for dim in measure.dims if dim not in across and dim not in outer])
+    parts = [measure.isel(dict(zip(outer, at, strict=True))) for at in _indices(measure, outer)]
+    as_curves = len(across) == 1 and math.prod(measure[dim].size for dim in outer) <= MOST_CURVES
+    panels = [parts] if as_curves else [[part] for part in parts]
+    figure, axes = _panels(len(panels), measure)
+    limits = {"vmin": float(measure.min()), "vmax": float(measure.max())}
+    for one, shown in zip(axes, panels, strict=True):
+        if len(across) == 2:
+            picture = _map(one, shown[0].transpose(across[1], across[0]), limits)
+            _finish(one, measure[across[0]], measure[across[1]])
+        for index, part in enumerate(shown if len(across) == 1 else ()):
+            _curve(one, part, index, _values(part, outer))
+            _finish(one, measure[across[0]], measure)
+        if not as_curves:
+            one.set_title(_values(shown[0], outer), fontsize="small")
         elif outer:
             one.legend(frameon=False, fontsize="small")
     if len(across) == 2:
         bar = figure.colorbar(picture, ax=axes, shrink=0.9 if len(panels) == 1 else 0.6)
-        bar.set_label(_label(data, name))
+        bar.set_label(_label(measure))
     return figure
 
 
-def _is_numeric(values: Any) -> bool:
-    return bool(np.issubdtype(np.asarray(values).dtype, np.number))
+def _indices(measure: xarray.DataArray, outer: list[Any]) -> list[tuple[int, ...]]:
+    found = list(itertools.product(*(range(measure[dim].size) for dim in outer)))
+    if len(found) <= MOST_PANELS:
+        return found
+    return [found[int(at)] for at in np.linspace(0, len(found) - 1, MOST_PANELS).round()]
 
 
-def _curve(
-    axes: Axes, data: xarray.Dataset, name: str, part: xarray.DataArray, across: str, index: int, label: str
-) -> None:
-    x, y = data[across].values, part.values
+def _values(part: xarray.DataArray, outer: list[Any]) -> str:
+    """The values of the other coordinates of a panel or a curve."""
+    values = {dim: part[dim].item() for dim in outer}
+    return ", ".join(f"{dim} = {v if isinstance(v, str) else format(v, '.3g')}" for dim, v in values.items())
+
+
+def _curve(axes: Axes, part: xarray.DataArray, index: int, label: str) -> None:
+    x, y = part[part.dims[0]].values, part.values
     style: dict[str, Any] = {"color": SERIES[index % len(SERIES)], "marker": MARKERS[index % len(MARKERS)]}
-    numeric = _is_numeric(x)
-    if numeric:
-        style |= {"linestyle": DASHES[index % len(DASHES)], "linewidth": 1.3, "markersize": 3}
-    else:  # between two words there is nothing that a line could show
-        x = np.array([str(value) for value in x])
-        style |= {"linestyle": "none", "markersize": 5}
-    axes.plot(x, y, label=label, **style)
-    known = np.isfinite(y)
-    if numeric and not known.all() and known.any():
-        foot = axes.get_xaxis_transform()
-        axes.plot(x[~known], np.full((~known).sum(), 0.03), "x", color=INK, markersize=4, transform=foot)
-    _label_axes(axes, data, across, name)
-    format_axes(axes)
+    if not np.issubdtype(x.dtype, np.number):  # between two words there is nothing that a line could show
+        axes.plot(x.astype(str), y, label=label, linestyle="none", markersize=5, **style)
+        return
+    axes.plot(x, y, label=label, linestyle=DASHES[index % len(DASHES)], linewidth=1.3, markersize=3, **style)
+    if (unknown := x[~np.isfinite(y)]).size:
+        foot = np.full(unknown.size, 0.03)
+        axes.plot(unknown, foot, "x", color=INK, markersize=4, transform=axes.get_xaxis_transform())
 
 
-def _map(
-    axes: Axes,
-    data: xarray.Dataset,
-    part: xarray.DataArray,
-    across: str,
-    up: str,
-    limits: dict[str, Any],
-) -> Any:
-    x, y, z = data[across].values, data[up].values, np.ma.masked_invalid(part.transpose(up, across).values)
+def _map(axes: Axes, part: xarray.DataArray, limits: dict[str, Any]) -> Any:
+    from matplotlib.patheffects import withStroke
+
+    x, y, z = part[part.dims[1]], part[part.dims[0]], np.ma.masked_invalid(part.values)
     picture = axes.pcolormesh(x, y, z, cmap=COLOURS, **limits, shading="nearest", rasterized=True)
     axes.set_facecolor(NO_VALUE)
-    _label_axes(axes, data, across, up)  # before the labels of contours, whose gaps are measured on the page
+    _finish(axes, x, y)  # before the labels of contours, whose gaps are measured on the page
+    axes.grid(False)
     axes.autoscale_view()
     if z.count() and min(z.shape) > 2 and z.max() > z.min():
-        from matplotlib.patheffects import withStroke
-
         outline: list[Any] = [withStroke(linewidth=2.0, foreground="#0a0a0a99")]
-        lines = axes.contour(x, y, z, LEVELS, colors="white", linewidths=0.8)
+        lines = axes.contour(x, y, z, 8, colors="white", linewidths=0.8)
         lines.set(path_effects=outline)
         for label in axes.clabel(lines, fontsize=7, fmt="%.3g"):
             label.set_path_effects(outline)
@@ -134,62 +136,36 @@ def _map(
         box = {"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.5}
         note: dict[str, Any] = {"fontsize": 7, "color": INK, "ha": "right", "va": "bottom", "bbox": box}
         axes.text(0.98, 0.02, "grey: no value", transform=axes.transAxes, **note)
-    axes.tick_params(which="both", colors=INK, labelcolor=INK)
     return picture
 
 
-def _points(data: xarray.Dataset, name: str) -> Figure:
-    """A list of points or a sample: the measure over each coordinate."""
-    coordinates = [str(entry) for entry in data.coords if entry != RUN]
-    figure, axes = _grid(len(coordinates), data)
-    size = float(np.clip(200.0 / math.sqrt(data.sizes[RUN]), 2.0, 25.0))
-    style: dict[str, Any] = {"s": size, "color": SERIES[0], "linewidths": 0, "alpha": 0.6}
-    for one, coordinate in zip(axes, coordinates, strict=True):
-        one.scatter(data[coordinate].values, data[name].values, **style)
-        _label_axes(one, data, coordinate, name)
-        format_axes(one)
-    return figure
-
-
-def _chosen(data: xarray.Dataset, outer: list[str]) -> list[dict[str, int]]:
-    """Indices of the outer coordinates for each panel or curve."""
-    chosen = list(itertools.product(*(range(data[dim].size) for dim in outer)))
-    if len(chosen) > MOST_PANELS:
-        chosen = [chosen[int(at)] for at in np.linspace(0, len(chosen) - 1, MOST_PANELS).round()]
-    return [dict(zip(outer, index, strict=True)) for index in chosen]
-
-
-def _grid(count: int, data: xarray.Dataset) -> tuple[Figure, list[Axes]]:
+def _panels(count: int, measure: xarray.DataArray) -> tuple[Figure, list[Axes]]:
     from matplotlib.figure import Figure
 
     columns = min(count, 3)
-    rows = -(-count // columns)
-    size = (PANEL[0] * columns + 0.9, PANEL[1] * rows + 0.3)
-    figure = Figure(figsize=size, layout="constrained")
+    rows = math.ceil(count / columns)
+    figure = Figure(figsize=(PANEL[0] * columns + 0.9, PANEL[1] * rows + 0.3), layout="constrained")
     axes = list(figure.subplots(rows, columns, squeeze=False).flat)
     for empty in axes[count:]:
         empty.remove()
-    if data.attrs.get("title"):
-        figure.suptitle(str(data.attrs["title"]), fontsize="small", color=INK, wrap=True)
     return figure, axes[:count]
 
 
-def _label_axes(axes: Axes, data: xarray.Dataset, across: str, up: str) -> None:
+def _finish(axes: Axes, across: xarray.DataArray, up: xarray.DataArray) -> None:
     """Scales and labels of both axes by the attributes of what is drawn along them."""
-    for axis, name in (("x", across), ("y", up)):
-        axes.set(**{f"{axis}label": _label(data, name)})
-        if data[name].attrs.get("scale") == "log":
-            axes.set(**{f"{axis}scale": "log"})
+    axes.set(xlabel=_label(across), ylabel=_label(up))
+    axes.set(
+        **{
+            f"{axis}scale": "log"
+            for axis, one in (("x", across), ("y", up))
+            if one.attrs.get("scale") == "log"
+        }
+    )
+    format_axes(axes)
 
 
-def _title(data: xarray.Dataset, at: dict[str, int]) -> str:
-    values = {dim: data[dim].values[index] for dim, index in at.items()}
-    return ", ".join(f"{dim} = {v:.3g}" if _is_numeric(v) else f"{dim} = {v}" for dim, v in values.items())
-
-
-def _label(data: xarray.Dataset, name: str) -> str:
+def _label(data: xarray.DataArray) -> str:
     """Name and unit, exponents raised."""
-    attributes = data[name].attrs
-    unit = str(attributes.get("units", "")).replace("-1", "⁻¹").replace("-2", "⁻²")
-    long_name = str(attributes.get("long_name", name))
-    return f"{long_name} ({unit})" if unit not in ("", "1") else long_name
+    unit = str(data.attrs.get("units", "")).replace("-1", "⁻¹").replace("-2", "⁻²")
+    name = str(data.attrs.get("long_name", data.name))
+    return f"{name} ({unit})" if unit not in ("", "1") else name

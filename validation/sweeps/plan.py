@@ -54,6 +54,8 @@ SAMPLES = ("latin-hypercube", "sobol")
 DESIGNS = ("grid", "points", *SAMPLES)
 DRAWN = ("pull_off_force", "pull_off_penetration", "dissipated_energy")
 """Measures that are drawn unless the plan names others."""
+WAYS = ("values", "linspace", "geomspace", "range")
+"""Keys by one of which a coordinate states its values."""
 Row = tuple[Any, ...]
 """Values of the keys of a coordinate; the first one labels it."""
 
@@ -89,10 +91,7 @@ def parts(path: str) -> tuple[str, ...]:
 
 
 def put(table: Any, path: str, value: Any) -> Any:
-    """A copy of nested tables and lists with another value at a path; what is beside the path is shared.
-
-    Tables on the way that do not exist are made: the reader of scenes knows which of them there may be.
-    """
+    """A copy of nested tables and lists with another value at a path, to which missing tables are made."""
 
     def changed(table: Any, rest: tuple[str, ...]) -> Any:
         if not rest:
@@ -160,79 +159,70 @@ class Coordinate(Checked):
             raise SceneError("name", f"got {shown(name)}", allowed)
         if self.factors is not None and len(self.factors) != len(paths):
             raise SceneError("factors", f"got {shown(list(self.factors))}", f"one number a key: {len(paths)}")
-        ways = {
-            "values": self._stated,
-            "linspace": self._spaced,
-            "geomspace": self._spaced,
-            "range": self._ends,
-        }
-        stated = [way for way in ways if getattr(self, way) is not None]
+        stated = [way for way in WAYS if getattr(self, way) is not None]
         if len(stated) != 1:
             problem = f"got {' and '.join(stated)}" if stated else "no values"
-            raise SceneError("", problem, f"one of {', '.join(ways)}")
+            raise SceneError("", problem, f"one of {', '.join(WAYS)}")
         if self.scale != "linear" and self.range is None:
             raise SceneError("scale", "given without range", "scale and range together")
         object.__setattr__(self, "name", name)
         object.__setattr__(self, "paths", paths)
-        object.__setattr__(self, "rows", ways[stated[0]](stated[0], getattr(self, stated[0])))
+        object.__setattr__(self, "rows", self._rows(stated[0]))
 
     @property
     def logarithmic(self) -> bool:
         """Whether its values are spaced, and drawn, in the logarithm."""
         return self.geomspace is not None or self.scale == "log"
 
-    @property
-    def labels(self) -> list[Any]:
-        """Its own value for each row."""
-        return [row[0] for row in self.rows]
-
     def sampled(self, share: float) -> Row:
         """The row at a share of the range, 0 to 1."""
         assert self.range is not None
         low, high = self.range
         if self.logarithmic:
-            return self._scaled(math.exp(math.log(low) + share * math.log(high / low)))
-        return self._scaled(low + share * (high - low))
+            return self._row(math.exp(math.log(low) + share * math.log(high / low)))
+        return self._row(low + share * (high - low))
 
-    def _scaled(self, value: Any) -> Row:
+    def _row(self, value: Any) -> Row:
         factors = self.factors or (1.0,) * len(self.paths)
         return tuple(value if factor == 1.0 else factor * value for factor in factors)
 
-    def _stated(self, way: str, values: tuple[Any, ...]) -> tuple[Row, ...]:
-        """Rows of stated values; an entry for several keys may state a value for each."""
-        entries = [entry.item() if isinstance(entry, np.generic) else entry for entry in values]
-        lists = [tuple(entry) for entry in entries if isinstance(entry, (list, tuple))]
-        several = {len(entry) for entry in lists} == {len(self.paths)} and len(lists) == len(entries)
-        if lists and not (several and self.factors is None):
-            raise SceneError(way, f"got {shown(entries)}", f"lists of {len(self.paths)}, a value a key")
-        first = [entry[0] for entry in lists] or entries
-        numeric = all(isinstance(entry, (int, float)) and not isinstance(entry, bool) for entry in first)
-        words = all(isinstance(entry, str) for entry in first) and self.factors is None
-        if not first or not (numeric or words):
-            raise SceneError(way, f"got {shown(entries)}", "numbers, or strings, or lists for several keys")
-        return tuple(lists) or tuple(self._scaled(entry) for entry in entries)
-
-    def _spaced(self, way: str, asked: tuple[float, ...]) -> tuple[Row, ...]:
-        if len(asked) != 3:
-            raise SceneError(way, f"got {shown(list(asked))}", "[first, last, count]")
-        first, last, count = *asked[:2], whole_number(asked[2], f"{way}[2]", 1)  # type: ignore[arg-type]
+    def _rows(self, way: str) -> tuple[Row, ...]:
+        asked = getattr(self, way)
+        if way == "values":
+            return self._stated([one.item() if isinstance(one, np.generic) else one for one in asked])
+        wanted = "[lowest, highest]" if way == "range" else "[first, last, count]"
+        if len(asked) != wanted.count(",") + 1:
+            raise SceneError(way, f"got {shown(list(asked))}", wanted)
+        first, last = asked[:2]
+        if way == "range":
+            if self.scale == "log":
+                positive(first, f"{way}[0]")
+            if not first < last:
+                raise SceneError(way, f"an empty range, from {first:g} to {last:g}", "lowest < highest")
+            return ()
+        count = whole_number(asked[2], f"{way}[2]", 1)
         if count > MOST_RUNS:
             raise SceneError(f"{way}[2]", f"got {count} values", f"at most {MOST_RUNS}")
         if first == last and count > 1:
             problem = f"an empty range, {count} values from {first:g} to {last:g}"
             raise SceneError(way, problem, "two different ends")
         space = np.geomspace if way == "geomspace" else np.linspace
-        return tuple(self._scaled(float(value)) for value in space(first, last, count))
+        return tuple(self._row(float(value)) for value in space(first, last, count))
 
-    def _ends(self, way: str, asked: tuple[float, ...]) -> tuple[Row, ...]:
-        if len(asked) != 2:
-            raise SceneError(way, f"got {shown(list(asked))}", "[lowest, highest]")
-        low, high = asked
-        if self.scale == "log":
-            positive(low, f"{way}[0]")
-        if not low < high:
-            raise SceneError(way, f"an empty range, from {low:g} to {high:g}", "lowest < highest")
-        return ()
+    def _stated(self, entries: list[Any]) -> tuple[Row, ...]:
+        """Rows of stated values; an entry for several keys may state a value for each."""
+        lists = [tuple(entry) for entry in entries if isinstance(entry, (list, tuple))]
+        several = {len(entry) for entry in lists} == {len(self.paths)} and len(lists) == len(entries)
+        if lists and not (several and self.factors is None):
+            allowed = f"lists of {len(self.paths)}, a value a key"
+            raise SceneError("values", f"got {shown(entries)}", allowed)
+        first = [entry[0] for entry in lists] or entries
+        numeric = all(isinstance(entry, (int, float)) and not isinstance(entry, bool) for entry in first)
+        words = all(isinstance(entry, str) for entry in first) and self.factors is None
+        if not first or not (numeric or words):
+            allowed = "numbers, or strings, or lists for several keys"
+            raise SceneError("values", f"got {shown(entries)}", allowed)
+        return tuple(lists) or tuple(map(self._row, entries))
 
 
 @dataclass(frozen=True)
@@ -274,16 +264,17 @@ class SweepPlan(Checked):
 
     def rules(self) -> None:
         one_of(self.solver, "solver", tuple(solvers.SOLVERS))
-        least = solvers.solver(self.solver).least_resolution  # one that cannot be loaded says so here
+        least = solvers.SOLVERS[self.solver].least_resolution  # one that cannot be loaded says so here
         if self.resolution is not None:
             whole_number(self.resolution, "resolution", least)
-        if (self.points is None) == (self.design in SAMPLES):
+        is_sample = self.design in SAMPLES
+        if (self.points is None) == is_sample:
             problem = f'given with design = "{self.design}"' if self.points else "is missing"
             raise SceneError("points", problem, f"a whole number >= 1, for {', '.join(SAMPLES)} only")
         if not self.coordinates:
             raise SceneError("coordinates", "got []", "at least one table [[coordinates]]")
         for index, coordinate in enumerate(self.coordinates):
-            if (coordinate.range is None) == (self.design in SAMPLES):
+            if (coordinate.range is None) == is_sample:
                 problem = "no range" if coordinate.range is None else "got range"
                 allowed = "for a sample range; for a grid or points values, linspace or geomspace"
                 raise SceneError(f"coordinates[{index}]", problem, allowed)
@@ -323,14 +314,12 @@ class SweepPlan(Checked):
 
     def rows(self) -> Iterator[tuple[Row, ...]]:
         """For each run, in the order of the data set, the row of every coordinate."""
-        if self.design == "grid":
-            yield from itertools.product(*(coordinate.rows for coordinate in self.coordinates))
-        elif self.points is None:
-            yield from zip(*(coordinate.rows for coordinate in self.coordinates), strict=True)
+        if self.points is None:
+            join = itertools.product if self.design == "grid" else zip
+            yield from join(*(coordinate.rows for coordinate in self.coordinates))
         else:
-            for point in shares(self.design, len(self.coordinates), self.points, self.seed):
-                pairs = zip(self.coordinates, point, strict=True)
-                yield tuple(coordinate.sampled(float(share)) for coordinate, share in pairs)
+            for point in sample(self.design, len(self.coordinates), self.points, self.seed).tolist():
+                yield tuple(c.sampled(share) for c, share in zip(self.coordinates, point, strict=True))
 
     def scene_of(self, rows: tuple[Row, ...]) -> Scene:
         """The scene of a run; a refusal says at which values."""
@@ -350,18 +339,13 @@ class SweepPlan(Checked):
 
 def measure_names(scene: Scene) -> list[str]:
     """Names of all measures of a run: those of one that gave no row."""
-    none = np.empty(0)
-    outcome = Outcome(OutcomeKind.COMPLETED, "", 0.0)
-    trace = Trace("", none, none, none, none, none, none, none, outcome, Counters())
+    none = [np.empty(0)] * 7
+    trace = Trace("", *none, Outcome(OutcomeKind.COMPLETED, "", 0.0), Counters())
     return list(measure(trace, scene, 0.0))
 
 
-def shares(kind: str, dimensions: int, count: int, seed: int) -> np.ndarray:
-    """A sample of the unit cube, shape (count, dimensions).
-
-    The first points of a longer Sobol sample with the same seed are those of a shorter one: a plan that asks
-    for more points later shares the ones it has.
-    """
+def sample(kind: str, dimensions: int, count: int, seed: int) -> np.ndarray:
+    """A sample of the unit cube, shape (count, dimensions); a longer one of Sobol begins with a shorter."""
     random = np.random.default_rng(seed)
     if kind == "sobol":
         return np.asarray(qmc.Sobol(dimensions, seed=random).random_base2((count - 1).bit_length())[:count])

@@ -25,14 +25,9 @@ from validation.sweeps.plan import Row, SweepPlan, measure_names
 
 NOT_REPEATABLE = ("wall_seconds",)
 """Measures that differ from one attempt to the next."""
-TAIL = 2
-"""Batches for each place of an engine that the runs left are divided into, so that all workers end
-together."""
-SHORTEST = 4
-"""Part of a full batch that is the least for that: a task costs Dask 2 to 8 ms of processor time, which is
-to stay small beside its work, as is the start of a job in a queue."""
-SAMPLED = 200
-"""Stored runs whose time a forecast looks up; of more, so many are, evenly chosen."""
+TAIL, SHORTEST = 2, 4
+"""The runs left are divided into so many batches for each place of an engine, so that all workers end
+together, but into none shorter than that part of a full one: a task costs Dask 2 to 8 ms."""
 BYTES_OF_NUMBER = 8 + 20 + 40
 """A number in the data set, its digits in the table, and name and digits in the file of stored runs."""
 FIGURES_BYTES = 250_000
@@ -65,31 +60,17 @@ class RunSettings:
         settings = (self.solver, self.resolution, self.max_steps, self.estimate)
         return fingerprint("sweep", scene, *settings, *origin_of(self.solver))
 
-
-def run_batch(scenes: Sequence[tuple[str, Scene]], settings: RunSettings, sources: str) -> list[StoredRun]:
-    """Carry out runs one after the other, in a worker; ``sources``: ``version()`` where the batch was made.
-
-    Raises
-    ------
-    OtherVersion
-        If this process has other sources: its numbers would be kept under a wrong fingerprint.
-    """
-    if sources != version():
-        raise OtherVersion("a worker has another version of crosscontact, NumPy, SciPy or Python")
-    return [_stored(key, scene, settings) for key, scene in scenes]
-
-
-def _stored(key: str, scene: Scene, settings: RunSettings) -> StoredRun:
-    case, how = Case("sweep", scene), settings
-    result = run(case, how.solver, how.resolution, estimate=how.estimate, max_steps=how.max_steps)
-    columns = result.trace.columns() if settings.traces and result.trace is not None else None
-    return StoredRun(key, record_of(result), result.cpu_seconds + result.estimate_seconds, columns)
+    def carried_out(self, key: str, scene: Scene) -> StoredRun:
+        """A run as it is stored."""
+        case = Case("sweep", scene)
+        result = run(case, self.solver, self.resolution, estimate=self.estimate, max_steps=self.max_steps)
+        columns = result.trace.columns() if self.traces and result.trace is not None else None
+        return StoredRun(key, record_of(result), result.cpu_seconds + result.estimate_seconds, columns)
 
 
 def record_of(result: Run) -> RunRecord:
     """What a sweep keeps of a run: finite numbers."""
-    trace = result.trace
-    if trace is None:
+    if result.trace is None:
         return RunRecord(result.outcome, result.failure)
     measures, errors = (
         {name: float(value) for name, value in found.items() if value is not None and math.isfinite(value)}
@@ -97,8 +78,19 @@ def record_of(result: Run) -> RunRecord:
     )
     for name in NOT_REPEATABLE:
         measures.pop(name, None)
-    reason, warnings = trace.outcome.reason, result.warnings
-    return RunRecord(result.outcome, reason, result.finished, measures, errors, warnings, len(trace))
+    reason, rows = result.trace.outcome.reason, len(result.trace)
+    return RunRecord(result.outcome, reason, result.finished, measures, errors, result.warnings, rows)
+
+
+def run_batch(scenes: Sequence[tuple[str, Scene]], settings: RunSettings, sources: str) -> list[StoredRun]:
+    """Carry out runs one after the other, in a worker; ``sources``: ``version()`` where the batch was made.
+
+    Raises :class:`OtherVersion` if this process has other sources: its numbers would be kept under a wrong
+    fingerprint.
+    """
+    if sources != version():
+        raise OtherVersion("a worker has another version of crosscontact, NumPy, SciPy or Python")
+    return [settings.carried_out(key, scene) for key, scene in scenes]
 
 
 @dataclass(frozen=True)
@@ -133,13 +125,10 @@ class SweepRuns:
 
 def missing_runs(plan: SweepPlan, table: RunTable) -> tuple[list[str], Missing]:
     """Fingerprints of all runs of a plan, and those that are not stored, each once."""
-    settings, keys, missing = RunSettings.of(plan), [], {}
-    for rows in plan.rows():
-        key = settings.fingerprint(plan.scene_of(rows))
-        keys.append(key)
-        if key not in missing and not table.holds(key, settings.traces):
-            missing[key] = rows
-    return keys, missing
+    settings = RunSettings.of(plan)
+    rows_of = [(settings.fingerprint(plan.scene_of(rows)), rows) for rows in plan.rows()]
+    missing = {key: rows for key, rows in rows_of if not table.holds(key, settings.traces)}
+    return [key for key, _ in rows_of], missing
 
 
 class _Batches:
@@ -167,7 +156,7 @@ class _Batches:
         if self._done == 0:  # what a run takes is not known yet
             return 1
         by_cost = round(self._engine.batch_seconds / max(self._seconds / self._done, 1e-6))
-        tail = -(-left // (TAIL * self._engine.outstanding))
+        tail = math.ceil(left / (TAIL * self._engine.outstanding))
         size = max(1, min(by_cost, max(tail, by_cost // SHORTEST)))
         return size if self._largest is None else min(size, self._largest)
 
@@ -189,8 +178,7 @@ def carry_out(
     keys, left = missing_runs(plan, table)
     found, began, asked, done, largest = SweepRuns(keys, table), time.monotonic(), len(left), 0, None
     while left:
-        batches = _Batches(plan, left, engine, largest)
-        again: Missing = {}
+        batches, again = _Batches(plan, left, engine, largest), Missing()
         for _, result in completed_tasks(batches, engine.executor, engine.outstanding):
             sent = [key for key, _ in result.task.arguments[0]]
             if result.value is not None:
@@ -232,16 +220,13 @@ def forecast(plan: SweepPlan, table: RunTable) -> SweepForecast:
     """Forecast a sweep by the runs that are stored; where there are none, its first run is carried out."""
     keys, missing = missing_runs(plan, table)
     stored = [key for key in keys if key not in missing]
-    spent = [
-        seconds for key in stored[:: max(1, len(stored) // SAMPLED)] if (seconds := table.seconds_of(key))
-    ]
-    names = plan.measures or measure_names(plan.scene.with_values({}))
-    numbers = len(names) * (2 if plan.estimate else 1)
+    spent = [table.seconds_of(key) or 0.0 for key in stored[:: max(1, len(stored) // 200)]]
+    numbers = len(plan.measures or measure_names(plan.scene.with_values({}))) * (2 if plan.estimate else 1)
     size = float(BYTES_OF_NUMBER * numbers * len(keys) + FIGURES_BYTES * len(plan.drawn))
     per_run = sum(spent) / len(spent) if spent else 0.0
     if missing and (plan.traces or not spent):
         key, rows = next(iter(missing.items()))
-        first = _stored(key, plan.scene_of(rows), RunSettings.of(plan))
+        first = RunSettings.of(plan).carried_out(key, plan.scene_of(rows))
         per_run = per_run or first.seconds
         size += len(keys) * sum(8.0 * len(column) for column in (first.columns or {}).values())
     return SweepForecast(len(keys), len(stored), per_run * len(missing), per_run, len(spent), size)
