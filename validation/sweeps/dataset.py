@@ -36,6 +36,7 @@ RUN = "run"
 """Dimension of a list of points and of a sample."""
 RUNS_PER_FILE = 500
 """Runs of one file of traces: some 10 MB, which is what is held in memory."""
+HEAD = ("measure", "unit", "runs", "least", "median", "largest", "largest error")
 _STAGE = ".sweep."
 _PACKAGES = {"hdf5": "h5py", "parquet": "pyarrow"}
 _WORDS = {"outcome": "how the run ended", "reason": "why it ended", "warnings": "warnings"}
@@ -180,7 +181,7 @@ def drawn_measures(data: xarray.Dataset) -> list[str]:
 
 def summary_rows(data: xarray.Dataset) -> list[tuple[str, ...]]:
     """Heading and, for each measure that is drawn, how many runs have it and its range."""
-    rows = [("measure", "unit", "runs", "least", "median", "largest", "largest error")]
+    rows: list[tuple[str, ...]] = [HEAD]
     for name in drawn_measures(data):
         values = data[name].values[np.isfinite(data[name].values)]
         numbers = [f"{find(values):.6g}" if values.size else "-" for find in (np.min, np.median, np.max)]

@@ -33,7 +33,17 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from scipy.stats import qmc
 
-from contact_scene import Counters, Machine, Outcome, OutcomeKind, Scene, Trace, read_scene, scene_from_dict
+from contact_scene import (
+    COLUMNS,
+    Counters,
+    Machine,
+    Outcome,
+    OutcomeKind,
+    Scene,
+    Trace,
+    read_scene,
+    scene_from_dict,
+)
 from contact_scene.checked import Checked, Finite, Key, Positive, check_keys, field_at, fields_of, from_table
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text
@@ -339,8 +349,8 @@ class SweepPlan(Checked):
 
 def measure_names(scene: Scene) -> list[str]:
     """Names of all measures of a run: those of one that gave no row."""
-    none = [np.empty(0)] * 7
-    trace = Trace("", *none, Outcome(OutcomeKind.COMPLETED, "", 0.0), Counters())
+    columns: Any = dict.fromkeys(COLUMNS, np.empty(0))
+    trace = Trace("", **columns, outcome=Outcome(OutcomeKind.COMPLETED, "", 0.0), counters=Counters())
     return list(measure(trace, scene, 0.0))
 
 
