@@ -271,8 +271,8 @@ def test_short_runs_are_stored_by_batches_in_this_process_too(tmp_path, scene_fi
     plan = speeds_plan(scene_file, tmp_path, np.linspace(0.01, 0.03, 40).tolist())
     batches = []
     with RunTable() as table:
-        put = table.put
-        monkeypatch.setattr(table, "put", lambda runs: put(batches.append(list(runs)) or batches[-1]))
+        keep = table.keep
+        monkeypatch.setattr(table, "keep", lambda runs: keep(batches.append(list(runs)) or batches[-1]))
         runs = carry_out(plan, table)
         assert [run.fingerprint for batch in batches for run in batch] == runs.keys
     assert len(batches) < 20
