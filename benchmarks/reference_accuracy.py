@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere, Sweep, Trace
 from validation.measure.observables import observe
 from validation.reference.tracking import Options, solve
-from validation.studies.extrapolation import fitted_slope
+from validation.studies.orders import fitted_slope
 
 WORK = math.pi * 1.6e-4
 """Work of adhesion of ``gamma~ = 1.6e-4``, over ``E0* R``."""

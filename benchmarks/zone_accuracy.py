@@ -16,10 +16,11 @@ from dataclasses import dataclass, replace
 from contact_scene import Adhesion, Oscillate, Scene, SceneError
 from validation import cases
 from validation.cases import Case
+from validation.measure.difference import of_numbers
 from validation.measure.norms import CURVES, distance
 from validation.runs.run import Run, run
 from validation.solvers import REFERENCE, SOLVERS, solver
-from validation.studies.zones import RATIOS, relative_errors
+from validation.studies.knobs import Zones
 
 SCENES = (
     "cycle-v0.002",
@@ -54,7 +55,7 @@ class ZoneAccuracy:
 
 
 def accuracies(
-    name: str, chosen: Sequence[Case], ratios: Sequence[float] = RATIOS, times: int = 1
+    name: str, chosen: Sequence[Case], ratios: Sequence[float] = Zones.values, times: int = 1
 ) -> Iterator[ZoneAccuracy]:
     """Errors of a solver, scene by scene, the longest zone first."""
     for case in chosen:
@@ -94,7 +95,8 @@ def _errors(answer: Run, exact: Run) -> dict[str, float]:
     """Of measures and curves; none where one of the two has no answer."""
     if answer.curves is None or exact.curves is None:
         return {}
-    errors = relative_errors(answer, exact, MEASURES)
+    numbers = of_numbers(answer, exact, MEASURES)
+    errors = {one.quantity: one.error for one in numbers if math.isfinite(one.error)}
     for name in CURVES:
         if (apart := distance(answer.curves, exact.curves, name)) is not None:
             errors[f"{name}, RMS"] = apart.rms
@@ -108,7 +110,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("solver", choices=[*SOLVERS])
     parser.add_argument("scenes", nargs="*", default=SCENES, help="built-in names or TOML files")
-    parser.add_argument("--zones", type=float, nargs="+", default=RATIOS, help="over the contact radius")
+    parser.add_argument(
+        "--zones", type=float, nargs="+", default=Zones.values, help="over the contact radius"
+    )
     parser.add_argument("--times", type=int, default=1, help="multiple of the default resolution")
     chosen = parser.parse_args(arguments)
     try:

@@ -17,10 +17,9 @@ from validation.runs.pool import processes
 from validation.runs.progress import Progress
 from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS, solvers
-from validation.studies import page, poisson, poisson_page, zone_page, zones
-from validation.studies.poisson import compare_ratios
+from validation.studies import page
+from validation.studies.knobs import Poisson, Zones
 from validation.studies.study import study
-from validation.studies.zones import zone_runs
 
 _bulk = shared.number(lambda value: 2.0 / 3.0 < value < 1e6, "a number above 2/3, below 1e6")
 _ratio = shared.number(lambda value: 2e-9 <= value <= 0.2, "a number from 2e-9 to 0.2")
@@ -54,9 +53,9 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     if options.poisson is not None and options.zones is not None:
         raise SceneError("--zones", "given beside --poisson", "one of the two, each a study of its own")
     arguments.usable()  # names those that cannot be loaded
-    if options.poisson is not None:
-        return _poisson(options, jobs)
-    return _refinement(options, jobs) if options.zones is None else _zones(options)
+    if options.poisson is None and options.zones is None:
+        return _refinement(options, jobs)
+    return _turned(options, jobs)
 
 
 @contextmanager
@@ -95,46 +94,19 @@ def _refinement(options: argparse.Namespace, jobs: int) -> int:
     )
 
 
-def _poisson(options: argparse.Namespace, jobs: int) -> int:
-    """Compare an elastic bulk with a constant Poisson's ratio."""
-    loaded = shared.load_taken(options.scenes, lambda case: solvers())
-    ratios, failures = options.poisson or poisson.RATIOS, []
-    with _prepared(options, loaded) as (folder, store), processes(jobs) as executor:
+def _turned(options: argparse.Namespace, jobs: int) -> int:
+    """Turn a knob of the model; zones one after the other, for the time of their runs is measured."""
+    knob, given = (Poisson(), options.poisson) if options.zones is None else (Zones(), options.zones)
+    asked = solvers() if options.zones is None else (SOLVERS[REFERENCE],)
+    loaded, failures = shared.load_taken(options.scenes, lambda case: asked), list[str]()
+    workers = processes(jobs) if options.zones is None else processes(1, isolated=True, tasks_per_process=1)
+    with _prepared(options, loaded) as (folder, store), workers as executor:
         for case in loaded:
-            with Progress(f"{case.name} poisson") as progress:
+            with Progress(f"{case.name} {knob.name}") as progress:
                 progress.phase("runs")
-                compared = compare_ratios(case, ratios, None, executor, progress, store, options.max_steps)
-            print(terminal.text(poisson_page.section(case.name, compared)))
+                runs = knob.runs(case, given or knob.values, progress, executor, store, options.max_steps)
+            print(terminal.text(knob.section(case.name, runs)))
             if folder is not None:
-                print(f"written to {poisson_page.write(case, compared, folder)}")
-            for one in compared:
-                where = f"{case.name}: K/G = {one.ratio:g}"
-                unfinished = ((label, run) for label, run in one.runs.items() if not run.finished)
-                failures += [f"not finished: {where}: {label}: {run.ending}" for label, run in unfinished]
-                failures += [
-                    f"failed: {where}: {name}: beyond the error estimates" for name in one.disagreements
-                ]
-    return shared.failed(failures)
-
-
-def _zones(options: argparse.Namespace) -> int:
-    """Run every solver with shorter and shorter zones, one after the other, for their time is measured."""
-    loaded = shared.load_taken(options.scenes, lambda case: (SOLVERS[REFERENCE],))
-    ratios, asked = options.zones or zones.RATIOS, [one.name for one in solvers()]
-    failures: list[str] = []
-    with _prepared(options, loaded) as (folder, store):
-        for case in loaded:
-            with (
-                Progress(f"{case.name} zones") as progress,
-                processes(1, isolated=True, tasks_per_process=1) as executor,
-            ):
-                runs = zone_runs(case, asked, ratios, progress, executor, store, options.max_steps)
-            print(terminal.text(zone_page.section(case.name, runs)))
-            if folder is not None:
-                print(f"written to {zone_page.write(case, runs, folder)}")
-            failures += [
-                f"not finished: {case.name}: {one.solver}, zone {one.ratio:g} of the radius: {one.run.ending}"
-                for one in runs
-                if one.run is not None and not one.run.finished and not one.run.refused
-            ]
+                print(f"written to {knob.write(case, runs, folder)}")
+            failures += knob.failures(runs)
     return shared.failed(failures)

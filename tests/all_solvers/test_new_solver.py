@@ -17,8 +17,7 @@ from validation.compare.suite import compare_scenes
 from validation.runs.progress import Progress
 from validation.solvers import Solver, register, unregister
 from validation.stability.matrix import cases
-from validation.studies.ladders import ladders
-from validation.studies.schemes import scheme
+from validation.studies.ladders import ladders, scheme
 
 NAME = "spring"
 

@@ -16,8 +16,7 @@ from crosscontact.commands.shared import telling_what_is_kept
 from validation import cases, solvers
 from validation.runs import pool
 from validation.runs.store import Store
-from validation.studies.poisson import compare_ratios
-from validation.studies.zones import zone_runs
+from validation.studies.knobs import Poisson, Zones
 
 
 @pytest.mark.parametrize("done", [0, 1])
@@ -122,13 +121,13 @@ sys.exit(main(["scenes"]))
 
 
 def by_poisson(case, store, progress=None):
-    found = compare_ratios(case, (10.0, 30.0), None, None, progress, store)
-    return [run.measures for one in found for run in one.runs.values()]
+    found = Poisson().runs(case, (10.0, 30.0), progress, None, store)
+    return [one.run.measures for one in found]
 
 
 def by_zones(case, store, progress=None):
-    runs = zone_runs(case, ["bem", "reference"], (0.05, 0.01), progress, store=store)
-    return [(one.solver, one.ratio, one.steps, one.errors) for one in runs]
+    runs = Zones(("bem", "reference")).runs(case, (0.05, 0.01), progress, store=store)
+    return [(one.label, one.value, one.steps, Zones().errors(one)) for one in runs]
 
 
 @pytest.mark.parametrize("study", [by_poisson, by_zones])
@@ -154,7 +153,8 @@ def test_an_interrupted_study_does_what_is_missing(tmp_path, monkeypatch, study)
     stop_at = 0
     store = Store(tmp_path)
     again = study(case, store)
-    assert (len(begun), store.taken_over) == (count - 2, 2)
+    assert len(begun) + store.taken_over == count
+    assert store.taken_over >= 2  # of an elastic scene, some runs are the same
     seconds = ("wall_seconds", "cpu_seconds")
     if study is by_poisson:
         for run in (*whole, *again):

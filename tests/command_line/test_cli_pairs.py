@@ -40,7 +40,7 @@ from validation.drawing import export
 from validation.fields import files
 from validation.report import document
 from validation.runs import pool, process
-from validation.studies import schemes
+from validation.studies import ladders as schemes
 from validation.sweeps import run_plan
 
 TABLE = table()

@@ -13,7 +13,7 @@ from crosscontact.commands.fields import METHOD
 from validation import solvers
 from validation.scenes import FOLDER
 from validation.solvers.finite_elements import FiniteElements
-from validation.studies import schemes
+from validation.studies import ladders as schemes
 
 HOLD = '[[loading.steps]]\nkind = "hold"\nduration = 1e17\n'
 BRANCH = "branches = [{ modulus = 6.75, time = 1.0 }]\n"

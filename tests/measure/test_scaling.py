@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from support.synthetic_traces import trace
 
-from validation.cases import load
 from validation.measure.observables import observe
 from validation.measure.scaling import LOSSES, Magnitudes, column_of, scale
-from validation.studies.convergence import scales as study_scales
 
 DEPTH, FORCE = [0.0, 0.03, -0.01], [-1.0, 4.0, -2.0]
 RUN = trace(depth=DEPTH, force=FORCE, radius=[0.1, 0.2, 0.05], loss=[0.0, 1e-6, 1e-5])
@@ -57,10 +55,3 @@ def test_scalars_stand_in_for_rows():
         assert largest.columns[column] == pytest.approx(rows.columns[column])
     assert largest.balance == 3.0
     assert Magnitudes.of_measures({}).balance == 0.0
-
-
-def test_a_study_is_relative_to_the_same_as_a_comparison():
-    for name, size in study_scales(RUN, load("cycle-v0.1").scene).items():
-        value = observe(RUN).as_dict()[name]
-        assert size == pytest.approx(scale(name, value, RUN) or 1.0), name
-    assert np.isfinite(scale("start_force", 0.0, RUN))

@@ -10,7 +10,8 @@ from support.spring_solver import SCENE, StudiedSolver, spring
 from validation.cases import load
 from validation.runs.progress import Progress
 from validation.runs.store import Store
-from validation.studies import schemes, study
+from validation.studies import ladders as schemes
+from validation.studies import study
 
 
 class Stopping(Progress):

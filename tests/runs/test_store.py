@@ -27,11 +27,9 @@ from validation.runs import provenance, store
 from validation.runs.run import Run, read_run, write_run
 from validation.runs.store import UNFINISHED, Columns, RunRecord, RunTable, Store, StoredRun, dumps
 from validation.stability.case_runs import CaseAnswer
-from validation.studies.convergence import LevelRun
-from validation.studies.ladders import Level
-from validation.studies.schemes import Settings
-from validation.studies.study import FinestReference
-from validation.studies.zones import MeasuredRun
+from validation.studies.knobs import RunAndMemory
+from validation.studies.ladders import Level, Settings
+from validation.studies.study import FinestReference, LevelRun
 
 CASE = cases.load("cycle-v0.1")
 TRACE = dataclasses.replace(
@@ -46,9 +44,9 @@ LEVEL = LevelRun(Level(0.5, "8", Settings(8)), {"a": None}, {"b": np.float64(0.1
 STORED = {
     "run": (RUN, Run),
     "failed run": (Run("s", "bem", failure="no memory", details="line\nline"), Run),
-    "measured run": (MeasuredRun(RUN, 10**9), MeasuredRun),
+    "measured run": (RunAndMemory(RUN, 10**9), RunAndMemory),
     "level": (LEVEL, LevelRun),
-    "finest reference": ((TRACE, 30, "words"), FinestReference),
+    "finest reference": ((RUN, 30, "words"), FinestReference),
     "answer of a case": (CaseAnswer(TRACE, seconds=0.5), CaseAnswer),
     "run of a fit": (FitRun(*np.arange(12.0).reshape(4, 3), None, "why"), FitRun),
     "record": (RunRecord("completed", "", True, {"a": 0.1, "b": 5e-324}, {}, ("c",), 3), RunRecord),

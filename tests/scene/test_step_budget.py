@@ -17,9 +17,9 @@ from validation.fields import moments
 from validation.runs.pool import run_tasks
 from validation.solvers import SOLVERS
 from validation.solvers.base import step_budget
-from validation.studies import schemes, study, zones
-from validation.studies.ladders import Ladder, Level
-from validation.studies.schemes import Settings
+from validation.studies import knobs, study
+from validation.studies import ladders as schemes
+from validation.studies.ladders import Ladder, Level, Settings
 
 PRESSED = Scene(Material(0.75, 0.5, (Branch(6.75, 1.0),)), Sphere(1.0), Loading("relaxed", 0.04, ()))
 ROWS = 10_000
@@ -105,7 +105,7 @@ def test_a_study_bounds_every_level(tmp_path, monkeypatch):
 
 def test_studies_of_zones_and_of_poisson_ratios_bound_every_run(tmp_path, monkeypatch):
     asked = stand_ins(monkeypatch, "bem", "fem", "reference")
-    monkeypatch.setattr(zones, "run_tasks", lambda tasks, *others: run_tasks(tasks))
+    monkeypatch.setattr(knobs, "run_tasks", lambda tasks, *others: run_tasks(tasks))
     given = [small_scene(tmp_path), "--max-steps", "30000"]
     main(["study", *given, "--zones", "1e-2", "1e-4"])
     assert asked.count(30_000) == 6

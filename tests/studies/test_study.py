@@ -18,10 +18,10 @@ from validation.cases import load
 from validation.report import html, markdown
 from validation.runs.folder import to_json
 from validation.runs.progress import Progress
-from validation.studies import charts, schemes, study
-from validation.studies.ladders import ladders
+from validation.studies import ladders as schemes
+from validation.studies import study
 from validation.studies.page import data as data_of
-from validation.studies.page import document
+from validation.studies.page import document, draw
 
 
 @pytest.fixture
@@ -114,7 +114,7 @@ def test_orders_come_out_as_they_went_in(scene_file, fakes):
 
 
 def test_every_solver_has_four_levels_and_all_its_ladders(scene_file):
-    found = ladders(load(scene_file).scene)
+    found = schemes.ladders(load(scene_file).scene)
     assert {(e.scheme, e.kind) for e in found} >= {
         ("bem", "together"), ("paper-scheme", "together"), ("fem", "together"), ("reference", "together"),
         ("bem", "step"), ("bem", "mesh"), ("fem", "step"), ("fem", "mesh"), ("fem", "domain"),
@@ -140,8 +140,8 @@ def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
     assert ladder_of(data, "paper-scheme")["levels"][0]["failure"].startswith("ModuleNotFoundError")
     assert "FAILED: ModuleNotFoundError" in page_without_figures(found)
     assert "FAILED: ModuleNotFoundError" in markdown.text(document(found, figures=False))
-    for chart in (charts.CONVERGENCE[0], charts.PRICES[0]):
-        drawn = charts.draw(chart, found.scenes[0].timed)
+    for work in ("", "wall_seconds"):
+        drawn = draw(found.scenes[0].timed, "force, RMS", work)
         assert drawn is not None
         labels = drawn.axes[0].get_legend_handles_labels()[1]
         assert "paper-scheme: 5 failed" in labels
@@ -199,14 +199,33 @@ def test_without_a_reference_values_are_judged_alone(scene_file, fakes):
     assert "No reference" in page_without_figures(found)
 
 
-def test_untimed_ladders_may_run_in_processes(scene_file, fakes, monkeypatch):
-    asked = []
-    real = study.processes
+ASKED = {"bem": (1.8, 3.2, 5e-5), "paper-scheme": (0.7, 1.2, 3e-3), "fem": (1.8, 4.5, 5e-5)}
+"""Annuli are of second order, the path of an opening edge of third: order and last error of the loop."""
 
-    def noted(workers):
-        asked.append(workers)
-        return real(1)  # what is made up here cannot be sent to another process
 
-    monkeypatch.setattr(study, "processes", noted)
-    assert main(["study", scene_file, "--jobs", "3"]) == 0
-    assert asked == [3]
+@pytest.mark.exhaustive
+def test_real_solvers_converge_as_promised(monkeypatch):
+    """The ladders that refine everything, three or four levels, run once: run times are not looked at."""
+
+    def short(scene):
+        kept = [ladder for ladder in schemes.ladders(scene) if ladder.timed and ladder.scheme != "fem-volume"]
+        return [
+            dataclasses.replace(one, levels=one.levels[: 3 if one.scheme == "bem" else 4]) for one in kept
+        ]
+
+    monkeypatch.setattr(study, "ladders", short)
+    monkeypatch.setattr(study, "REPEATS", 1)
+    found = study.study([load("cycle-v0.02")], 1, Progress("test")).scenes[0]
+    assert found.failed == []
+    assert found.reference.startswith("front tracking")
+    rows = {(e.ladder.scheme, row.observable): row for e in found.ladders for row in e.rows}
+    for name, (low, high, last) in ASKED.items():
+        row = rows[name, "loop_energy"]
+        assert low <= row.fitted <= high
+        assert abs(row.errors[-1]) <= last
+    for name in (*ASKED, "reference"):
+        row = rows[name, "loop_energy"]
+        assert abs(row.errors[-1]) <= row.alone.bound
+    known = [order for order in rows["reference", "loop_energy"].alone.orders if order is not None]
+    assert min(known) >= 1.8  # a single one is large where a difference happens to be small
+    assert 1.8 <= rows["reference", "pull_off_force"].fitted <= 5.0

@@ -3,8 +3,8 @@
 WORK = {
     "compare SCENE": "compare.compare_scenes",
     "study SCENE": "study.study",
-    "study SCENE --poisson 10": "study.compare_ratios",
-    "study SCENE --zones 0.01": "study.zone_runs",
+    "study SCENE --poisson 10": "study.Poisson.runs",
+    "study SCENE --zones 0.01": "study.Zones.runs",
     "stability": "stability.compute",
     "report": "report.compare_scenes",
 }

@@ -1,4 +1,4 @@
-"""Refinement ladders: which settings change from level to level, and by how much.
+"""What a study refines: the methods it compares, the settings of a level, and the ladders of levels.
 
 - ``together``: resolution in space and in time at once; these levels are also timed.
 - ``step``: the time step alone, on a fixed discretisation in space.
@@ -9,26 +9,134 @@
   solver has to say by how much.
 
 The front tracking has no mesh: its nodes are where the edge has been, so its step is all there is to refine,
-and ``together`` is its ladder of steps.
+and ``together`` is its ladder of steps. Finite-element runs build their mesh anew, so that meshing is part of
+their run time.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
-from contact_scene import Scene
-from validation.solvers import REFERENCE, SOLVERS
+from contact_scene import Scene, Trace
+from validation.measure.windows import cycle_times
+from validation.solvers import SOLVERS, Solver
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.finite_elements import FiniteElements
-from validation.studies.schemes import PAPER, SCHEMES, VOLUME, Settings
+from validation.solvers.front_tracking import FrontTracking
 
-BEM, FEM = BoundaryElements.name, FiniteElements.name
-FINEST = (80, 60, 40)
-"""Resolutions of the front tracking that errors are measured against; the first that reaches its end."""
-FINEST_ADHESIONLESS = (16, 8)
-"""The same without adhesion, per hundredth of the largest contact radius."""
-STEEPEST = 0.5
-"""Largest grading of a mesh."""
+BEM, FEM, REFERENCE = BoundaryElements.name, FiniteElements.name, FrontTracking.name
+PAPER, VOLUME = "paper-scheme", f"{FEM}-volume"
+FINEST, FINEST_ADHESIONLESS = (80, 60, 40), (16, 8)
+"""Resolutions of the front tracking that errors are measured against; the first that reaches its end. Without
+adhesion per hundredth of the largest contact radius."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a ladder may change; ``None`` leaves the choice to the solver.
+
+    ``resolution`` is in divisions per process zone (without adhesion: per hundredth of the largest contact
+    radius), ``tolerance`` that of the time steps, ``step`` the fixed one of the paper's scheme. Of finite
+    elements: divisions that the steps resolve, where they differ from those of the mesh; growth of the
+    element size; domain radius over the largest contact radius; whether the displacement of the total force
+    is prescribed on the far boundary, or it is held. The scene's process zone is multiplied by
+    ``zone_factor``, which changes the model.
+    """
+
+    resolution: int
+    tolerance: float | None = None
+    step_resolution: int | None = None
+    step: float | None = None
+    grading: float | None = None
+    domain_ratio: float | None = None
+    far_field: bool = True
+    zone_factor: float = 1.0
+
+    @property
+    def of_solver(self) -> dict[str, Any]:
+        """Settings that are fields of a solver object, those left to the solver omitted."""
+        names = ("step_resolution", "step", "grading", "domain_ratio")
+        settings = {name: value for name in names if (value := getattr(self, name)) is not None}
+        return settings if self.far_field else settings | {"far_field": False}
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A method of a study: a registered solver or a variant of one.
+
+    ``nominal`` is the order that its design promises, ``why`` the reason for it, ``line`` line properties
+    that differ from those of the solver.
+    """
+
+    name: str
+    title: str
+    nominal: float
+    why: str
+    solver: Solver
+    line: Mapping[str, Any] | None = None
+
+    @property
+    def curve_style(self) -> dict[str, Any]:
+        """Line properties for matplotlib, marker included."""
+        return {**self.solver.curve_style, "marker": self.solver.marker, **(self.line or {})}
+
+    def solve(self, scene: Scene, settings: Settings, max_steps: int | None = None) -> Trace:
+        """Solve a scene with the settings of one level; the ends of cycles are stepped onto."""
+        changes: Any = settings.of_solver
+        solver: Solver = replace(self.solver, **changes) if changes else self.solver  # type: ignore[type-var]
+        return solver.solve(
+            with_zone(scene, settings.zone_factor),
+            settings.resolution,
+            step_tolerance=settings.tolerance,
+            stop_times=cycle_times(scene.loading),
+            max_steps=max_steps,
+        )
+
+
+def with_zone(scene: Scene, factor: float) -> Scene:
+    """The scene with its process zone multiplied by ``factor``."""
+    if factor == 1.0 or scene.adhesion is None:
+        return scene
+    return replace(scene, adhesion=replace(scene.adhesion, zone=factor * scene.adhesion.zone))
+
+
+_FIRST = "The edge sits on borders and the history is backward Euler: first order by construction."
+_SECOND = "Continuous edge, exact recursion in time: second order in zone divisions and steps."
+_ELEMENTS = (
+    "Between 2, of node release and steps, and 4, of integral quantities on quadratic elements: coarse "
+    "levels can fall faster than the nominal order."
+)
+_STRAIGHT = "Loading and history are straight within a step: second order in the step."
+_ANNULI = BoundaryElements(annuli="uniform", scheme="backward-euler")
+_HISTORY = FiniteElements(path="quadrature", cached_mesh=False)
+_DOTTED = {"color": "#009e73", "linestyle": (0, (1, 1.2)), "marker": "^"}
+_DASHED = {"color": "#cc79a7", "linestyle": (0, (5, 1.5, 1, 1.5)), "marker": "v"}
+SCHEMES: dict[str, Scheme] = {
+    scheme.name: scheme
+    for scheme in (
+        Scheme(BEM, "boundary elements, default", 2.0, _SECOND, SOLVERS[BEM]),
+        Scheme(PAPER, "the paper's uniform annuli with backward Euler", 1.0, _FIRST, _ANNULI, _DOTTED),
+        Scheme(
+            FEM,
+            "finite elements, condensed on the surface",
+            2.0,
+            _ELEMENTS,
+            FiniteElements(cached_mesh=False),
+        ),
+        Scheme(VOLUME, "finite elements, history in the volume", 2.0, _ELEMENTS, _HISTORY, _DASHED),
+        Scheme(REFERENCE, FrontTracking.title, 2.0, _STRAIGHT, SOLVERS[REFERENCE]),
+    )
+}
+
+
+def scheme(name: str) -> Scheme:
+    """A scheme by name; a solver without a scheme of its own is one with its defaults."""
+    if name in SCHEMES:
+        return SCHEMES[name]
+    solver = SOLVERS[name]
+    return Scheme(name, solver.title, solver.order, "The order observed in whole runs.", solver)
 
 
 @dataclass(frozen=True)
@@ -42,10 +150,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Ladder:
-    """A scheme at several levels, coarse to fine.
-
-    ``nominal`` is the order expected; ``None`` takes the scheme's own.
-    """
+    """A scheme at several levels, coarse to fine; ``nominal`` order: ``None`` takes the scheme's own."""
 
     scheme: str
     kind: str
@@ -66,120 +171,111 @@ def finest(scene: Scene) -> tuple[int, ...]:
 
 def ladders(scene: Scene) -> list[Ladder]:
     """All ladders of a study of this scene."""
-    all_ladders = [_bem(scene), _paper(scene), _fem(scene), _fem_volume(scene), _reference(scene)]
-    all_ladders += [_bem_step(), _fem_step(), _bem_mesh(), _fem_mesh(scene), _fem_domain(), _fem_held()]
-    if scene.is_adhesive:
-        all_ladders += [_zone(BEM, 6), _zone(FEM, 4), _zone(REFERENCE, 5)]
-    return all_ladders + [_other(name) for name in SOLVERS if name not in SCHEMES]
+    adhesive = scene.is_adhesive
+    annuli = (4, 8, 16, 32, 64) if adhesive else (4, 8, 16, 32)
+    first = 4 if adhesive else 2
+    meshes = (3, 4, 6, 8) if adhesive else (2, 4, 6, 8)
+
+    def elements(n: float) -> Settings:
+        """Grading with the element size: near and far are refined alike."""
+        return Settings(int(n), tolerance=5e-3 * (first / n) ** 2, grading=min(0.5 * first / n, 0.5))
+
+    def mesh(n: float) -> Settings:
+        return Settings(int(n), step_resolution=12, tolerance=6e-4, grading=0.5 * meshes[0] / n)
+
+    def steps(n: float) -> Settings:
+        return Settings(4, step_resolution=int(n), tolerance=5e-3 * (4 / n) ** 2)
+
+    together = [
+        _ladder(BEM, "together", "annuli per zone; step tolerance with their square", annuli),
+        _ladder(PAPER, "together", "annuli per zone; fixed step in proportion", annuli),
+        _ladder(
+            FEM,
+            "together",
+            "elements per zone, grading; step tolerance with their square",
+            (4, 6, 8, 12) if adhesive else (2, 4, 6, 8),
+            elements,
+        ),
+        _ladder(
+            VOLUME,
+            "together",
+            "as the condensed form, whose answer it repeats: only the price is of interest",
+            (3, 4, 5, 6) if adhesive else (2, 4, 6, 8),
+            elements,
+        ),
+        _ladder(
+            REFERENCE,
+            "together",
+            "steps per zone; tolerance with their square",
+            (5, 10, 20, 40) if adhesive else (4, 6, 8, 12),
+        ),
+    ]
+    apart = [
+        _ladder(
+            BEM,
+            "step",
+            "step tolerance, by 4, on 8 annuli per zone",
+            (1, 2, 4, 8),
+            lambda n: Settings(8, tolerance=0.01 / n**2),
+            lambda n: f"tolerance {0.01 / n**2:.2g}",
+        ),
+        _ladder(FEM, "step", "step, at 4 elements per zone", (2, 4, 8, 16), steps, lambda n: f"steps {n:g}"),
+        _ladder(
+            BEM,
+            "mesh",
+            "annuli per zone, at step tolerance 6e-4",
+            (4, 8, 16, 32),
+            lambda n: Settings(int(n), tolerance=6e-4),
+        ),
+        _ladder(FEM, "mesh", "elements per zone, grading, at 12 steps per zone", meshes, mesh),
+        _ladder(  # the far boundary carries the displacement of the total force, so the error is small
+            FEM,
+            "domain",
+            "domain radius over the largest contact radius",
+            (12.5, 25.0, 50.0, 100.0),
+            lambda n: Settings(4, domain_ratio=n),
+            lambda n: f"{n:g} a",
+            nominal=2.0,
+        ),
+        _ladder(  # which the displacement F/r of a force makes wrong to first order
+            FEM,
+            "domain, far boundary held",
+            "domain radius, no far field",
+            (25.0, 50.0, 100.0, 200.0),
+            lambda n: Settings(4, domain_ratio=n, far_field=False),
+            lambda n: f"{n:g} a",
+            nominal=1.0,
+        ),
+    ]
+    zones = [_zone_ladder(BEM, 6), _zone_ladder(FEM, 4), _zone_ladder(REFERENCE, 5)] if adhesive else []
+    others = [
+        _ladder(name, "together", "divisions per zone", (4, 8, 16, 32))
+        for name in SOLVERS
+        if name not in SCHEMES
+    ]
+    return together + apart + zones + others
 
 
-def _other(name: str) -> Ladder:
-    """A registered solver without a ladder of its own: by its resolution alone."""
-    levels = tuple(_by_resolution(n, Settings(n)) for n in (4, 8, 16, 32))
-    return Ladder(name, "together", "divisions per zone", levels)
-
-
-def _bem(scene: Scene) -> Ladder:
-    sizes = (4, 8, 16, 32, 64) if scene.is_adhesive else (4, 8, 16, 32)
-    levels = tuple(_by_resolution(n, Settings(n)) for n in sizes)
-    return Ladder(BEM, "together", "annuli per zone; step tolerance with their square", levels)
-
-
-def _paper(scene: Scene) -> Ladder:
-    sizes = (4, 8, 16, 32, 64) if scene.is_adhesive else (4, 8, 16, 32)
-    levels = tuple(_by_resolution(n, Settings(n)) for n in sizes)
-    return Ladder(PAPER, "together", "annuli per zone; fixed step in proportion", levels)
-
-
-def _fem(scene: Scene) -> Ladder:
-    levels = _fem_levels(scene, (4, 6, 8, 12) if scene.is_adhesive else (2, 4, 6, 8))
-    return Ladder(
-        FEM,
-        "together",
-        "elements per zone, grading; step tolerance with their square",
-        levels,
+def _zone_ladder(name: str, divisions: int) -> Ladder:
+    return _ladder(
+        name,
+        "zone",
+        f"process zone of the model (the answer changes), at {divisions} divisions of each",
+        (0.5, 1.0, 2.0, 4.0),
+        lambda n: Settings(divisions, zone_factor=1.0 / n),
+        lambda n: f"zone x {1.0 / n:g}",
+        nominal=1.0,
     )
 
 
-def _fem_volume(scene: Scene) -> Ladder:
-    """The same answer as the condensed form, at higher cost: the levels stay coarse."""
-    levels = _fem_levels(scene, (3, 4, 5, 6) if scene.is_adhesive else (2, 4, 6, 8))
-    refined = "as the condensed form, whose answer it repeats: only the price is of interest"
-    return Ladder(VOLUME, "together", refined, levels)
-
-
-def _fem_levels(scene: Scene, sizes: tuple[int, ...]) -> tuple[Level, ...]:
-    """Grading with the element size: near and far are refined alike. The tolerance falls with the square."""
-    first = 4 if scene.is_adhesive else 2
-    return tuple(
-        _by_resolution(
-            n, Settings(n, tolerance=5e-3 * (first / n) ** 2, grading=min(0.5 * first / n, STEEPEST))
-        )
-        for n in sizes
-    )
-
-
-def _reference(scene: Scene) -> Ladder:
-    sizes = (5, 10, 20, 40) if scene.is_adhesive else (4, 6, 8, 12)
-    levels = tuple(_by_resolution(n, Settings(n)) for n in sizes)
-    return Ladder(REFERENCE, "together", "steps per zone; tolerance with their square", levels)
-
-
-def _bem_step() -> Ladder:
-    fixed = Settings(8)
-    levels = tuple(
-        Level(2.0**-k, f"tolerance {t:.2g}", replace(fixed, tolerance=t))
-        for k in range(4)
-        if (t := 0.01 * 4.0**-k)
-    )
-    return Ladder(BEM, "step", "step tolerance, by 4, on 8 annuli per zone", levels)
-
-
-def _fem_step() -> Ladder:
-    fixed = Settings(4)
-    levels = tuple(
-        Level(1.0 / n, f"steps {n}", replace(fixed, step_resolution=n, tolerance=5e-3 * (4 / n) ** 2))
-        for n in (2, 4, 8, 16)
-    )
-    return Ladder(FEM, "step", "step, at 4 elements per zone", levels)
-
-
-def _bem_mesh() -> Ladder:
-    levels = tuple(_by_resolution(n, Settings(n, tolerance=6e-4)) for n in (4, 8, 16, 32))
-    return Ladder(BEM, "mesh", "annuli per zone, at step tolerance 6e-4", levels)
-
-
-def _fem_mesh(scene: Scene) -> Ladder:
-    sizes = (3, 4, 6, 8) if scene.is_adhesive else (2, 4, 6, 8)
-    levels = tuple(
-        _by_resolution(n, Settings(n, step_resolution=12, tolerance=6e-4, grading=0.5 * sizes[0] / n))
-        for n in sizes
-    )
-    return Ladder(FEM, "mesh", "elements per zone, grading, at 12 steps per zone", levels)
-
-
-def _fem_domain() -> Ladder:
-    """The far boundary carries the displacement of the total force, so the error is small."""
-    levels = tuple(_domain(ratio, True) for ratio in (12.5, 25.0, 50.0, 100.0))
-    return Ladder(FEM, "domain", "domain radius over the largest contact radius", levels, nominal=2.0)
-
-
-def _fem_held() -> Ladder:
-    """The far boundary held, which the displacement ``F/r`` of a force makes wrong to first order."""
-    levels = tuple(_domain(ratio, False) for ratio in (25.0, 50.0, 100.0, 200.0))
-    return Ladder(FEM, "domain, far boundary held", "domain radius, no far field", levels, nominal=1.0)
-
-
-def _domain(ratio: float, far_field: bool) -> Level:
-    return Level(1.0 / ratio, f"{ratio:g} a", Settings(4, domain_ratio=ratio, far_field=far_field))
-
-
-def _zone(scheme: str, divisions: int) -> Ladder:
-    factors = (2.0, 1.0, 0.5, 0.25)
-    levels = tuple(Level(f, f"zone x {f:g}", Settings(divisions, zone_factor=f)) for f in factors)
-    refined = f"process zone of the model (the answer changes), at {divisions} divisions of each"
-    return Ladder(scheme, "zone", refined, levels, nominal=1.0)
-
-
-def _by_resolution(n: int, settings: Settings) -> Level:
-    return Level(1.0 / n, str(n), settings)
+def _ladder(
+    name: str,
+    kind: str,
+    refined: str,
+    fineness: Sequence[float],
+    settings: Callable[[float], Settings] = lambda n: Settings(int(n)),
+    label: Callable[[float], str] = "{:g}".format,
+    nominal: float | None = None,
+) -> Ladder:
+    levels = tuple(Level(1.0 / n, label(n), settings(n)) for n in fineness)
+    return Ladder(name, kind, refined, levels, nominal)

@@ -1,17 +1,21 @@
 """A study: observed orders, error against run time, process zones, every ladder; ``study.json``.
 
-Orders are signed; a dash stands where there is none (values to and fro, no difference, a failed level). The
-keys of ``study.json`` are a fixed contract with whoever reads it.
+Orders are signed; a dash stands where there is none (values to and fro, no difference, a failed level). In
+all charts a scheme keeps its colour, line style and marker. A level that failed is a cross at the upper edge,
+at its size; it has no run time, so in the other charts it stands in a list at the upper edge. The keys of
+``study.json`` are a fixed contract with whoever reads it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from validation.drawing import export
+from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.styles import INK
 from validation.report import markdown, report
 from validation.report.document import (
     ABSENT,
@@ -31,20 +35,36 @@ from validation.report.document import (
     valid_id,
     with_drawing,
 )
-from validation.report.tables import COUNTERS, environment, in_words
+from validation.report.tables import COUNTERS, environment
+from validation.report.tables import in_words as fact_in_words
 from validation.runs.folder import to_json
 from validation.runs.provenance import of_case
-from validation.studies import charts, schemes, work_precision
-from validation.studies.convergence import Convergence, LevelRun, Row
-from validation.studies.schemes import scheme
-from validation.studies.study import SceneStudy, Study
+from validation.studies.ladders import SCHEMES, scheme
+from validation.studies.prices import (
+    BUSY,
+    ERRORS,
+    WORK,
+    busy,
+    cheapest,
+    cost,
+    growth,
+    growth_in_words,
+    in_words,
+    left_out,
+    measures,
+)
+from validation.studies.study import Convergence, LevelRun, Row, SceneStudy, Study
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Drawing
 
 FORMAT = 1
 TITLE = "crosscontact study"
 HEADLINE = ("pull_off_force", "loop_energy", "approach_force", "approach_radius", "detachment_penetration")
-SCHEMES = (
+METHODS = (
     "The methods: "
-    + "; ".join(f"{name}: {one.title}" for name, one in schemes.SCHEMES.items())
+    + "; ".join(f"{name}: {one.title}" for name, one in SCHEMES.items())
     + ". Each is refined level by level, a ladder; the front tracking is nearly exact, and the others are "
     "measured against it."
 )
@@ -59,14 +79,35 @@ REFERENCE_NOTE = (
     "The front tracking's own levels are measured against a finer run of itself, which makes their orders "
     "against the reference too high towards the fine end; use the orders of its values alone."
 )
-ZONE_NOTE = (
-    "The process zone is a length of the model, no numerical parameter: the answer moves with it, and the "
-    "limit of no zone is another problem. The ladder shows how much depends on its value."
+KIND_NOTES = {
+    "zone": "The process zone is a length of the model, no numerical parameter: the answer moves with it, "
+    "and the limit of no zone is another problem. The ladder shows how much depends on its value.",
+    "domain": "On the far boundary the displacement of the total force is prescribed, so the error left by "
+    "the domain lies below that of the mesh and the steps; differences that go to and fro say that it has "
+    "been reached. Boundary elements and front tracking know the exact half-space and have no domain.",
+}
+WORK_LABELS = {
+    "": "level size h/h₀ (finer to the right)",
+    "wall_seconds": "run time (s)",
+    "cpu_seconds": "processor time (s)",
+    "steps": "accepted steps",
+    "linear_solves": "triangular solves",
+}
+Chart = tuple[str, str, str, str]
+"""Name, caption, error, and kind of work it is drawn over; none: level size."""
+ORDER_CHARTS: tuple[Chart, ...] = (
+    ("order-pull-off", "Pull-off force: error over level size", "pull_off_force", ""),
+    ("order-loop", "Loop integral: error over level size", "loop_energy", ""),
+    ("order-force", "F(t), RMS: error over level size", "force, RMS", ""),
+    ("order-radius", "a(t), RMS: error over level size", "radius, RMS", ""),
 )
-DOMAIN_NOTE = (
-    "On the far boundary the displacement of the total force is prescribed, so the error left by the domain "
-    "lies below that of the mesh and the steps; differences that go to and fro say that it has been reached. "
-    "Boundary elements and front tracking know the exact half-space and have no domain."
+PRICE_CHARTS: tuple[Chart, ...] = (
+    ("price-force", "F(t), RMS, against run time", "force, RMS", "wall_seconds"),
+    ("price-processor", "F(t), RMS, against processor time", "force, RMS", "cpu_seconds"),
+    ("price-pull-off", "Pull-off force against run time", "pull_off_force", "wall_seconds"),
+    ("price-loop", "Loop integral against run time", "loop_energy", "wall_seconds"),
+    ("price-steps", "F(t), RMS, against steps", "force, RMS", "steps"),
+    ("price-solves", "F(t), RMS, against triangular solves", "force, RMS", "linear_solves"),
 )
 
 
@@ -87,12 +128,12 @@ def data(study: Study) -> dict[str, Any]:
 
 
 def _data_of(scene: SceneStudy) -> dict[str, Any]:
-    cheapest = [
+    prices = [
         {"measure": measure, "asked": error, "cheapest": best.scheme if best else None}
-        | {"seconds": {entry.scheme: entry.seconds for entry in prices}}
-        for measure in work_precision.measures(scene.timed)
-        for error in work_precision.ERRORS
-        for best, prices in [work_precision.cheapest(scene.timed, measure, error)]
+        | {"seconds": {entry.scheme: entry.seconds for entry in found}}
+        for measure in measures(scene.timed)
+        for error in ERRORS
+        for best, found in [cheapest(scene.timed, measure, error)]
     ]
     return {
         "name": scene.case.name,
@@ -101,41 +142,36 @@ def _data_of(scene: SceneStudy) -> dict[str, Any]:
         "reference": scene.reference,
         "reference_uncertainty": scene.uncertainty,
         "failed_levels": len(scene.failed),
-        "ladders": [_ladder(entry) for entry in scene.ladders],
-        "cheapest": cheapest,
-        "growth": [
-            asdict(work_precision.growth(entry, work))
-            for entry in scene.timed
-            for work in work_precision.WORK
+        "ladders": [
+            {
+                "scheme": entry.ladder.scheme,
+                "kind": entry.ladder.kind,
+                "refined": entry.ladder.refined,
+                "nominal_order": entry.nominal,
+                "levels": [asdict(run) for run in entry.runs],
+                "observables": [asdict(row) for row in entry.rows],
+            }
+            for entry in scene.ladders
         ],
-    }
-
-
-def _ladder(entry: Convergence) -> dict[str, Any]:
-    return {
-        "scheme": entry.ladder.scheme,
-        "kind": entry.ladder.kind,
-        "refined": entry.ladder.refined,
-        "nominal_order": entry.nominal,
-        "levels": [asdict(run) for run in entry.runs],
-        "observables": [asdict(row) for row in entry.rows],
+        "cheapest": prices,
+        "growth": [asdict(growth(entry, work)) for entry in scene.timed for work in WORK],
     }
 
 
 def document(study: Study, figures: bool = True) -> Document:
     """The whole study; ``figures`` leaves them out where nobody looks at them."""
-    parts = (*(_scene(scene, study, figures) for scene in study.scenes),
-             environment(study.environment, study.wall_seconds))  # fmt: skip
-    return Document(TITLE, (Paragraph(verdict(study)), Paragraph(SCHEMES)), parts, contents_depth=2)
+    parts = [_scene(scene, study, figures) for scene in study.scenes]
+    parts.append(environment(study.environment, study.wall_seconds))
+    return Document(TITLE, (Paragraph(verdict(study)), Paragraph(METHODS)), tuple(parts), contents_depth=2)
 
 
 def short(study: Study) -> Section:
     """What a terminal shows: the orders of each scene, and the prices in words."""
     scenes = []
     for scene in study.scenes:
-        orders = [part for part in overview(scene).parts if isinstance(part, DataTable)]
-        words = [Paragraph(line) for line in work_precision.in_words(scene.timed)]
-        scenes.append(Section(f"{scene.case.name}: {scene.reference}", (*orders, *words)))
+        words = map(Paragraph, in_words(scene.timed))
+        title = f"{scene.case.name}: {scene.reference}"
+        scenes.append(Section(title, (_headline_table(scene), *words)))
     return Section(TITLE, (*scenes, Paragraph(verdict(study))))
 
 
@@ -148,42 +184,37 @@ def verdict(study: Study) -> str:
 
 
 def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
-    threads = in_words(study.environment.get("threads", "unknown"))
-    first = (
-        (overview(scene), charts.CONVERGENCE),
-        (_prices(scene.timed, threads), charts.PRICES),
+    threads = fact_in_words(study.environment.get("threads", "unknown"))
+    orders, prices = (_charts(scene, charts) if figures else () for charts in (ORDER_CHARTS, PRICE_CHARTS))
+    title = "Observed orders, everything refined together"
+    parts = [_section(title, _stated(scene), _headline_table(scene), first=orders)]
+    tables = _price_table(scene.timed), _growth_table(scene.timed)
+    parts.append(
+        _section("Error against run time", _stated_prices(scene.timed, threads), *tables, first=prices)
     )
-    shown = (
-        replace(one, parts=(*((_charts(scene, drawn),) if figures else ()), *one.parts))
-        for one, drawn in first
-    )
-    beside = zones(scene)
-    folded = (Fold(one.title, one.parts) for one in map(ladder, scene.ladders))
-    parts = (*shown, *(() if beside is None else (beside,)), *folded)
-    return Section(scene.case.scene.title or scene.case.name, parts)
+    zones = [study for study in scene.ladders if study.ladder.kind == "zone"]
+    if zones:
+        rows = (
+            {"observable": plain(row.observable), "solver": study.ladder.scheme}
+            | _by_level(zones[0], (number(value, 6) for value in row.values))
+            | {"Richardson, no zone": number(row.alone.richardson if row.alone else None, 6)}
+            for study, row in _headlines(zones)
+        )
+        title = "Shorter and longer process zones"
+        parts.append(_section(title, [KIND_NOTES["zone"]], DataTable.of(rows)))
+    folded = (Fold(one.title, one.parts) for one in map(_ladder, scene.ladders))
+    return Section(scene.case.scene.title or scene.case.name, (*parts, *folded))
 
 
-def _charts(scene: SceneStudy, shown: Sequence[charts.Chart]) -> Figures:
-    """Charts in which something is known, with their copies as PNG and SVG."""
-    figures = []
-    for chart in shown:
-        drawing = charts.draw(chart, scene.timed)
-        if drawing is not None:
-            file = f"{scene.case.name}-{chart.name}"
-            files = {f"{file}.png": export.png(drawing), f"{file}.svg": export.svg_file(drawing)}
-            figure = Figure(f"study-{valid_id(file)}", chart.caption, files=files)
-            figures.append(with_drawing(figure, drawing, f"{chart.caption}, {scene.case.name}"))
-    return Figures(tuple(figures))
+def _section(title: str, words: Sequence[str], *tables: DataTable, first: Sequence[Figures] = ()) -> Section:
+    return Section(title, (*first, *map(Paragraph, words), *tables))
 
 
-def overview(scene: SceneStudy) -> Section:
-    """The orders and errors that matter most, every scheme beside the others."""
-    failed = scene.failed
-    stated = [
-        f"Errors are measured against {scene.reference}."
-        if not scene.reference.startswith("no reference")
-        else f"{scene.reference[0].upper()}{scene.reference[1:]}. Values are judged by themselves only.",
-    ]
+def _stated(scene: SceneStudy) -> list[str]:
+    """What errors are measured against, who is left out, and what failed."""
+    stated = [f"Errors are measured against {scene.reference}."]
+    if scene.reference.startswith("no reference"):
+        stated = [f"N{scene.reference[1:]}. Values are judged by themselves only."]
     if scene.uncertainty:
         shares = ", ".join(
             f"{plain(name)} {scene.uncertainty[name]:.0e}" for name in HEADLINE if name in scene.uncertainty
@@ -193,11 +224,9 @@ def overview(scene: SceneStudy) -> Section:
         study.ladder.scheme: run.failure for study in scene.ladders for run in study.runs if run.refused
     }
     stated += [f"{scheme} is left out, {reason}." for scheme, reason in refused.items()]
-    other = "other " if refused else ""
-    stated.append(f"{len(failed)} levels failed." if failed else f"Every {other}level has an answer.")
-    rows = (_headline(study, row) for study, row in _headlines(scene.timed))
-    title = "Observed orders, everything refined together"
-    return _section(title, [*stated, NOTES, REFERENCE_NOTE], DataTable.of(rows))
+    other, failed = "other " if refused else "", len(scene.failed)
+    stated.append(f"{failed} levels failed." if failed else f"Every {other}level has an answer.")
+    return [*stated, NOTES, REFERENCE_NOTE]
 
 
 def _headlines(studies: Sequence[Convergence]) -> Iterator[tuple[Convergence, Row]]:
@@ -206,26 +235,15 @@ def _headlines(studies: Sequence[Convergence]) -> Iterator[tuple[Convergence, Ro
         yield from ((study, row) for study in studies for row in study.rows if row.observable == name)
 
 
-def zones(scene: SceneStudy) -> Section | None:
-    """Results with shorter and longer process zones, every solver's; ``None`` without a zone."""
-    studies = [study for study in scene.ladders if study.ladder.kind == "zone"]
-    if not studies:
-        return None
-    rows = (
-        {"observable": plain(row.observable), "solver": study.ladder.scheme}
-        | _by_level(studies[0], (number(value, 6) for value in row.values))
-        | {"Richardson, no zone": number(row.alone.richardson if row.alone else None, 6)}
-        for study, row in _headlines(studies)
-    )
-    return _section("Shorter and longer process zones", [ZONE_NOTE], DataTable.of(rows))
+def _headline_table(scene: SceneStudy) -> DataTable:
+    """The orders and errors that matter most, every scheme beside the others."""
+    return DataTable.of(_headline(study, row) for study, row in _headlines(scene.timed))
 
 
-def _by_level(study: Convergence, values: Iterable[str]) -> dict[str, str]:
-    return dict(zip((run.level.label for run in study.runs), values, strict=True))
-
-
-def _headline(study: Convergence, row: Row) -> dict[str, str]:
-    alone = row.alone
+def _headline(study: Convergence, row: Row) -> Record:
+    alone, error = row.alone, row.errors[-1]
+    bound = alone.bound if alone else None
+    covers = ABSENT if bound is None or error is None else "yes" if abs(error) <= bound else "NO"
     return {
         "observable": plain(row.observable),
         "scheme": study.ladder.scheme,
@@ -233,26 +251,26 @@ def _headline(study: Convergence, row: Row) -> dict[str, str]:
         "order against the reference": _orders(row.orders),
         "fitted": formatted(row.fitted, ".2f"),
         "order of values alone": _orders(alone.orders) if alone else ABSENT,
-        "error of the finest": formatted(row.errors[-1], "+.1e"),
-        "index of the finest": formatted(alone.bound if alone else None, ".1e"),
-        "covers it": _covered(row),
+        "error of the finest": formatted(error, "+.1e"),
+        "index of the finest": formatted(bound, ".1e"),
+        "covers it": covers,
         "values alone say": alone.verdict if alone else ABSENT,
     }
 
 
-def _covered(row: Row) -> str:
-    """Whether the error against the reference lies within the bound that the values alone give."""
-    bound, error = row.alone.bound if row.alone else None, row.errors[-1]
-    if bound is None or error is None:
-        return ABSENT
-    return "yes" if abs(error) <= bound else "NO"
+def _orders(values: Sequence[float | None]) -> str:
+    return " ".join(formatted(value, ".2f") for value in values) or ABSENT
 
 
-def ladder(study: Convergence) -> Section:
+def _by_level(study: Convergence, values: Iterable[str]) -> dict[str, str]:
+    return dict(zip((run.level.label for run in study.runs), values, strict=True))
+
+
+def _ladder(study: Convergence) -> Section:
     """One ladder in full: what each level did, and every observable."""
+    method, note = scheme(study.ladder.scheme), KIND_NOTES.get(study.ladder.kind)
     stated = [f"Refined: {study.ladder.refined}. Nominal order {study.nominal:g}."]
-    stated += [scheme(study.ladder.scheme).why] if study.ladder.nominal is None else []
-    note = {"zone": ZONE_NOTE, "domain": DOMAIN_NOTE}.get(study.ladder.kind)
+    stated += [method.why] if study.ladder.nominal is None else []
     stated += [note] if note else []
     values = (
         {"observable": plain(row.observable)}
@@ -280,22 +298,17 @@ def ladder(study: Convergence) -> Section:
         DataTable.of(values, "Values alone"),
         DataTable.of(errors, "Errors against the reference"),
     )
-    title = f"{scheme(study.ladder.scheme).title}: {study.ladder.kind}"
-    return _section(title, stated, *(table for table in tables if table.rows))
-
-
-def _ended(run: LevelRun) -> VerdictCell | str:
-    if run.refused:
-        return run.failure
-    return VerdictCell(f"FAILED: {run.failure}", False) if run.failed else run.outcome
+    return _section(f"{method.title}: {study.ladder.kind}", stated, *(one for one in tables if one.rows))
 
 
 def _level(run: LevelRun) -> Record:
     """What a level cost, and how it ended."""
+    failed = run.failed and not run.refused
+    ending = VerdictCell(f"FAILED: {run.failure}", False) if failed else run.failure or run.outcome
     return (
         {
             "level": run.level.label,
-            "ending": _ended(run),
+            "ending": ending,
             "seconds": number(run.wall_seconds, 3),
             "processor": number(run.cpu_seconds, 3),
             "repeats": str(run.repeats) if run.repeats else ABSENT,
@@ -305,60 +318,119 @@ def _level(run: LevelRun) -> Record:
     )
 
 
-def _section(title: str, paragraphs: Sequence[str], *tables: DataTable) -> Section:
-    return Section(title, (*map(Paragraph, paragraphs), *tables))
-
-
-def _orders(values: Sequence[float | None]) -> str:
-    return " ".join(formatted(value, ".2f") for value in values) or ABSENT
-
-
-def _prices(studies: list[Convergence], threads: str) -> Section:
-    """Error against run time, in words and as tables."""
+def _stated_prices(studies: list[Convergence], threads: str) -> list[str]:
+    """Error against run time in words."""
     stated = [
         "Each run alone, after a warm-up run of its scheme: the smallest of the repeats stated below (fewer "
         f"where a run takes longer than a second), threads {threads}. Meshing and assembly count, imports "
         "do not. Prices below are processor seconds, on one thread the run time of a quiet machine; between "
         "levels they are interpolated on logarithms, never extrapolated.",
         "By the RMS error of F(t) over the run, relative to the largest force: "
-        + " ".join(work_precision.in_words(studies)),
-        "By the pull-off force: " + " ".join(work_precision.in_words(studies, "pull_off_force")),
-        "By the loop integral: " + " ".join(work_precision.in_words(studies, "loop_energy")),
+        + " ".join(in_words(studies)),
+        "By the pull-off force: " + " ".join(in_words(studies, "pull_off_force")),
+        "By the loop integral: " + " ".join(in_words(studies, "loop_energy")),
         "Growth of cost (least squares over the ladder, the error that of F(t), RMS): "
-        + " ".join(work_precision.growth_in_words(studies)),
+        + " ".join(growth_in_words(studies)),
     ]
-    share = work_precision.busy(studies)
-    if share > work_precision.BUSY:
+    share, skipped = busy(studies), left_out(studies)
+    if share > BUSY:
         stated.insert(1, f"The machine was busy: run times are up to {share:.1f} times the processor times.")
-    skipped = work_precision.left_out(studies)
     if skipped:
         stated.append("Left out because the scene did not need it: " + " ".join(skipped))
-    tables = _price_table(studies), _growth_table(studies)
-    return Section("Error against run time", (*map(Paragraph, stated), *tables))
+    return stated
 
 
 def _price_table(studies: list[Convergence]) -> DataTable:
     rows = []
-    for measure in work_precision.measures(studies):
-        for asked in work_precision.ERRORS:
-            best, found = work_precision.cheapest(studies, measure, asked)
-            bounds = ("≤ " if price.at_most else "" for price in found)
-            seconds = (formatted(price.seconds, ".2g") for price in found)
-            shown = (s if s == ABSENT else f"{b}{s} s" for b, s in zip(bounds, seconds, strict=True))
-            rows.append(
-                {"error in": plain(measure), "asked": f"{asked:.0e}"}
-                | dict(zip((study.ladder.scheme for study in studies), shown, strict=True))
-                | {"cheapest": best.scheme if best else ABSENT}
-            )
+    for measure in measures(studies):
+        for asked in ERRORS:
+            best, found = cheapest(studies, measure, asked)
+            shown = {
+                one.scheme: ABSENT
+                if one.seconds is None
+                else f"{'≤ ' if one.at_most else ''}{one.seconds:.2g} s"
+                for one in found
+            }
+            first = {"error in": plain(measure), "asked": f"{asked:.0e}"}
+            rows.append(first | shown | {"cheapest": best.scheme if best else ABSENT})
     return DataTable.of(rows, "Processor seconds to an error")
 
 
 def _growth_table(studies: list[Convergence]) -> DataTable:
     rows = []
     for study in studies:
-        fitted = {plain(work): work_precision.growth(study, work) for work in work_precision.WORK}
+        fitted = {plain(work): growth(study, work) for work in WORK}
         by_resolution = {work: formatted(one.with_resolution, ".2f") for work, one in fitted.items()}
         by_error = {work: formatted(one.with_error, ".2f") for work, one in fitted.items()}
         rows.append({"scheme": study.ladder.scheme} | by_resolution)
         rows.append({"scheme": f"{study.ladder.scheme}, over 1/error"} | by_error)
     return DataTable.of(rows, "Exponents of cost over resolution, and over 1/error of F(t)")
+
+
+def _charts(scene: SceneStudy, charts: Sequence[Chart]) -> tuple[Figures]:
+    """Charts in which something is known, with their copies as PNG and SVG."""
+    figures = []
+    for name, caption, error, work in charts:
+        drawing = draw(scene.timed, error, work)
+        if drawing is not None:
+            file = f"{scene.case.name}-{name}"
+            files = {f"{file}.png": export.png(drawing), f"{file}.svg": export.svg_file(drawing)}
+            figure = Figure(f"study-{valid_id(file)}", caption, files=files)
+            figures.append(with_drawing(figure, drawing, f"{caption}, {scene.case.name}"))
+    return (Figures(tuple(figures)),)
+
+
+def draw(studies: Sequence[Convergence], error: str, work: str = "") -> Drawing | None:
+    """An error over level size, relative to the coarsest of a scheme, or over a kind of work.
+
+    ``None`` if nothing in it is known and nothing failed.
+    """
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    axes = figure.add_subplot()
+    axes.set(xscale="log", yscale="log")
+    axes.set(xlabel=WORK_LABELS[work], ylabel=f"relative error, {plain(error)}")
+    drawn: list[tuple[float, float]] = []
+    for row, study in enumerate(studies):
+        name, coarsest = study.ladder.scheme, study.runs[0].level.size
+        style = scheme(name).curve_style | {"linewidth": 1.4}
+        across = [cost(run, work) if work else run.level.size / coarsest for run in study.runs]
+        found = zip(across, (abs(run.errors.get(error, 0.0)) for run in study.runs), strict=True)
+        points = [(x, y) for x, y in found if x and y]
+        if points:
+            axes.plot(*zip(*points, strict=True), label=name, markersize=4.5, **style)
+            drawn += points
+        failed = [run for run in study.runs if run.failed and not run.refused]
+        if failed:
+            places = [0.04 + 0.04 * i if work else run.level.size / coarsest for i, run in enumerate(failed)]
+            style = {"color": style["color"], "markersize": 7, "label": f"{name}: {len(failed)} failed"}
+            where = axes.transAxes if work else axes.get_xaxis_transform()
+            axes.plot(places, [0.97 - 0.05 * row] * len(failed), "x", transform=where, **style)
+    if not axes.lines:
+        return None
+    if not work:
+        _slopes(axes, drawn)
+        axes.invert_xaxis()
+    format_axes(axes)
+    for axis in (axes.xaxis, axes.yaxis):  # few decades: labels between them would run into each other
+        axis.set_minor_formatter(NullFormatter())
+    figure.legend(  # above the axes, where it hides no point
+        loc="outside upper center",
+        ncols=min(4, len(axes.get_legend_handles_labels()[0])),
+        frameon=False,
+        labelcolor=INK,
+        fontsize="x-small",
+        handlelength=2.4,
+        columnspacing=1.0,
+    )
+    return figure
+
+
+def _slopes(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
+    """Lines of order 1 and 2 to compare with."""
+    low, top = min((x for x, _ in points), default=1.0), max((y for _, y in points), default=0.0)
+    for order, dash in ((1, (0, (6, 3))), (2, (0, (6, 2, 1, 2)))) if low < 1.0 else ():
+        ends = [top, top * low**order]
+        axes.plot((1.0, low), ends, color=INK, linewidth=0.7, linestyle=dash, label=f"order {order}")

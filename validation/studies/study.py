@@ -1,49 +1,121 @@
-"""A study of scenes: every ladder of every scheme, timed where costs are compared.
+"""A study of scenes: every ladder of every scheme run, timed where costs are compared, and its orders.
 
 Timed ladders run alone, in this process, after a warm-up run of their scheme; the others share the cores.
-Everything is measured against the finest front tracking.
+Everything is measured against the finest front tracking, and each observable is extrapolated from its values
+alone. A level that failed keeps its place.
 """
 
 from __future__ import annotations
 
+import math
+import time
+import traceback
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field, replace
+
+import numpy as np
 
 from contact_scene import SceneError, Trace
+from contact_scene.errors import one_line
 from validation.cases import Case
-from validation.runs.pool import Task, TaskResult, one_line, processes, run_tasks
+from validation.measure.approach import is_located
+from validation.measure.difference import of_numbers
+from validation.measure.norms import distance
+from validation.measure.scalars import measure
+from validation.measure.scaling import Magnitudes
+from validation.runs.pool import Task, TaskResult, processes, run_tasks
 from validation.runs.progress import Progress
 from validation.runs.provenance import fingerprint, stamp
+from validation.runs.run import Run
 from validation.runs.store import Store
-from validation.solvers import REFERENCE
-from validation.studies.convergence import (
-    REPEATS,
-    Convergence,
-    LevelRun,
-    read,
-    run_level,
-    scales,
-    solve_level,
-)
-from validation.studies.ladders import Ladder, Level, finest, ladders
-from validation.studies.schemes import Settings, scheme
+from validation.studies.ladders import REFERENCE, Ladder, Level, Settings, finest, ladders, scheme, with_zone
+from validation.studies.orders import Extrapolation, extrapolate, fitted_slope, reference_orders
 
-FinestReference = tuple[Trace | None, int, str]
+SCALARS = (
+    "start_force",
+    "start_radius",
+    "approach_force",
+    "approach_radius",
+    "pull_off_force",
+    "detachment_penetration",
+    "loop_energy",
+    "dissipated_energy",
+    "peak_cycle_loss",
+)
+NORMS = ("force, RMS", "force, mean", "force, largest", "radius, RMS")
+"""Errors of curves, relative to the largest magnitude of the reference (:mod:`validation.measure.norms`)."""
+REPEATS = 3
+"""Largest number of runs of a timed level, of which the fastest counts."""
+ENOUGH_SECONDS = 1.0
+"""Wall time of all runs of a level after which it is not repeated: longer ones scatter little."""
+FinestReference = tuple[Run | None, int, str]
 """Of a scene, its resolution (0 without one), and what it is, or why there is none, in words."""
 
 
 @dataclass(frozen=True)
-class SceneStudy:
-    """All ladders of one scene.
+class LevelRun:
+    """One level: its results, or why it has none.
 
-    Parameters
-    ----------
-    reference : str
-        What errors are measured against, in words, or why there is no reference.
-    uncertainty : dict of str to float
-        Estimated relative error of the reference itself, by observable.
-    ladders : list of Convergence
+    ``wall_seconds`` and ``cpu_seconds`` are the smallest of ``repeats`` runs, imports excluded, meshing and
+    assembly included. ``errors`` are relative to the reference, signed but for norms. ``refused``: the scheme
+    does not take the scene, which is no failure.
     """
+
+    level: Level
+    values: dict[str, float | None] = field(default_factory=dict)
+    errors: dict[str, float] = field(default_factory=dict)
+    counters: dict[str, int] = field(default_factory=dict)
+    wall_seconds: float | None = None
+    cpu_seconds: float | None = None
+    repeats: int = 0
+    outcome: str = ""
+    failure: str = ""
+    refused: bool = False
+    details: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """Whether this level has no complete result."""
+        return bool(self.failure)
+
+    @property
+    def breakdown(self) -> str:
+        """Why there is no result, where another attempt may give one."""
+        return "" if self.outcome else self.failure
+
+
+@dataclass(frozen=True)
+class Row:
+    """One observable on one ladder.
+
+    ``values`` are by level, ``None`` for norms, which have no value but their error; ``errors`` against the
+    reference, ``orders`` those of every two neighbouring levels, ``fitted`` the slope of ``log |error|`` over
+    ``log h`` through all levels. Errors and bounds are relative to ``scale``; ``alone`` is read from the
+    values alone.
+    """
+
+    observable: str
+    values: tuple[float | None, ...]
+    errors: tuple[float | None, ...]
+    orders: tuple[float | None, ...]
+    fitted: float | None
+    scale: float
+    alone: Extrapolation | None
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """A ladder with its runs and observables."""
+
+    ladder: Ladder
+    nominal: float
+    runs: tuple[LevelRun, ...]
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class SceneStudy:
+    """All ladders of one scene; ``reference`` in words, ``uncertainty`` its estimated relative errors."""
 
     case: Case
     reference: str
@@ -78,23 +150,10 @@ def study(
     store: Store | None = None,
     max_steps: int | None = None,
 ) -> Study:
-    """Run all ladders of the given scenes.
+    """Run all ladders of the given scenes; ``workers`` are processes for what is not timed.
 
-    Parameters
-    ----------
-    cases : list of Case
-    workers : int
-        Processes for the ladders that are not timed.
-    progress : Progress
-        Closed at the end.
-    store : Store or None
-        Levels of an earlier attempt are taken over, run times included.
-    max_steps : int or None
-        Of every run; ``None``: the solver's own bound.
-
-    Returns
-    -------
-    Study
+    ``progress`` is closed at the end. Levels of an earlier attempt are taken over from ``store``, run times
+    included.
     """
     store = store or Store()
     try:
@@ -110,8 +169,8 @@ def _study_scene(
     """The reference first; then the timed ladders, alone; then the others together."""
     all_ladders = ladders(case.scene)
     declined = {ladder.scheme: _refusal(case, ladder.scheme) for ladder in all_ladders}
-    total = 1 + sum(len(ladder.levels) for ladder in all_ladders if not declined[ladder.scheme])
-    done = 0
+    taken = [ladder for ladder in all_ladders if not declined[ladder.scheme]]
+    total, done = 1 + sum(len(ladder.levels) for ladder in taken), 0
 
     def run(tasks: list[Task], executor: Executor | None = None) -> list[TaskResult]:
         nonlocal done
@@ -120,25 +179,21 @@ def _study_scene(
         return results
 
     key = fingerprint("finest reference", case.scene, max_steps)
-    (answer,) = run(
-        [Task(key, f"{case.name} reference", _finest_reference, (case, max_steps), FinestReference)]
-    )
-    reference, resolution, words = answer.value or (None, 0, f"no reference; {answer.failure}")
-    tasks = [
-        [] if declined[ladder.scheme] else _level_tasks(case, ladder, reference, max_steps)
-        for ladder in all_ladders
-    ]
-    results = {i: run(tasks[i]) for i, ladder in enumerate(all_ladders) if ladder.timed}
-    shared = [i for i in range(len(tasks)) if i not in results]
-    with processes(min(workers, sum(len(tasks[i]) for i in shared))) as executor:
-        answers = iter(run([task for i in shared for task in tasks[i]], executor))
-    results |= {i: [next(answers) for _ in tasks[i]] for i in shared}
-    size = {} if reference is None else scales(reference, case.scene)
-    runs = [
-        tuple(map(_level_run, results[i])) or _refused_levels(ladder, declined[ladder.scheme])
-        for i, ladder in enumerate(all_ladders)
-    ]
-    convergences = [read(ladder, runs[i], size) for i, ladder in enumerate(all_ladders)]
+    arguments = (case, max_steps)
+    (found,) = run([Task(key, f"{case.name} reference", _finest_reference, arguments, FinestReference)])
+    reference, resolution, words = found.value or (None, 0, f"no reference; {found.failure}")
+    tasks = {ladder: _level_tasks(case, ladder, reference, max_steps) for ladder in taken}
+    results = {ladder: run(tasks[ladder]) for ladder in taken if ladder.timed}
+    shared = [ladder for ladder in taken if not ladder.timed]
+    with processes(min(workers, sum(len(tasks[ladder]) for ladder in shared))) as executor:
+        answers = iter(run([task for ladder in shared for task in tasks[ladder]], executor))
+    results |= {ladder: [next(answers) for _ in tasks[ladder]] for ladder in shared}
+    convergences = []
+    for ladder in all_ladders:
+        reason = declined[ladder.scheme]
+        refused = [LevelRun(level, failure=reason, refused=True) for level in ladder.levels]
+        runs = refused if reason else list(map(_level_run, results[ladder]))
+        convergences.append(read(ladder, tuple(runs), reference, case))
     return SceneStudy(case, words, _uncertainty(resolution, convergences), convergences)
 
 
@@ -151,41 +206,24 @@ def _refusal(case: Case, name: str) -> str:
     return ""
 
 
-def _refused_levels(ladder: Ladder, reason: str) -> tuple[LevelRun, ...]:
-    """The levels of a scheme that does not take the scene."""
-    return tuple(LevelRun(level, failure=reason, refused=True) for level in ladder.levels)
-
-
-def _level_tasks(case: Case, ladder: Ladder, reference: Trace | None, max_steps: int | None) -> list[Task]:
-    """The levels of a ladder."""
+def _level_tasks(case: Case, ladder: Ladder, reference: Run | None, max_steps: int | None) -> list[Task]:
+    """The levels of a ladder; timed ones are repeated, and the coarsest is run before to warm up."""
     warmed_up = False
 
-    def run_timed(
-        case: Case, scheme: str, level: Level, reference: Trace | None, max_steps: int | None
-    ) -> LevelRun:
-        """:func:`run_level`, repeated; before the first of these levels, the coarsest is run to warm up.
-
-        Parameters
-        ----------
-        case, scheme, level, reference, max_steps
-            As of :func:`run_level`.
-
-        Returns
-        -------
-        LevelRun
-        """
+    def run_timed(*arguments: object) -> LevelRun:
         nonlocal warmed_up
         if not warmed_up:  # imports, caches, pages of memory
-            run_level(case, scheme, ladder.levels[0], None, max_steps)
+            run_level(case, ladder.scheme, ladder.levels[0], None, max_steps)
             warmed_up = True
-        return run_level(case, scheme, level, reference, max_steps, REPEATS)
+        return run_level(*arguments, REPEATS)  # type: ignore[arg-type, call-arg]
 
     return [
         Task(
             fingerprint("level", case.scene, ladder.scheme, ladder.kind, level, ladder.timed, max_steps),
             f"{case.name} {ladder.scheme} {ladder.kind} {level.label}",
             run_timed if ladder.timed else run_level,
-            (case, ladder.scheme, level, _own_reference(reference, level), max_steps),
+            # there is no reference for a scene whose process zone was changed
+            (case, ladder.scheme, level, reference if level.settings.zone_factor == 1.0 else None, max_steps),
             LevelRun,
         )
         for level in ladder.levels
@@ -199,9 +237,97 @@ def _level_run(result: TaskResult) -> LevelRun:
     return result.value
 
 
-def _own_reference(reference: Trace | None, level: Level) -> Trace | None:
-    """The reference of a level; there is none for a scene whose process zone was changed."""
-    return reference if level.settings.zone_factor == 1.0 else None
+def run_level(
+    case: Case,
+    name: str,
+    level: Level,
+    reference: Run | None,
+    max_steps: int | None = None,
+    repeats: int = 1,
+) -> LevelRun:
+    """Run a level of a scheme, repeatedly while that is cheap; a breakdown becomes part of the result.
+
+    Without a reference there are no errors; of up to ``repeats`` runs the fastest is timed.
+    """
+    method = scheme(name)
+    wall: list[float] = []
+    cpu: list[float] = []
+    try:
+        method.solver.load()  # imports are not part of a run
+        while True:
+            begin, spent = time.perf_counter(), time.process_time()
+            trace = method.solve(case.scene, level.settings, max_steps)
+            wall.append(time.perf_counter() - begin)
+            cpu.append(time.process_time() - spent)
+            if len(wall) >= repeats or sum(wall) > ENOUGH_SECONDS:
+                break
+    except Exception as error:
+        failure = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        return LevelRun(level, failure=failure, details=traceback.format_exc())
+    found = LevelRun(
+        level,
+        counters=asdict(trace.counters),
+        wall_seconds=min(wall),
+        cpu_seconds=min(cpu),
+        repeats=len(wall),
+        outcome=str(trace.outcome.kind),
+    )
+    if not trace.outcome.finished:
+        return replace(found, failure=f"{trace.outcome.kind}: {trace.outcome.reason}")
+    broken = [column for column, rows in trace.columns().items() if not np.isfinite(rows).all()]
+    if broken:
+        return replace(found, failure=f"not finite: {', '.join(broken)}")
+    scene = with_zone(case.scene, level.settings.zone_factor)
+    result = _measured(replace(case, scene=scene), name, trace)
+    values = {name: result.measures.get(name) for name in SCALARS}
+    errors = {} if reference is None else _errors(result, reference, case)
+    return replace(found, values=values, errors=errors)
+
+
+def _measured(case: Case, solver: str, trace: Trace) -> Run:
+    return Run(case.name, solver, trace, measures=measure(trace, case.scene, 0.0))
+
+
+def _errors(result: Run, reference: Run, case: Case) -> dict[str, float]:
+    """Signed relative errors of the scalars of a run, and norms of its curves (:data:`NORMS`)."""
+    assert result.trace is not None
+    assert reference.trace is not None
+    located = [name for name in SCALARS if is_located(name, reference.trace, case.scene.loading)]
+    numbers = of_numbers(result, reference, located)
+    errors = {one.quantity: one.error for one in numbers if math.isfinite(one.error)}
+    force, radius = (distance(result.trace, reference.trace, one) for one in ("force", "contact_radius"))
+    if force is not None and radius is not None:
+        norms = (force.rms, force.mean, force.largest, radius.rms)
+        errors |= dict(zip(NORMS, norms, strict=True))
+    return errors
+
+
+def read(ladder: Ladder, runs: tuple[LevelRun, ...], reference: Run | None, case: Case) -> Convergence:
+    """Orders, extrapolations and bounds of every observable of a ladder, runs by level, coarse to fine.
+
+    What errors are relative to is stated in :mod:`validation.measure.scaling`; without a reference an
+    observable is relative to its own finest value.
+    """
+    nominal = ladder.nominal or scheme(ladder.scheme).nominal
+    largest = None if reference is None or reference.trace is None else Magnitudes.of_trace(reference.trace)
+    sizes = [run.level.size for run in runs]
+    rows = []
+    for name in (*SCALARS, *NORMS):
+        values = tuple(run.values.get(name) for run in runs)
+        errors = tuple(run.errors.get(name) for run in runs)
+        if all(entry is None for entry in (*values, *errors)):
+            continue
+        known = [abs(value) for value in values if value]
+        size = known[-1] if known else 1.0
+        if largest is not None and reference is not None and reference.trace is not None:
+            expected = reference.measures.get(name)
+            if expected is not None and is_located(name, reference.trace, case.scene.loading):
+                size = largest.scale(name, expected) or 1.0
+        alone = None if name in NORMS else extrapolate(sizes, values, nominal, size)
+        relative = [None if error is None else abs(error) for error in errors]
+        orders = reference_orders(sizes, errors)
+        rows.append(Row(name, values, errors, orders, fitted_slope(sizes, relative), size, alone))
+    return Convergence(ladder, nominal, runs, tuple(rows))
 
 
 def _finest_reference(case: Case, max_steps: int | None) -> FinestReference:
@@ -209,13 +335,13 @@ def _finest_reference(case: Case, max_steps: int | None) -> FinestReference:
     failures = []
     for resolution in finest(case.scene):
         try:
-            level = Level(1.0 / resolution, "", Settings(resolution))
-            trace = solve_level(case, REFERENCE, level, max_steps)
+            trace = scheme(REFERENCE).solve(case.scene, Settings(resolution), max_steps)
         except Exception as error:
             failures.append(f"{resolution} failed: {one_line(error)}")
             continue
         if trace.outcome.finished:
-            return trace, resolution, "; ".join([f"front tracking at resolution {resolution}", *failures])
+            words = "; ".join([f"front tracking at resolution {resolution}", *failures])
+            return _measured(case, REFERENCE, trace), resolution, words
         failures.append(f"{resolution} failed: {trace.outcome.kind}: {trace.outcome.reason}")
     return None, 0, "; ".join(["no reference", *failures])
 

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+import numpy as np
 from scipy.optimize import brentq
 
 ROUND_OFF = 1e-12
@@ -34,24 +35,13 @@ ASYMPTOTIC = (0.7, 1.4)
 class Extrapolation:
     """Order, extrapolated value and error bound of one observable on one ladder.
 
-    Parameters
-    ----------
-    orders : tuple of float or None
-        Observed order of every three neighbouring levels, coarse to fine, from differences alone; ``None``
-        where they go to and fro, do not differ, or a level failed.
-    richardson : float or None
-        Value extrapolated to ``h = 0`` from the finest two levels with the finest observed order.
-    bound : float or None
-        Grid convergence index of the finest level, relative to ``scale``: an error bound from the values
-        alone.
-    safety : float or None
-        Its safety factor: 1.25 where the observed order is the nominal one, else 3.
-    asymptotic : float or None
-        A difference two levels coarser than the finest over its prediction by the finest three levels; 1 on
-        an exact power law. (The usual ratio of two grid convergence indices is 1 by construction when both
-        take the same observed order; a fourth level is needed to test anything.)
-    verdict : str
-        In words.
+    ``orders`` are those of every three neighbouring levels, coarse to fine, from differences alone; ``None``
+    where they go to and fro, do not differ, or a level failed. ``richardson`` is extrapolated to ``h = 0``
+    from the finest two levels with the finest observed order. ``bound`` is the grid convergence index of the
+    finest level, relative to the scale, with its ``safety`` factor. ``asymptotic`` is a difference two levels
+    coarser than the finest over its prediction by the finest three levels; 1 on an exact power law. (The
+    usual ratio of two grid convergence indices is 1 by construction when both take the same observed order; a
+    fourth level is needed to test anything.)
     """
 
     orders: tuple[float | None, ...]
@@ -69,41 +59,26 @@ def extrapolate(
 
     The extrapolation ``f* = f1 + (f1 - f2)/(r^p - 1)`` (Richardson 1927) and the grid convergence index
     ``safety |f1 - f2|/(r^p - 1)/scale`` (Roache 1994) use the finest three levels that did not fail, the test
-    of the order the fourth.
-
-    Parameters
-    ----------
-    sizes : sequence of float
-        Relative size ``h`` of the levels, falling.
-    values : sequence of float or None
-        Value on every level, ``None`` where it failed.
-    nominal : float
-        Order by design.
-    scale : float
-        Magnitude that bound and round-off are relative to, in the unit of ``values``.
-
-    Returns
-    -------
-    Extrapolation
+    of the order the fourth. Sizes fall; values are ``None`` where a level failed; ``scale`` is the magnitude
+    that bound and round-off are relative to, in the unit of the values.
     """
     _check(sizes)
-    orders = tuple(
-        None if None in values[i : i + 3] else observed_order(sizes[i : i + 3], values[i : i + 3], scale)
-        for i in range(len(sizes) - 2)
-    )
+    orders = tuple(observed_order(sizes[i : i + 3], values[i : i + 3], scale) for i in range(len(sizes) - 2))
     known = [(h, f) for h, f in zip(sizes, values, strict=True) if f is not None]
     if len(known) < 3:
         return Extrapolation(orders, None, None, None, None, "fewer than three levels have a value")
     h, f = [pair[0] for pair in known], [pair[1] for pair in known]
-    smallest = ROUND_OFF * scale
+    jumps = [d for a, b in pairwise(f) if (d := abs(b - a)) > ROUND_OFF * scale]
+    if not jumps:
+        return Extrapolation(orders, f[-1], 0.0, None, None, "no level differs")
     last = f[-1] - f[-2]
-    if abs(last) <= smallest:
-        return _level(orders, f, smallest, scale)
+    if abs(last) <= ROUND_OFF * scale:  # a quantity that moves in jumps
+        verdict = "the finest two do not differ, coarser ones do: bound by the last jump"
+        return Extrapolation(orders, None, UNSAFE * jumps[-1] / scale, UNSAFE, None, verdict)
     order = observed_order(h[-3:], f[-3:], scale)
+    safety, trusted = UNSAFE, min(max(0.5, order if order is not None else 0.5), nominal)
     if order is not None and order > 0.0 and abs(order - nominal) <= NEAR * nominal:
         safety, trusted = SAFE, nominal
-    else:
-        safety, trusted = UNSAFE, min(max(0.5, order if order is not None else 0.5), nominal)
     bound = safety * abs(last) / ((h[-2] / h[-1]) ** trusted - 1.0) / scale
     if order is None:
         return Extrapolation(orders, None, bound, safety, None, "the values go to and fro: no order")
@@ -119,34 +94,11 @@ def extrapolate(
     return Extrapolation(orders, richardson, bound, safety, ratio, verdict)
 
 
-def _level(
-    orders: tuple[float | None, ...], f: Sequence[float], smallest: float, scale: float
-) -> Extrapolation:
-    """The finest two values agree to round-off: all of them, or a quantity that moves in jumps."""
-    jumps = [abs(fine - coarse) for coarse, fine in pairwise(f) if abs(fine - coarse) > smallest]
-    if not jumps:
-        return Extrapolation(orders, f[-1], 0.0, None, None, "no level differs")
-    verdict = "the finest two do not differ, coarser ones do: bound by the last jump"
-    return Extrapolation(orders, None, UNSAFE * jumps[-1] / scale, UNSAFE, None, verdict)
-
-
 def observed_order(sizes: Sequence[float], values: Sequence[float | None], scale: float) -> float | None:
     """Order ``p`` of three levels from ``(f3 - f2)/(f2 - f1) = (h3^p - h2^p)/(h2^p - h1^p)``.
 
-    ``None`` if the values go to and fro, do not differ by more than round-off, or no ``p`` fits.
-
-    Parameters
-    ----------
-    sizes : sequence of float
-        Relative size ``h`` of three levels, falling.
-    values : sequence of float or None
-        On these levels.
-    scale : float
-        Magnitude that round-off is relative to, in the unit of ``values``.
-
-    Returns
-    -------
-    float or None
+    ``None`` if a level failed, the values go to and fro, do not differ by more than round-off, or no ``p``
+    fits.
     """
     (h3, h2, h1), (f3, f2, f1) = sizes, values
     if f3 is None or f2 is None or f1 is None:
@@ -158,7 +110,11 @@ def observed_order(sizes: Sequence[float], values: Sequence[float | None], scale
 
     def excess(p: float) -> float:
         # ln of (r32^p - 1) r21^p / (r21^p - 1), rising in p; (b p) carries the factor h2^p/h1^p
-        return _log_expm1_ratio(a, b, p) + b * p - math.log(coarse / fine)
+        if abs(p) * max(a, b) < 1e-8:
+            ratio = math.log(a / b) + 0.5 * (a - b) * p
+        else:
+            ratio = math.log(math.expm1(a * p) / math.expm1(b * p))
+        return ratio + b * p - math.log(coarse / fine)
 
     if excess(ORDERS[0]) > 0.0 or excess(ORDERS[1]) < 0.0:
         return None
@@ -169,48 +125,24 @@ def reference_orders(sizes: Sequence[float], errors: Sequence[float | None]) -> 
     """Signed order of every two neighbouring levels, ``ln|e_coarse/e_fine| / ln(h_coarse/h_fine)``.
 
     Negative where the error grows; ``None`` where a level failed or an error is below round-off.
-
-    Parameters
-    ----------
-    sizes : sequence of float
-        Relative size ``h`` of the levels, falling.
-    errors : sequence of float or None
-        Signed relative error on every level, ``None`` where it failed.
-
-    Returns
-    -------
-    tuple of float or None
-        One less than there are levels.
     """
     _check(sizes)
-    orders: list[float | None] = []
-    for (coarse, fine), (big, small) in zip(pairwise(errors), pairwise(sizes), strict=True):
-        if coarse is None or fine is None or min(abs(coarse), abs(fine)) <= ROUND_OFF:
-            orders.append(None)
-        else:
-            orders.append(math.log(abs(coarse / fine)) / math.log(big / small))
-    return tuple(orders)
+    return tuple(
+        None
+        if coarse is None or fine is None or min(abs(coarse), abs(fine)) <= ROUND_OFF
+        else math.log(abs(coarse / fine)) / math.log(big / small)
+        for (coarse, fine), (big, small) in zip(pairwise(errors), pairwise(sizes), strict=True)
+    )
 
 
 def fitted_slope(across: Sequence[float | None], up: Sequence[float | None]) -> float | None:
     """Slope of the line of least squares through the logarithms of positive pairs; ``None`` below three."""
-    pairs = [
-        (math.log(x), math.log(y))
-        for x, y in zip(across, up, strict=True)
-        if x is not None and y is not None and x > 0.0 and y > 0.0
-    ]
-    if len(pairs) < 3:
+    pairs = [(x, y) for x, y in zip(across, up, strict=True) if x and y and x > 0.0 and y > 0.0]
+    if len(pairs) < 3 or len({x for x, _ in pairs}) == 1:
         return None
-    middle = sum(x for x, _ in pairs) / len(pairs)
-    spread = sum((x - middle) ** 2 for x, _ in pairs)
-    return sum((x - middle) * y for x, y in pairs) / spread if spread > 0.0 else None
-
-
-def _log_expm1_ratio(a: float, b: float, p: float) -> float:
-    """``ln((e^(a p) - 1)/(e^(b p) - 1))`` for positive ``a`` and ``b`` and any sign of ``p``."""
-    if abs(p) * max(a, b) < 1e-8:
-        return math.log(a / b) + 0.5 * (a - b) * p
-    return math.log(math.expm1(a * p) / math.expm1(b * p))
+    x, y = np.log(np.array(pairs, float)).T
+    x = x - x.mean()
+    return float(x @ y / (x @ x))
 
 
 def _check(sizes: Sequence[float]) -> None:

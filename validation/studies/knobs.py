@@ -1,0 +1,489 @@
+"""Studies that turn a knob of the model instead of refining it: the process zone, or the bulk modulus.
+
+At each value of the knob several methods answer, and each run is subtracted from that of a base.
+
+**Zones**: what a shorter process zone costs in steps, updates, time, memory and error, over decades of it.
+Long zones come first. The zone is part of the model, so every zone has a base of its own: the reference at
+twice its default resolution. A run that takes longer than ``PATIENCE`` is ended, and its solver is not asked
+for shorter zones.
+
+**Poisson**: how good a constant Poisson's ratio is. For every ratio ``K/G`` of the relaxed solid the scene
+keeps its shear relaxation and gets an elastic bulk. ``full`` is nu(t) from separate bulk and shear, by the
+finite elements. The base, ``surface``, is the reference with the plane modulus ``E*(t)`` that the surface
+feels (see ``reference.separate_bulk``): the same problem by another method, so the two must agree within
+their error estimates, which is checked. Three assumptions of a constant ratio, by the reference: ``shear``
+and ``tension``, the relaxed ratio with the modulus measured in shear or in tension, and ``incompressible``,
+the paper's 0.5. What an assumption costs is its difference from the base, beside the estimates.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from contact_scene import Material, SceneError
+from validation.cases import Case
+from validation.drawing import export
+from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.styles import curve_style
+from validation.measure.difference import Difference, of_curves, of_numbers
+from validation.measure.norms import CURVES
+from validation.reference.creep_compliance import creep_compliance
+from validation.reference.separate_bulk import equivalent_material
+from validation.report import markdown
+from validation.report.document import (
+    ABSENT,
+    DataTable,
+    Document,
+    Paragraph,
+    Record,
+    Section,
+    formatted,
+    plain,
+)
+from validation.report.tables import estimates
+from validation.runs.folder import to_json, write_whole
+from validation.runs.pool import TaskEnding, TellProgress, run_of, run_task, run_tasks
+from validation.runs.process import peak_memory
+from validation.runs.provenance import fingerprint, of_case
+from validation.runs.run import Run, run
+from validation.runs.store import Store
+from validation.solvers import REFERENCE, SOLVERS, solvers
+from validation.solvers.finite_elements import FiniteElements
+from validation.studies.orders import fitted_slope
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PATIENCE = 300.0
+"""Longest processor time (s) of one run of a study of zones; the reference needs seconds at any zone, the
+finite elements a minute or two at the shortest."""
+FULL, SURFACE = "full", "surface"
+"""Names of the runs with separate bulk relaxation and with the modulus at the surface."""
+
+
+@dataclass(frozen=True)
+class KnobRun:
+    """One method (``label``) at one value of a knob, and the run it is subtracted from.
+
+    Without a ``run``, ``skipped`` says why. ``peak_memory`` is the most bytes of the process of this run
+    alone, program included; ``None`` if it had none of its own.
+    """
+
+    value: float
+    label: str
+    case: Case
+    run: Run | None = None
+    base: Run | None = None
+    skipped: str = ""
+    peak_memory: int | None = None
+
+    def differences(self, names: Iterable[str]) -> dict[str, Difference]:
+        """From the base, of the named observables and of the curves, as far as both runs have them."""
+        if self.run is None or self.base is None:
+            return {}
+        found = (*of_numbers(self.run, self.base, names), *of_curves(self.run, self.base))
+        return {one.quantity: one for one in found if math.isfinite(one.error)}
+
+    @property
+    def steps(self) -> int | None:
+        """Accepted steps; ``None`` without an answer."""
+        return None if self.run is None or self.run.trace is None else self.run.trace.counters.steps
+
+    @property
+    def updates(self) -> float | None:
+        """Updates of the history in a step, on average, as the solver counts them; or ``None``."""
+        if self.run is None or self.run.trace is None:
+            return None
+        counters = self.run.trace.counters
+        return (
+            counters.history_updates / counters.steps if counters.history_updates and counters.steps else None
+        )
+
+    @property
+    def seconds(self) -> float | None:
+        """Processor time; ``None`` without an answer."""
+        return None if self.run is None or self.run.trace is None else self.run.cpu_seconds
+
+    @property
+    def megabytes(self) -> float | None:
+        """Most that the process of this run held, in 1e6 bytes."""
+        return None if self.peak_memory is None else 1e-6 * self.peak_memory
+
+
+@dataclass(frozen=True)
+class RunAndMemory:
+    """A run, and the most bytes that its process held by then."""
+
+    run: Run
+    peak_memory: int | None
+
+    @property
+    def breakdown(self) -> str:
+        """Why there is no answer, where the next attempt may give one."""
+        return self.run.breakdown
+
+
+class Knob:
+    """What is turned, its ``values`` if none are given, and which ``observed`` numbers are subtracted."""
+
+    name: ClassVar[str]
+    values: ClassVar[tuple[float, ...]]
+    observed: ClassVar[tuple[str, ...]]
+
+    def data(self, runs: Sequence[KnobRun]) -> dict[str, Any]:
+        """What ``NAME-SCENE.json`` holds beside the scene: a fixed contract with whoever reads it."""
+        raise NotImplementedError
+
+    def section(self, name: str, runs: Sequence[KnobRun]) -> Section:
+        """Tables and what they say."""
+        raise NotImplementedError
+
+    def draw(self, runs: Sequence[KnobRun]) -> Figure | None:
+        """The figure of the study, if it has one."""
+        return None
+
+    def write(self, case: Case, runs: Sequence[KnobRun], folder: Path) -> Path:
+        """Write ``NAME-SCENE.json``, its tables as ``.md``, returned, and a figure if there is one."""
+        shown, path = self.section(case.name, runs), folder / f"{self.name}-{case.name}.json"
+        write_whole(path, to_json({"scene": case.name, "premises": of_case(case)} | self.data(runs)))
+        figure, page = self.draw(runs), path.with_suffix(".md")
+        write_whole(page, markdown.text(Document(shown.title, (), shown.parts)))
+        if figure is not None:
+            write_whole(path.with_suffix(".png"), export.png(figure))
+            write_whole(path.with_suffix(".svg"), export.svg_file(figure))
+        return page
+
+
+@dataclass(frozen=True)
+class Zones(Knob):
+    """Process zones over the largest contact radius that the scene reaches with its own zone.
+
+    Isolated processes alone can end a run that takes too long, and one task a process has memory of its own.
+    """
+
+    solvers: tuple[str, ...] = ()
+    """Names; none: all that are registered."""
+    name = "zones"
+    values = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 5e-9)
+    observed = ("pull_off_force", "loop_energy")
+    notes: ClassVar = """\
+Errors: relative, against the reference at twice its default resolution with the same zone. Updates: of the
+history, in a step on average, as each solver counts them (the reference: points of the surface). Megabytes:
+the most that the process of a run held, program and libraries included. Growth: exponent p of a fit by
+zone^-p over all zones of a solver; 0 where a shorter zone costs no more than its logarithm."""
+
+    def runs(
+        self,
+        case: Case,
+        values: Sequence[float],
+        progress: TellProgress | None = None,
+        executor: Executor | None = None,
+        store: Store | None = None,
+        max_steps: int | None = None,
+    ) -> list[KnobRun]:
+        adhesion = case.scene.adhesion
+        if adhesion is None or not case.scene.is_adhesive:
+            raise SceneError("adhesion", "a study of zones needs adhesion")
+        if adhesion.stress is not None:
+            given = "a study of zones sets their lengths"
+            raise SceneError("adhesion.stress", given, "a scene with adhesion.zone")
+        own = run(case, REFERENCE)
+        if own.curves is None:
+            raise SceneError("scene", f"the reference has no answer to it: {own.ending}")
+        radius = float(own.curves.contact_radius.max())
+        names = self.solvers or tuple(one.name for one in solvers())
+        made: list[KnobRun] = []
+        given_up: set[str] = set()
+        for ratio in sorted(values, reverse=True):
+            there = replace(adhesion, zone=ratio * radius, stress=None)
+            turned = replace(case, scene=replace(case.scene, adhesion=there))
+            finer = run(turned, REFERENCE, 2 * SOLVERS[REFERENCE].default_resolution(turned.scene))
+            for name in names:
+                if progress is not None:
+                    done = len(made) / (len(values) * len(names))
+                    progress(done, f"{name}, zone {ratio:.0e} of the radius", "")
+                one = KnobRun(ratio, name, turned, skipped="not run: too long at a longer zone")
+                if name not in given_up:
+                    one = _patiently(replace(one, base=finer), executor, store, max_steps)
+                if one.skipped:
+                    given_up.add(name)
+                made.append(one)
+        return made
+
+    def data(self, runs: Sequence[KnobRun]) -> dict[str, Any]:
+        return {"runs": [self._data_of(one) for one in runs]}
+
+    def _data_of(self, one: KnobRun) -> dict[str, Any]:
+        adhesion = one.case.scene.adhesion
+        return {
+            "zone_over_radius": one.value,
+            "zone": None if adhesion is None else adhesion.zone,
+            "solver": one.label,
+            "outcome": None if one.run is None else one.run.ending,
+            "skipped": one.skipped or None,
+            "steps": one.steps,
+            "history_updates_per_step": one.updates,
+            "cpu_seconds": one.seconds,
+            "peak_memory_bytes": one.peak_memory,
+            "errors": self.errors(one),
+            "error_estimates": {} if one.run is None else one.run.errors,
+        }
+
+    def errors(self, one: KnobRun) -> dict[str, float]:
+        """Signed relative errors by observable."""
+        found = one.differences(self.observed)
+        return {name: found[name].error for name in self.observed if name in found}
+
+    def section(self, name: str, runs: Sequence[KnobRun]) -> Section:
+        by_solver = {label: [one for one in runs if one.label == label] for label in _labels(runs)}
+        fits = (
+            {"solver": solver}
+            | {f"growth of {n}": formatted(growth(own, n), ".2f") for n in ("steps", "updates", "seconds")}
+            for solver, own in by_solver.items()
+        )
+        tables = DataTable.of(map(self._row, runs)), DataTable.of(fits)
+        return Section(f"{name}: cost over the process zone", (*tables, Paragraph(self.notes)))
+
+    def _row(self, one: KnobRun) -> Record:
+        errors, finished = self.errors(one), one.run is None or one.run.finished
+        return {
+            "zone / radius": f"{one.value:.0e}",
+            "solver": one.label,
+            "steps": formatted(one.steps, "d"),
+            "updates": formatted(one.updates, ".0f"),
+            "seconds": formatted(one.seconds, ".2f"),
+            "megabytes": formatted(one.megabytes, ".0f"),
+            **{f"{plain(name)}: error": formatted(errors.get(name), "+.1e") for name in self.observed},
+            "not finished": one.run.ending if one.run and not finished else one.skipped or ABSENT,
+        }
+
+    def failures(self, runs: Sequence[KnobRun]) -> Iterator[str]:
+        for one in runs:
+            if one.run is not None and not one.run.finished and not one.run.refused:
+                where = f"{one.case.name}: {one.label}, zone {one.value:g} of the radius"
+                yield f"not finished: {where}: {one.run.ending}"
+
+    def draw(self, runs: Sequence[KnobRun]) -> Figure:
+        """Logarithmic axes, one for each quantity; a solver's curve ends at the last zone it was run with."""
+        from matplotlib.figure import Figure
+
+        panels: dict[str, Callable[[KnobRun], float | None]] = {
+            "accepted steps": lambda one: one.steps,
+            "updates of the history in a step": lambda one: one.updates,
+            "processor time (s)": lambda one: one.seconds,
+            "memory of the process (MB)": lambda one: one.megabytes,
+        }
+        for name in self.observed:
+            panels[f"error of {plain(name)} (relative)"] = lambda one, name=name: (  # type: ignore[misc]
+                abs(self.errors(one).get(name, 0.0))
+            )
+        figure = Figure(figsize=(3 * SIZE[0], 2 * SIZE[1]), layout="constrained")
+        for axes, (label, value_of) in zip(figure.subplots(2, 3).flat, panels.items(), strict=True):
+            axes.set(xscale="log", yscale="log", xlabel="process zone over contact radius", ylabel=label)
+            for solver in _labels(runs):
+                points = [
+                    (one.value, value) for one in runs if one.label == solver and (value := value_of(one))
+                ]
+                if points:
+                    axes.plot(*zip(*points, strict=True), label=solver, markersize=4.5, **curve_style(solver))
+            axes.invert_xaxis()
+            format_axes(axes)
+        if figure.axes[0].lines:  # no solver may have answered
+            figure.axes[0].legend(fontsize=8)
+        return figure
+
+
+def _labels(runs: Sequence[KnobRun]) -> list[str]:
+    return list(dict.fromkeys(one.label for one in runs))
+
+
+def growth(runs: Iterable[KnobRun], quantity: str) -> float | None:
+    """Fitted exponent ``p`` of a quantity that grows as ``zone**-p``; 0: at most with the logarithm."""
+    pairs = [(one.value, getattr(one, quantity)) for one in runs]
+    slope = fitted_slope([value for value, _ in pairs], [found for _, found in pairs])
+    return None if slope is None else -slope
+
+
+def _patiently(
+    one: KnobRun, executor: Executor | None, store: Store | None, max_steps: int | None
+) -> KnobRun:
+    """The run, or that it took too long."""
+    plain_task = run_task(one.case, one.label, max_steps=max_steps)
+    task = replace(
+        plain_task,
+        key=fingerprint("memory", plain_task.key),
+        function=_with_memory,
+        arguments=(plain_task.function, *plain_task.arguments),
+        answer=RunAndMemory,
+        time_limit=PATIENCE,
+    )
+    (answer,) = run_tasks([task], executor, store)
+    if answer.ending is TaskEnding.TIMED_OUT:
+        return replace(one, skipped=answer.failure)
+    found: RunAndMemory | None = answer.value
+    result = run_of(replace(answer, task=plain_task, value=found and found.run))
+    peak = None if executor is None or found is None else found.peak_memory
+    return replace(one, run=result, skipped="", peak_memory=peak)
+
+
+def _with_memory(function: Callable[..., Run], *arguments: Any) -> RunAndMemory:
+    return RunAndMemory(function(*arguments), peak_memory())
+
+
+def with_bulk(material: Material, ratio: float) -> Material:
+    """The same ``G(t)`` with elastic bulk of ``K = ratio * G(infinity)``, ``ratio > 2/3``."""
+    return replace(_with_poisson(material, (3.0 * ratio - 2.0) / (2.0 * (3.0 * ratio + 1.0))), bulk="elastic")
+
+
+def incompressible(material: Material) -> Material:
+    """The same ``G(t)`` with Poisson's ratio 0.5."""
+    return _with_poisson(material, 0.5)
+
+
+def tension(material: Material) -> Material:
+    """The modulus that a tensile test measures, ``1/E^ = 1/(3 G^) + 1/(9 K)``, and the relaxed ratio."""
+    creep, bulk = creep_compliance(incompressible(material)), bulk_modulus(material)
+    relaxed, branches = replace(creep, glassy=creep.glassy + 1.0 / (9.0 * bulk)).relaxation()
+    return Material(relaxed, material.poisson, branches)
+
+
+def constant(material: Material) -> Material:
+    """The same ``G(t)`` with the Poisson's ratio of the relaxed solid at all times: bulk relaxes alike."""
+    return replace(material, bulk=None)
+
+
+def bulk_modulus(material: Material) -> float:
+    """Of the relaxed solid."""
+    return material.modulus / (3.0 * (1.0 - 2.0 * material.poisson))
+
+
+def glassy_poisson(material: Material) -> float:
+    """Poisson's ratio at first, where the bulk does not relax."""
+    shear, bulk = material.glassy_modulus / (2.0 * (1.0 + material.poisson)), bulk_modulus(material)
+    return (3.0 * bulk - 2.0 * shear) / (2.0 * (3.0 * bulk + shear))
+
+
+def _with_poisson(material: Material, poisson: float) -> Material:
+    """The same ``G(t)`` with another constant ratio."""
+    factor = (1.0 + poisson) / (1.0 + material.poisson)
+    branches = tuple(replace(branch, modulus=factor * branch.modulus) for branch in material.branches)
+    return Material(factor * material.modulus, poisson, branches)
+
+
+ASSUMPTIONS: dict[str, Callable[[Material], Material]] = {
+    "shear": constant,
+    "tension": tension,
+    "incompressible": incompressible,
+}
+
+
+@dataclass(frozen=True)
+class Poisson(Knob):
+    """``K/G`` of the relaxed solid; ``resolution`` is that of the finite elements."""
+
+    resolution: int | None = None
+    name = "poisson"
+    values = (10.0, 30.0, 100.0, 300.0, 1000.0)
+    observed = ("pull_off_force", "loop_energy", "approach_radius", "approach_force")
+    notes: ClassVar = """\
+full − E*(t): ν(t) by the finite elements against the reference on E*(t), the one modulus the surface feels;
+estimates: what these two say of their own errors. The other columns are what a constant ratio costs, against
+E*(t): `shear` and `tension`, the relaxed ratio with a modulus measured so; `incompressible`, ν = 0.5. All
+relative; curves: root mean square over time. For K >> G the plane modulus is 4 G (1 - G/K): a constant ratio
+takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if measured in tension."""
+
+    def runs(
+        self,
+        case: Case,
+        values: Sequence[float],
+        progress: TellProgress | None = None,
+        executor: Executor | None = None,
+        store: Store | None = None,
+        max_steps: int | None = None,
+    ) -> list[KnobRun]:
+        asked, tasks = [], []
+        for ratio in values:
+            separate = with_bulk(case.scene.material, ratio)
+            materials = {FULL: separate, SURFACE: equivalent_material(separate)}
+            materials |= {name: assume(separate) for name, assume in ASSUMPTIONS.items()}
+            for name, material in materials.items():
+                turned = replace(case, scene=replace(case.scene, material=material))
+                full = name == FULL
+                solver = FiniteElements.name if full else REFERENCE
+                resolution = self.resolution if full else None
+                task = run_task(turned, solver, resolution, estimate=True, max_steps=max_steps)
+                asked.append(KnobRun(ratio, name, turned))
+                tasks.append(replace(task, label=f"K/G = {ratio:g}: {name}"))
+        found = [run_of(result) for result in run_tasks(tasks, executor, store, progress)]
+        bases = {one.value: run for one, run in zip(asked, found, strict=True) if one.label == SURFACE}
+        return [replace(one, run=run, base=bases[one.value]) for one, run in zip(asked, found, strict=True)]
+
+    def data(self, runs: Sequence[KnobRun]) -> dict[str, Any]:
+        return {
+            "compressibilities": [
+                {
+                    "bulk_to_shear": ratio,
+                    "initial_poisson": glassy_poisson(here[FULL].case.scene.material),
+                    "final_poisson": here[FULL].case.scene.material.poisson,
+                    "runs": {label: self._data_of(one, one.run) for label, one in here.items() if one.run},
+                }
+                for ratio, here in _by_value(runs)
+            ]
+        }
+
+    def _data_of(self, one: KnobRun, run: Run) -> dict[str, Any]:
+        names, found = (*self.observed, *CURVES), one.differences(self.observed)
+        return {
+            "solver": run.solver,
+            "ending": run.ending,
+            "cpu_seconds": run.cpu_seconds,
+            "observables": {name: run.measures.get(name) for name in self.observed},
+            "error_estimates": {name: run.errors.get(name) for name in names},
+            "differences": {name: found[name].error if name in found else None for name in names},
+        }
+
+    def section(self, name: str, runs: Sequence[KnobRun]) -> Section:
+        rows = (row for ratio, here in _by_value(runs) for row in self._rows(ratio, here))
+        title = f"{name}: elastic bulk against a constant Poisson's ratio"
+        return Section(title, (DataTable.of(rows), Paragraph(self.notes)))
+
+    def _rows(self, ratio: float, here: dict[str, KnobRun]) -> Iterator[Record]:
+        """One row for every quantity."""
+        found = {label: one.differences(self.observed) for label, one in here.items()}
+        material = here[FULL].case.scene.material
+        for name in (*self.observed, *CURVES):
+            full = found[FULL].get(name)
+            costs = {label: found[label].get(name) for label in ASSUMPTIONS}
+            yield {
+                "K/G": f"{ratio:g}",
+                "ν(0)": f"{glassy_poisson(material):.4f}",
+                "ν(∞)": f"{material.poisson:.4f}",
+                "quantity": plain(name) + (" (curve)" if name in CURVES else ""),
+                "full − E*(t)": formatted(full.error if full else None, "+.1e"),
+                "estimates": ABSENT if full is None else estimates(full.own, full.known_to),
+            } | {label: formatted(one.error if one else None, "+.1e") for label, one in costs.items()}
+
+    def failures(self, runs: Sequence[KnobRun]) -> Iterator[str]:
+        for ratio, here in _by_value(runs):
+            where = f"{here[FULL].case.name}: K/G = {ratio:g}"
+            for label, one in here.items():
+                if one.run is not None and not one.run.finished:
+                    yield f"not finished: {where}: {label}: {one.run.ending}"
+            found = here[FULL].differences(self.observed)
+            for name in (*self.observed, *CURVES):
+                if name in found and abs(found[name].error) > _estimates(found[name]):
+                    yield f"failed: {where}: {name}: beyond the error estimates"
+
+
+def _estimates(one: Difference) -> float:
+    return (one.own or 0.0) + (one.known_to or 0.0)
+
+
+def _by_value(runs: Sequence[KnobRun]) -> Iterator[tuple[float, dict[str, KnobRun]]]:
+    for value in dict.fromkeys(one.value for one in runs):
+        yield value, {one.label: one for one in runs if one.value == value}
