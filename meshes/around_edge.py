@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from meshes.halfspace import cached, half_space
 from meshes.mesh import HalfSpaceMesh
-from meshes.parameters import MeshParameters
+from meshes.parameters import DOMAIN_RATIO, MeshParameters
 
 INNER_RADIUS = 24.0
 """Contact radius, in process zones, up to which the innermost mesh serves."""
@@ -22,8 +22,6 @@ STRIP = 12.0
 _STRIDE = 6.0
 """Distance between neighbouring places of a mesh that is not scaled, in process zones: half of ``STRIP``, so
 that the edge has at least three quarters of the strip's half before it and behind it."""
-_DOMAIN_RATIO = 400.0
-"""Radius of the domain over that of the strip, where none is specified."""
 _GMSH_RESOLVES = 5e-9
 """Least element, over the contact radius, that gmsh places rightly: its own tolerances are some 1e-8 of the
 geometry. Below 1e-9 it leaves most of the elements out around the strip; the structured family does not."""
@@ -41,22 +39,10 @@ class Place:
 
 @dataclass
 class EdgeMeshes:
-    """Meshes for the places that a contact edge may come to.
+    """Meshes for the places that a contact edge may come to, in a run of a ``largest`` contact radius.
 
-    Parameters
-    ----------
-    zone : float
-        Length of the process zone.
-    divisions : int
-        Elements per process zone, at least.
-    largest : float
-        Largest contact radius of the run.
-    grading : float
-        Growth of the element size with the distance from the strip.
-    domain_ratio : float, optional
-        Radius of the domain over that of the strip.
-    in_cache : bool
-        Take the meshes from the cache if they are there.
+    ``divisions`` are elements per process zone, at least; ``grading`` is the growth of their size with the
+    distance from the strip, ``domain_ratio`` the radius of the domain over that of the strip.
     """
 
     zone: float
@@ -91,7 +77,7 @@ class EdgeMeshes:
         """Parameters of the mesh of a level, in process zones."""
         centre = self.centre(level)
         fine_from, fine_to = (centre - STRIP, centre + STRIP) if level else (0.0, centre + 0.5 * STRIP)
-        ratio = self.domain_ratio or _DOMAIN_RATIO
+        ratio = self.domain_ratio or DOMAIN_RATIO
         # no other length of the scene enters, so that the meshes of one scene serve the next
         covered = 2.0 ** math.ceil(math.log2(max(_COVERED * self.largest / self.zone, 1.0)))
         domain = max(ratio * centre, covered)

@@ -16,20 +16,7 @@ def refine_edge(points: Array, triangles: Indices, parameters: MeshParameters) -
 
     Every triangle with a corner at the vertex ``v`` is cut along copies of its opposite side, shrunk towards
     ``v`` by 1/2, 1/4, ...; the shapes stay those of the triangles around ``v``, and no other vertex moves.
-
-    Parameters
-    ----------
-    points : ndarray, shape (2, n)
-        Radius and height of the vertices.
-    triangles : ndarray of int, shape (3, m)
-        Vertices of each triangle.
-    parameters : MeshParameters
-        Give radius and size; without them nothing changes.
-
-    Returns
-    -------
-    points : ndarray, shape (2, N)
-    triangles : ndarray of int, shape (3, M)
+    Without such a radius nothing changes.
     """
     if parameters.extra_fine_radius is None or parameters.extra_fine_size is None:
         return points, triangles

@@ -21,17 +21,6 @@ Indices = NDArray[np.int64]
 BOUNDARIES = ("surface", "axis", "far")
 
 
-@dataclass(frozen=True)
-class Quality:
-    """Summary of a mesh: counts, smallest angle in degrees, range of edge lengths."""
-
-    vertices: int
-    triangles: int
-    min_angle: float
-    shortest_edge: float
-    longest_edge: float
-
-
 @dataclass(frozen=True, eq=False)
 class HalfSpaceMesh:
     """Points, triangles, named boundary edges, and the parameters they follow from.
@@ -80,22 +69,6 @@ class HalfSpaceMesh:
         nodes = np.flatnonzero(self.points[1] == 0.0)
         return nodes[np.argsort(self.points[0, nodes])]
 
-    @cached_property
-    def quality(self) -> Quality:
-        """Counts, smallest angle and edge lengths."""
-        sides = [self.triangles[[(k + 1) % 3, (k + 2) % 3]] for k in range(3)]
-        squares = np.array([np.sum((self.points[:, q] - self.points[:, p]) ** 2, axis=0) for p, q in sides])
-        double = 2.0 * areas(self.points, self.triangles)
-        # cot of the angle opposite to side k; the largest cotangent belongs to the smallest angle
-        cotangent = (squares.sum(axis=0) - 2.0 * squares) / (2.0 * double)
-        return Quality(
-            vertices=self.points.shape[1],
-            triangles=self.triangles.shape[1],
-            min_angle=float(np.degrees(np.arctan2(1.0, cotangent.max()))),
-            shortest_edge=float(np.sqrt(squares.min())),
-            longest_edge=float(np.sqrt(squares.max())),
-        )
-
 
 def areas(points: Array, triangles: Indices) -> Array:
     """Signed areas of triangles in the (r, z) plane; positive when counter-clockwise."""
@@ -104,20 +77,8 @@ def areas(points: Array, triangles: Indices) -> Array:
 
 
 def assemble(points: Array, triangles: Indices, parameters: MeshParameters) -> HalfSpaceMesh:
-    """Orient the triangles, number the vertices without gaps, name the boundary edges.
-
-    Parameters
-    ----------
-    points : ndarray, shape (2, n)
-        Radius and height of the vertices; those that no triangle has are dropped.
-    triangles : ndarray of int, shape (3, m)
-        Vertices of each triangle, either way round.
-    parameters : MeshParameters
-
-    Returns
-    -------
-    HalfSpaceMesh
-    """
+    """The mesh of triangles that stand either way round: they are oriented, vertices without a triangle are
+    dropped, and the boundary edges are named."""
     used, flat = np.unique(triangles, return_inverse=True)
     points, triangles = points[:, used], flat.reshape(triangles.shape)
     backwards = areas(points, triangles) < 0

@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass
 
 FAMILIES = ("gmsh", "structured")
+DOMAIN_RATIO = 400.0
+"""Radius of the domain over the largest radius that is fine, where none is specified."""
 
 MAX_STRIP_INTERVALS = 20_000
 """Intervals in the strip; more of them are a mistake in the input."""
@@ -101,7 +103,7 @@ def fit(
     divisions: int,
     *,
     margin: float = 2.0,
-    domain_ratio: float = 400.0,
+    domain_ratio: float = DOMAIN_RATIO,
     grading: float = 0.2,
     family: str = "gmsh",
     edge: float | None = None,

@@ -29,19 +29,6 @@ class Layers:
 def graded(start: float, stop: float, size: float, grading: float) -> Array:
     """Divide [start, stop] into intervals of size about ``size + grading * (x - start)``.
 
-    Parameters
-    ----------
-    start, stop : float
-    size : float
-        Interval at ``start``.
-    grading : float
-        Growth of the intervals per length.
-
-    Returns
-    -------
-    ndarray
-        Vertices, ``start`` and ``stop`` included.
-
     The number of intervals is ``int dx / size(x) = ln(1 + grading L / size) / grading``, rounded up; the
     vertices take equal shares of the integral, so that intervals grow by a constant ratio.
     """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
+
 import numpy as np
 import pytest
 from support.exam_answers import hertz_run
@@ -14,14 +16,13 @@ from validation.reference.creep_compliance import creep_compliance
 from validation.reference.jkr import JKR
 from validation.runs.run import run
 from validation.solvers import PEERS
-from validation.solvers.peers import tamaas_units
 from validation.solvers.peers.peer import beyond_a_sphere
 
 
 def peer(name: str):
     """The peer, if its package is installed."""
     method = PEERS[name]
-    if not method.installed:
+    if find_spec(method.module) is None:
         pytest.skip(f"{method.distribution} is not installed: pip install 'crosscontact[peers]'")
     return method
 
@@ -125,13 +126,47 @@ def test_tamaas_creeps_as_lee_and_radok(held_by_tamaas):
     assert errors[2] < 6e-3
 
 
+RELAXED, BRANCH, POISSON, TIME, STEP = 0.75, 6.75, 0.5, 1.0, 0.5
+"""Young's moduli, Poisson's ratio, relaxation time and time step of the case."""
+HEIGHT = 1e-3
+"""Amplitude of the surface over its wavelength."""
+
+
+def exact_moduli(steps: int) -> np.ndarray:
+    """Modulus after each step, by backward Euler; shape (steps,)."""
+    return RELAXED + BRANCH * (1.0 + STEP / TIME) ** -np.arange(1.0, steps + 1.0)
+
+
+def shown_moduli(unit: float, steps: int, pixels: int = 16) -> np.ndarray:
+    """Modulus that the pressure shows after each step, stresses given in ``unit`` of that of ``RELAXED``."""
+    tamaas = pytest.importorskip("tamaas")
+
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    model = tamaas.Model(tamaas.model_type.basic_2d, [1.0, 1.0], [pixels, pixels])
+    model.E, model.nu = RELAXED / unit, POISSON
+    wave = np.cos(2.0 * np.pi * np.arange(pixels) / pixels)[:, None] * np.ones(pixels)
+    shear = [BRANCH / unit / (2.0 * (1.0 + POISSON))]
+    solver = tamaas.MaxwellViscoelastic(model, HEIGHT * wave, 1e-12, STEP, shear, [TIME])
+    flat = 10.0 * HEIGHT * (RELAXED + BRANCH) / unit  # mean pressure at which no gap is left
+    found = []
+    for _ in range(steps):
+        solver.solve(flat)
+        amplitude = 2.0 * float((np.asarray(model.traction) * wave).mean())
+        found.append(amplitude / (np.pi * HEIGHT) * (1.0 - POISSON**2) * unit)
+    return np.array(found)
+
+
 def test_tamaas_is_right_in_units_of_the_relaxed_shear_modulus_only():
-    """What its adapter rests on; once it is right in any unit, the adapter needs no unit of its own."""
+    """What its adapter rests on; once it is right in any unit, the adapter needs no unit of its own.
+
+    A wavy surface is pressed flat and held: the displacement no longer changes, so the amplitude of the
+    pressure relaxes as the modulus does. In version 2.9.0 what later steps remember is too large by one over
+    the relaxed shear modulus.
+    """
     peer("tamaas")
-    shear = tamaas_units.RELAXED / (2.0 * (1.0 + tamaas_units.POISSON))
-    exact = tamaas_units.exact(4)
-    np.testing.assert_allclose(tamaas_units.measured(shear, 4), exact, rtol=1e-4)
-    in_other_units = tamaas_units.measured(1.0, 4)
+    shear, exact = RELAXED / (2.0 * (1.0 + POISSON)), exact_moduli(4)
+    np.testing.assert_allclose(shown_moduli(shear, 4), exact, rtol=1e-4)
+    in_other_units = shown_moduli(1.0, 4)
     assert in_other_units[0] == pytest.approx(exact[0], rel=1e-4)
     remembered = (in_other_units[0] - in_other_units[1]) / (exact[0] - exact[1])
     assert remembered == pytest.approx(1.0 / shear, rel=1e-3)

@@ -22,7 +22,7 @@ from validation.cases import load
 from validation.exam.grading import grade
 from validation.runs.provenance import of_case
 from validation.runs.run import run
-from validation.solvers import PEERS, Solver, plugins, solvers
+from validation.solvers import PEERS, Solver, registry, solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.registry import SOLVERS, SolverRegistry
 from validation.stability.surfaces import adhesion
@@ -58,7 +58,7 @@ class NotMade(Exiting):
 
 
 def entry(name: str, target: str) -> EntryPoint:
-    return EntryPoint(name, target, plugins.GROUP)
+    return EntryPoint(name, target, registry.GROUP)
 
 
 ENTRIES = (
@@ -79,7 +79,7 @@ BROKEN = {
 @pytest.fixture
 def found(monkeypatch):
     """The entry points above, in a registry that has not looked yet."""
-    monkeypatch.setattr(plugins, "entry_points", lambda group: ENTRIES if group == plugins.GROUP else ())
+    monkeypatch.setattr(registry, "_entries", lambda: ENTRIES)
     monkeypatch.setattr(SOLVERS, "_found", None)
     before = dict(SOLVERS._solvers)
     yield
@@ -88,8 +88,8 @@ def found(monkeypatch):
 
 
 def test_names_are_listed_without_loading(monkeypatch):
-    monkeypatch.setattr(plugins, "entry_points", lambda group: ENTRIES)
-    monkeypatch.setattr(plugins, "load", lambda entry: pytest.fail(f"loaded {entry.name}"))
+    monkeypatch.setattr(registry, "_entries", lambda: ENTRIES)
+    monkeypatch.setattr(registry, "load", lambda entry: pytest.fail(f"loaded {entry.name}"))
     made = SolverRegistry({"bem": BoundaryElements})
     assert list(made) == ["bem", "missing", "no-solver", "other-name", "plug-spring"]
     assert "plug-spring" in made
@@ -115,8 +115,8 @@ def test_one_that_ends_the_program_has_a_failed_run(tmp_path, monkeypatch, capsy
     for command in ("compare --jobs 1 --solvers reference,exiting", "solve --solver exiting"):
         assert main([*command.split(), scene]) == 1
         assert why in "".join(capsys.readouterr())
-    with pytest.raises(plugins.UnusableSolver, match=r"sys\.exit"):
-        plugins.load(entry("exiting", f"{__name__}:NotMade"))
+    with pytest.raises(registry.UnusableSolver, match=r"sys\.exit"):
+        registry.load(entry("exiting", f"{__name__}:NotMade"))
 
 
 def test_what_walks_the_registry_leaves_a_broken_one_out(found):

@@ -168,8 +168,7 @@ def test_what_the_memory_does_not_hold_is_refused_before_a_mesh_is_made(
     def no_mesh(*arguments):
         raise AssertionError("a mesh is made")
 
-    for made in ("mesh_for", "edge_meshes"):
-        monkeypatch.setattr(f"validation.solvers.finite_elements.{made}", no_mesh)
+    monkeypatch.setattr(FiniteElements, "mesh", no_mesh)
     page = os.sysconf("SC_PAGE_SIZE")
     monkeypatch.setattr(os, "sysconf", lambda key: int(1e9 * gigabytes) // page if "PHYS" in key else page)
     line = one_line(capsys, *given)

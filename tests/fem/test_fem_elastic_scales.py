@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from support.fitted_meshes import edge_meshes
 from support.paper_scenes import ONE, SPHERE, WORK
 
 from contact_scene import Adhesion, Loading, PowerLaw, Ramp, Scene, Sphere
@@ -20,7 +21,6 @@ from fem_solver.following.state import undeformed
 from fem_solver.moduli import moduli
 from fem_solver.prony import Prony
 from validation.solvers.finite_elements import FiniteElements
-from validation.solvers.fitted_meshes import edge_meshes
 
 SCENE = Scene(ONE, SPHERE, Loading("relaxed", 0.032, (Ramp(-0.5, 0.002),)), Adhesion(WORK, 1e-4))
 ELASTIC = Components(Prony(1.0, np.zeros(0), np.zeros(0)))

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.fitted_meshes import edge_meshes
 from support.paper_scenes import ONE, WORK
 
 import fem_solver
@@ -39,7 +40,6 @@ from validation.cases import load
 from validation.measure.observables import observe
 from validation.reference.finite_zone import FiniteZone
 from validation.solvers.finite_elements import FOLLOWED_BEYOND, FiniteElements
-from validation.solvers.fitted_meshes import edge_meshes
 
 SHEAR = Prony(0.3, np.array([1.0, 2.0, 0.5]), np.array([1e-3, 0.7, 40.0]))
 STEPS = 4000

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from support.fitted_meshes import edge_meshes, mesh_for
 from support.paper_scenes import WORK
 
 import fem_solver
@@ -19,7 +20,6 @@ from fem_solver.prony import Prony, RelaxingField
 from fem_solver.series_modulus import OneModulus, SeriesModulus
 from validation.reference.separate_bulk import equivalent_material
 from validation.solvers.finite_elements import FiniteElements
-from validation.solvers.fitted_meshes import edge_meshes, mesh_for
 from validation.solvers.front_tracking import FrontTracking
 
 BULK = BulkRelaxation(2.0, (Branch(5.0, 0.7), Branch(1.0, 40.0)))

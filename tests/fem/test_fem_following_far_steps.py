@@ -26,8 +26,7 @@ from fem_solver.following.components import Components
 from fem_solver.following.surface_record import EdgePassage, SurfaceRecord, interpolated
 from fem_solver.prony import Prony
 from validation.reference import tracking as reference
-from validation.solvers.finite_elements import FiniteElements
-from validation.solvers.fitted_meshes import peels
+from validation.solvers.finite_elements import FiniteElements, peels
 
 TWO = Material(0.3, 0.49, (Branch(2.0, 0.05), Branch(1.0, 5.0)))
 PRESSED = Loading("jump-in", 10.0, (Ramp(20.0, 1.0), Ramp(-200.0, 20.0)))

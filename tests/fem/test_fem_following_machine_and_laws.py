@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import front
+from support.fitted_meshes import edge_meshes
 from support.paper_scenes import ONE, WORK
 
 import fem_solver
@@ -34,7 +35,6 @@ from fem_solver.following.state import interface_energy, transferred
 from fem_solver.prony import Prony
 from validation.measure.observables import observe
 from validation.solvers.finite_elements import FiniteElements
-from validation.solvers.fitted_meshes import edge_meshes
 
 ZONE = 1.3e-3
 RETRACTION = Loading("relaxed", 0.032, (Ramp(-0.5, 0.002),))

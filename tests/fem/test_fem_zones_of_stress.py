@@ -5,8 +5,12 @@ from __future__ import annotations
 import pytest
 
 from contact_scene import Adhesion, Branch, Loading, Material, OutcomeKind, PowerRate, Ramp, Scene, Sphere
-from validation.solvers.finite_elements import FiniteElements
-from validation.solvers.fitted_meshes import LEAST_DIVISIONS, divisions_of_zone, resolved_length
+from validation.solvers.finite_elements import (
+    LEAST_DIVISIONS,
+    FiniteElements,
+    divisions_of_zone,
+    resolved_length,
+)
 
 ONE = Material(1.0, 0.5, (Branch(2.0, 0.5),))
 WORK = 2e-4

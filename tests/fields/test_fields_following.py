@@ -11,6 +11,7 @@ import pytest
 import pyvista
 from numpy.testing import assert_allclose
 from scipy.interpolate import LinearNDInterpolator
+from support.fitted_meshes import edge_meshes, mesh_for
 from support.paper_scenes import WORK
 
 from benchmarks import fields_accuracy
@@ -29,7 +30,6 @@ from crosscontact.cli import main
 from crosscontact.commands import fields
 from fem_solver import Options, field_states, record
 from validation.fields.moments import METHOD, FieldRequest, balance, record_fields
-from validation.solvers.fitted_meshes import edge_meshes, mesh_for
 
 TWO = Material(0.75, 0.4, (Branch(2.0, 0.3), Branch(4.0, 0.05)))
 PULLED = Loading("relaxed", 0.02, (Ramp(0.019, 0.02),))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.special import j0, j1
+from support.fitted_meshes import mesh_for
 
 import bem_solver
 import fem_solver
@@ -26,7 +27,6 @@ from fem_solver.fields.states import field_states
 from fem_solver.solver import record
 from validation import cases
 from validation.reference import subsurface
-from validation.solvers.fitted_meshes import mesh_for
 
 MODULUS, POISSON, WORK = 3.0, 0.3, 2e-3
 PLANE = MODULUS / (1.0 - POISSON**2)

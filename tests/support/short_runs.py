@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 
+from support.fitted_meshes import mesh_for
+
 import bem_solver
 import fem_solver
 from contact_scene import (
@@ -23,7 +25,6 @@ from contact_scene import (
     Trace,
 )
 from validation.reference import tracking as reference
-from validation.solvers.fitted_meshes import mesh_for
 
 TIMES = (0.0, 0.05, 0.35)  # of profiles: the start, within the approach, within the oscillation
 TWO = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(3.75, 1.0)))

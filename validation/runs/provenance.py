@@ -26,7 +26,7 @@ OWN_PACKAGES = ("contact_scene", "bem_solver", "fem_solver", "meshes", "validati
 NUMERICAL_PACKAGES = ("numpy", "scipy", "scikit-fem", "gmsh")
 EVALUATING_FOLDERS = ("report", "claims")
 """Folders of ``validation`` that read runs and change none: editing them leaves fingerprints as they are."""
-_PACKAGES = ("crosscontact", "numpy", "scipy", "scikit-fem", "gmsh", "meshio", "pyvista", "matplotlib")
+_PACKAGES = ("crosscontact", "numpy", "scipy", "scikit-fem", "gmsh", "pyvista", "matplotlib")
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 

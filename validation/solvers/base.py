@@ -1,4 +1,4 @@
-"""A solver: how it is run, how accurate it is, how its curves are drawn."""
+"""A solver: what may be asked of its runs, how accurate it is, how its curves are drawn."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
-from contact_scene import COLUMNS, Scene, Trace, UnsupportedScene
+from contact_scene import COLUMNS, RunMonitor, Scene, Trace, UnsupportedScene
 from contact_scene.errors import shown
-from contact_scene.run_control import MAX_STEPS
+from contact_scene.run_control import MAX_STEPS, whole_number
+from contact_scene.value_checks import as_tuple, finite, function_or_none, positive, true_or_false
 from validation.solvers.model_range import cycle_count, interval_count, out_of_range
-from validation.solvers.run_options import RunOptions
 
 REFERENCE = "reference"
 """Name of the solver that the others are compared with."""
@@ -23,9 +23,65 @@ SKIPPED_WORK: Mapping[str, str] = {
     "history_updates": "no history was carried",
 }
 """Work counter of any solver: what its remaining at zero means."""
-
 QUICK_DIVISIONS = 8
 """Most divisions per process zone in the quick suite."""
+Progress = Callable[[float], None]
+"""Called with the share of the loading that is done, 0 to 1."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What may be requested of any solver beside the resolution.
+
+    Parameters
+    ----------
+    step_tolerance : float, optional
+        Tolerance of the time steps, relative; what it bounds, and its default, are the solver's own.
+    stop_times : tuple of float
+        Times that are stepped onto exactly.
+    profile_times : tuple of float
+        Times that are stepped onto exactly and give a surface profile each.
+    max_steps : int, optional
+        Largest number of steps, accepted and rejected together; by default
+        :func:`~validation.solvers.base.step_budget`.
+    progress : callable, optional
+        Called with the share of the loading that is done, 0 to 1.
+    monitor : RunMonitor, optional
+        Stops the run between two steps, or has it continued.
+    estimate_errors : bool
+        Put error estimates into ``Trace.errors``, if the solver makes its own.
+    """
+
+    step_tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
+    profile_times: tuple[float, ...] = ()
+    max_steps: int | None = None
+    progress: Progress | None = None
+    monitor: RunMonitor | None = None
+    estimate_errors: bool = False
+
+    def __post_init__(self) -> None:
+        if self.step_tolerance is not None:
+            object.__setattr__(self, "step_tolerance", positive(self.step_tolerance, "step_tolerance"))
+        for key in ("stop_times", "profile_times"):
+            times = as_tuple(getattr(self, key), key, "several times")
+            checked = tuple(finite(time, f"{key}[{index}]") for index, time in enumerate(times))
+            object.__setattr__(self, key, checked)
+        if self.max_steps is not None:
+            object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
+        function_or_none(self.progress, "progress", "the share that is done")
+        function_or_none(self.monitor, "monitor", "nothing, and says whether the run is to continue")
+        true_or_false(self.estimate_errors, "estimate_errors")
+
+    @property
+    def of_solver(self) -> dict[str, Any]:
+        """Keywords that the options of every solver have in common."""
+        return {
+            "tolerance": self.step_tolerance,
+            "stop_times": self.stop_times,
+            "profile_times": self.profile_times,
+            "max_steps": self.max_steps or MAX_STEPS,
+        }
 
 
 @contextmanager
@@ -39,15 +95,8 @@ def exit_is_an_error() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class ComparisonRun:
-    """A second run of a solver, with other sizes of steps and elements.
-
-    Parameters
-    ----------
-    solve : callable
-        Carries it out; to be called with the keywords of ``Solver.solve``.
-    ratio : float
-        Its sizes over those of the first run; not 1.
-    """
+    """A second run of a solver: ``solve`` takes the keywords of ``Solver.solve``; ``ratio`` is that of its
+    steps and elements to those of the first run, not 1."""
 
     solve: Callable[..., Trace]
     ratio: float
@@ -152,17 +201,7 @@ class Solver(ABC):
         return self._solve(scene, resolution, asked)
 
     def check(self, scene: Scene, resolution: int | None = None) -> None:
-        """Refuse a scene as :meth:`solve` does, as far as that is told without solving it.
-
-        Parameters
-        ----------
-        scene, resolution
-            As of :meth:`solve`.
-
-        Raises
-        ------
-        SceneError
-        """
+        """Refuse a scene as :meth:`solve` does, as far as that is told without solving it."""
         unsupported = out_of_range(scene) or self.refusal(scene)
         if unsupported is not None:
             raise unsupported
@@ -195,18 +234,7 @@ class Solver(ABC):
         return 0.0
 
     def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
-        """The run from whose difference errors are estimated: at half the resolution, or at twice.
-
-        Parameters
-        ----------
-        scene : Scene
-        resolution : int, optional
-            Of the run whose errors are estimated.
-
-        Returns
-        -------
-        ComparisonRun
-        """
+        """The run from whose difference errors are estimated: at half the resolution, or at twice."""
         divisions, other = self._other_resolution(scene, resolution)
         return ComparisonRun(partial(self.solve, scene, other), divisions / other)
 

@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 from bem_solver import Options, refusal, solve
 from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import Scene, Trace, UnsupportedScene
-from validation.solvers.base import Solver
-from validation.solvers.run_options import RunOptions
+from validation.solvers.base import RunOptions, Solver
 
 
 @dataclass(frozen=True)
@@ -72,9 +71,7 @@ class BoundaryElements(Solver):
         return refusal(scene)
 
     def default_resolution(self, scene: Scene) -> int:
-        """As in ``bem_solver.Options``."""
         return DEFAULT_RESOLUTION
 
     def coarse_resolution(self, adhesive: bool) -> int:
-        """Six, with and without adhesion."""
         return 6

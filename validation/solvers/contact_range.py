@@ -26,7 +26,7 @@ RADIUS_TOLERANCE = 1e-13
 """Error of a contact radius, relative: of the order of the rounding of the loads it is told by."""
 LARGEST_FLOAT = float(np.finfo(float).max)
 TABLE_RANGE = 1e-9, 1e6
-"""The same for a tabulated profile, whose transform takes long, relative to its last radius."""
+"""The radii searched for a tabulated profile, whose transform takes long, relative to its last one."""
 
 
 def _finite(spare: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -52,32 +52,36 @@ def _outermost(spare: Callable[[ArrayLike], NDArray[np.float64]], inner: float, 
     return float(outer)
 
 
+def _sharp(
+    scene: Scene, stiffness: float, work: float, a: NDArray[np.float64], reach: float = 0.0
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Penetration and force of an elastic contact of radius ``a`` with a sharp edge, or a longer reach."""
+    pull = np.sqrt(2.0 * np.pi * (a + reach) * work / stiffness)
+    force = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
+    return sneddon.depth(scene.indenter, a) - pull, force
+
+
 @lru_cache(maxsize=64)
 @np.errstate(over="ignore", invalid="ignore", under="ignore")
 def largest_contact_radius(scene: Scene) -> float:
     """Upper estimate of the contact radius over the whole loading; at most the largest that is searched."""
     if math.isfinite(scene.indenter.edge):
         return scene.indenter.edge
-    depth, force, stage = _largest_load(scene)
-    compliance = scene.loading.compliance
-    stiffness = scene.material.relaxed_plane_modulus
-    work = scene.adhesion.work if scene.adhesion is not None else 0.0
+    deepest, strongest, farthest = _largest_load(scene)
+    compliance, stiffness = scene.loading.compliance, scene.material.relaxed_plane_modulus
+    work, zone = (scene.adhesion.work, scene.adhesion.zone) if scene.adhesion is not None else (0.0, 0.0)
 
     def spare_load(radius: ArrayLike, reach: float = 0.0) -> NDArray[np.float64]:
-        """Positive where the load would hold a larger contact, of a sharp edge or one with a longer reach."""
+        """Positive where the load would hold a larger contact."""
         a = np.asarray(radius, float)
-        pull = np.sqrt(2.0 * np.pi * (a + reach) * work / stiffness)
-        by_depth = depth - (sneddon.depth(scene.indenter, a) - pull)
-        resisting = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
-        by_force = (force - resisting) / (2.0 * stiffness * a)
-        loads = np.fmax(by_depth, by_force)
-        if stage > -math.inf:
-            reached = sneddon.depth(scene.indenter, a) - pull + compliance * resisting
-            loads = np.fmax(loads, (stage - reached) / (1.0 + 2.0 * compliance * stiffness * a))
+        depth, force = _sharp(scene, stiffness, work, a, reach)
+        loads = np.fmax(deepest - depth, (strongest - force) / (2.0 * stiffness * a))
+        if farthest > -math.inf:
+            spare = farthest - (depth + compliance * force)
+            loads = np.fmax(loads, spare / (1.0 + 2.0 * compliance * stiffness * a))
         return _finite(loads)
 
     radii = _searched(scene.indenter)
-    zone = scene.adhesion.zone if scene.adhesion is not None else 0.0
     for reach in (0.0, zone):  # a process zone may hold a contact that a sharp edge does not
         held = np.flatnonzero(spare_load(radii, reach) > 0.0)
         if held.size and held[-1] + 1 == radii.size:
@@ -96,26 +100,22 @@ def start_radius(scene: Scene) -> float:
     """
     if math.isfinite(scene.indenter.edge):
         return scene.indenter.edge
-    material, work = scene.material, scene.adhesion.closing if scene.adhesion is not None else 0.0
-    relaxed = scene.loading.start == "relaxed"
+    loading, material = scene.loading, scene.material
+    work = scene.adhesion.closing if scene.adhesion is not None else 0.0
+    relaxed = loading.start == "relaxed"
     stiffness = material.relaxed_plane_modulus if relaxed else material.glassy_plane_modulus
+    compliance = loading.compliance if loading.start_control == "stage" else 0.0
 
-    compliance = scene.loading.compliance if scene.loading.start_control == "stage" else 0.0
-
-    def excess(radius: ArrayLike) -> NDArray[np.float64]:
-        a = np.asarray(radius, float)
-        pull = np.sqrt(2.0 * np.pi * a * work / stiffness)
-        reached = sneddon.depth(scene.indenter, a) - pull
-        if compliance > 0.0:
-            resisting = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
-            reached = reached + compliance * resisting
-        return -_finite(scene.loading.penetration - reached)
+    def missing(radius: ArrayLike) -> NDArray[np.float64]:
+        """How much less than that of the start the penetration is."""
+        depth, force = _sharp(scene, stiffness, work, np.asarray(radius, float))
+        return _finite(loading.penetration - (depth + compliance * force if compliance > 0.0 else depth))
 
     radii = _searched(scene.indenter)
-    below = np.flatnonzero(excess(radii) <= 0.0)
+    below = np.flatnonzero(missing(radii) >= 0.0)
     if below.size == 0 or below[-1] + 1 == radii.size:
         return 0.0
-    return _outermost(lambda radius: -excess(radius), *radii[below[-1] : below[-1] + 2])
+    return _outermost(missing, *radii[below[-1] : below[-1] + 2])
 
 
 def _largest_load(scene: Scene) -> tuple[float, float, float]:

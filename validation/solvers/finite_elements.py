@@ -1,4 +1,8 @@
-"""Finite elements as a solver of the registry, on meshes fitted to the scene."""
+"""Finite elements as a solver, on meshes fitted to the scene.
+
+A mesh is fine along the whole path of the contact edge, up to the largest contact of the loading, or, where
+that is many process zones long, around the edge alone, with which it travels.
+"""
 
 from __future__ import annotations
 
@@ -8,26 +12,24 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Literal
 
-from contact_scene import Scene, SceneError, Trace
+import meshes
+from contact_scene import Adhesion, Scene, SceneError, Trace
 from contact_scene.run_control import installed_memory
-from meshes import EdgeMeshes, HalfSpaceMesh
-from validation.solvers.base import SKIPPED_WORK, ComparisonRun, Solver
+from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver
 from validation.solvers.contact_range import largest_contact_radius
-from validation.solvers.fitted_meshes import (
-    ADHESIONLESS_DIVISIONS,
-    DIVISIONS,
-    GRADING,
-    divisions_of_zone,
-    edge_mesh_parameters,
-    edge_meshes,
-    finest_resolution,
-    mesh_for,
-    mesh_parameters,
-    peels,
-    resolved_length,
-)
-from validation.solvers.run_options import RunOptions
 
+DIVISIONS = 10
+"""Elements per process zone where no resolution is specified."""
+ADHESIONLESS_DIVISIONS = 4
+"""Nodes per hundredth of the largest contact radius, without adhesion and with no resolution specified.
+
+Without adhesion the edge rests on nodes, mid-side nodes among them: two divisions are an element.
+"""
+LEAST_DIVISIONS = 4
+"""Smallest resolution that a user may choose; coarser meshes serve estimates of the error alone. The zone of
+a closing edge then has an element at least: with less the edge closes in steps, behind where it should be."""
+GRADING = 0.2
+"""Growth of the element size with the distance from the contact edge, where none is specified."""
 FOLLOWED_BEYOND = 48.0
 """Largest contact radius, in process zones, beyond which the mesh follows the edge: of the order at which
 a mesh that is fine along the whole path takes as long, not measured closer."""
@@ -118,12 +120,50 @@ class FiniteElements(Solver):
         )
         return solve(scene, self.mesh(scene, resolution), own, options.progress, options.monitor)
 
-    def mesh(self, scene: Scene, resolution: int | None) -> HalfSpaceMesh | EdgeMeshes:
-        """The mesh fitted to a scene, or those that follow the edge."""
+    def mesh(self, scene: Scene, resolution: int | None) -> meshes.HalfSpaceMesh | meshes.EdgeMeshes:
+        """The mesh fitted to a scene, or those that follow the edge; ``SceneError`` if it is too large."""
+        divisions = resolution or self.default_resolution(scene)
         if self.follows_edge(scene):
-            grading = self.followed_grading or self.grading
-            return edge_meshes(scene, resolution, grading, self.domain_ratio, self.cached_mesh)
-        return mesh_for(scene, resolution, self.grading, self.domain_ratio, self.cached_mesh)
+            return self._edge_meshes(scene, divisions)
+        try:
+            parameters = self.parameters(scene, divisions)
+        except ValueError as error:
+            raise self._too_large(scene, divisions, error) from None
+        return meshes.cached(parameters) if self.cached_mesh else meshes.half_space(parameters)
+
+    def parameters(self, scene: Scene, divisions: int) -> meshes.MeshParameters:
+        """Of the mesh, the largest one where it follows the edge; ``ValueError`` if it is too large."""
+        largest, edge = largest_contact_radius(scene), scene.indenter.edge
+        if self.follows_edge(scene):
+            followed = self._edge_meshes(scene, divisions)
+            return followed.parameters(followed.place(largest).level)
+        if scene.adhesion is not None and scene.is_adhesive:
+            zone = resolved_length(scene.adhesion)
+            margin = 2.0 * scene.adhesion.zone / zone
+        else:
+            zone, margin = 0.02 * largest, 1.0
+        rim = edge if math.isfinite(edge) else None
+        return meshes.fit(
+            0.0 if rim is None or peels(scene) else rim,
+            largest,
+            zone,
+            divisions,
+            margin=margin,
+            domain_ratio=self.domain_ratio or meshes.DOMAIN_RATIO,
+            grading=self.grading or GRADING,
+            edge=rim,
+        )
+
+    def _edge_meshes(self, scene: Scene, divisions: int) -> meshes.EdgeMeshes:
+        assert scene.adhesion is not None
+        return meshes.EdgeMeshes(
+            resolved_length(scene.adhesion),
+            divisions,
+            largest_contact_radius(scene),
+            self.followed_grading or self.grading or GRADING,
+            self.domain_ratio,
+            self.cached_mesh,
+        )
 
     def step_divisions(self, scene: Scene, resolution: int | None) -> int | None:
         """Divisions per process zone that the time steps resolve; ``None``: those of the mesh."""
@@ -161,26 +201,43 @@ class FiniteElements(Solver):
     def check(self, scene: Scene, resolution: int | None = None) -> None:
         """As of every solver; a mesh may be too large too, of itself or for the memory of the machine."""
         super().check(scene, resolution)
-        parameters = edge_mesh_parameters if self.follows_edge(scene) else mesh_parameters
-        parameters(scene, resolution, self.grading, self.domain_ratio)
-        installed, divisions = installed_memory(), resolution or self.default_resolution(scene)
+        divisions, installed = resolution or self.default_resolution(scene), installed_memory()
+        try:
+            self.parameters(scene, divisions)
+        except ValueError as error:
+            raise self._too_large(scene, divisions, error) from None
         needed = self.mesh_bytes(scene, divisions)
-        if installed is None or needed <= installed:
-            return
+        if installed is not None and needed > installed:
+            there = f"{1e-9 * installed:.3g} GB are installed"
+            problem = f"at resolution {divisions} it takes about {1e-9 * needed:.3g} GB of memory, {there}"
+            raise SceneError("", problem, self._advice(scene, divisions))
 
-        def fits(coarser: int) -> bool:
-            return self.mesh_bytes(scene, coarser) <= ADVISED_SHARE * installed
+    def _too_large(self, scene: Scene, divisions: int, error: ValueError) -> SceneError:
+        return SceneError("", f"no mesh for this scene: {error}", self._advice(scene, divisions))
 
-        there = f"{1e-9 * installed:.3g} GB are installed"
-        problem = f"at resolution {divisions} it takes about {1e-9 * needed:.3g} GB of memory, {there}"
-        raise SceneError("", problem, finest_resolution(fits, divisions))
+    def _advice(self, scene: Scene, refused: int) -> str:
+        """What is allowed in place of a refused resolution, in words: the finest one that can be made."""
+        installed = installed_memory()
+
+        def possible(divisions: int) -> bool:
+            try:
+                self.parameters(scene, divisions)
+            except ValueError:
+                return False
+            return installed is None or self.mesh_bytes(scene, divisions) <= ADVISED_SHARE * installed
+
+        low, high = LEAST_DIVISIONS - 1, max(refused, LEAST_DIVISIONS)
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if possible(middle) else (low, middle)
+        if low < LEAST_DIVISIONS:
+            return "a longer process zone, a smaller contact, or another solver"
+        return f"a coarser resolution, at most {low}"
 
     def load(self) -> None:
-        """Import the solver and scikit-fem."""
         import fem_solver  # noqa: F401
 
     def default_resolution(self, scene: Scene) -> int:
-        """Elements per process zone, or nodes per hundredth of the largest contact radius."""
         return DIVISIONS if scene.is_adhesive else ADHESIONLESS_DIVISIONS
 
     def quick_resolution(self, scene: Scene) -> int:
@@ -188,7 +245,6 @@ class FiniteElements(Solver):
         return self.default_resolution(scene) if self.follows_edge(scene) else super().quick_resolution(scene)
 
     def coarse_resolution(self, adhesive: bool) -> int:
-        """Four; without adhesion two."""
         return 4 if adhesive else 2
 
     def edge_spacing(self, scene: Scene, resolution: int | None = None) -> float:
@@ -207,6 +263,24 @@ class FiniteElements(Solver):
         method = replace(self, grading=ratio * (self.grading or GRADING))
         run = partial(method.solve, scene, other, step_tolerance=ratio**2 * DEFAULT_TOLERANCE)
         return ComparisonRun(run, ratio)
+
+
+def resolved_length(adhesion: Adhesion) -> float:
+    """Length that the resolution divides: the process zone, or less where that of a closing edge is short."""
+    return min(adhesion.zone, LEAST_DIVISIONS * adhesion.closing_zone)
+
+
+def divisions_of_zone(scene: Scene, resolution: int) -> int:
+    """Elements in a process zone at rest; without adhesion the resolution."""
+    if scene.adhesion is None or not scene.is_adhesive:
+        return resolution
+    return round(resolution * scene.adhesion.zone / resolved_length(scene.adhesion))
+
+
+def peels(scene: Scene) -> bool:
+    """Whether the contact edge takes time to leave the rim of a punch; otherwise it stays or goes at once."""
+    rated = scene.adhesion is not None and scene.adhesion.rate is not None
+    return scene.is_adhesive and (rated or bool(scene.material.spectrum[0].size))
 
 
 def _polynomial(coefficients: Sequence[float], unknowns: float) -> float:

@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 from contact_scene import Scene, Trace, UnsupportedScene
 from validation.reference.tracking import Options, refusal, solve
 from validation.reference.tracking.options import DEFAULT_RESOLUTION
-from validation.solvers.base import REFERENCE, Solver
-from validation.solvers.run_options import RunOptions
+from validation.solvers.base import REFERENCE, RunOptions, Solver
 
 
 @dataclass(frozen=True)
@@ -41,9 +40,7 @@ class FrontTracking(Solver):
         return refusal(scene)
 
     def default_resolution(self, scene: Scene) -> int:
-        """As in ``validation.reference.Options``."""
         return int(DEFAULT_RESOLUTION[scene.is_adhesive])
 
     def coarse_resolution(self, adhesive: bool) -> int:
-        """Eight; without adhesion four."""
         return 8 if adhesive else 4

@@ -146,31 +146,21 @@ def _length(scene: Scene) -> float:
 @np.errstate(over="ignore", under="ignore")
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """What makes the answer to a scene doubtful, known before it is solved; one sentence each."""
-    found = []
-    if scene.adhesion is not None and scene.is_adhesive and (start := start_radius(scene)) > 0.0:
-        share = scene.adhesion.zone / start
-        if share > LARGEST_ZONE:
-            found.append(_zone_warning(share))
+    found = tuple(_long_zone(scene, start_radius(scene))) if scene.is_adhesive else ()
     try:
-        largest = largest_contact_radius(scene)
+        return (*found, *_outgrown(scene, largest_contact_radius(scene), "would grow"))
     except SceneError:
-        return tuple(found)
-    return (*found, *_outgrown(scene, largest, "would grow"))
+        return found
 
 
 def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
     """What makes an answer doubtful, from its rows; one sentence each."""
     if len(trace) == 0:
         return ()
-    found = []
-    start = float(trace.contact_radius[0])
-    if scene.adhesion is not None and scene.is_adhesive and start > 0.0:
-        share = scene.adhesion.zone / start
-        if share > LARGEST_ZONE:
-            found.append(_zone_warning(share))
     row = int(np.argmax(trace.contact_radius))
     largest, when = float(trace.contact_radius[row]), f"grows by t = {trace.time[row]:.4g}"
-    return (*found, *_outgrown(scene, largest, when), *_still_in_contact(scene, trace))
+    start = _long_zone(scene, float(trace.contact_radius[0]))
+    return (*start, *_outgrown(scene, largest, when), *_still_in_contact(scene, trace))
 
 
 def _still_in_contact(scene: Scene, trace: Trace) -> Iterator[str]:
@@ -186,11 +176,16 @@ def _still_in_contact(scene: Scene, trace: Trace) -> Iterator[str]:
         )
 
 
-def _zone_warning(share: float) -> str:
-    return (
-        f"the process zone is {share:.2g} of the contact radius at the start; above {LARGEST_ZONE:g} it is "
-        "no small region at the edge"
-    )
+def _long_zone(scene: Scene, start: float) -> Iterator[str]:
+    """A sentence on a process zone that is no small part of the contact at the start."""
+    if scene.adhesion is None or not scene.is_adhesive or not start > 0.0:
+        return
+    share = scene.adhesion.zone / start
+    if share > LARGEST_ZONE:
+        yield (
+            f"the process zone is {share:.2g} of the contact radius at the start; above {LARGEST_ZONE:g} it "
+            "is no small region at the edge"
+        )
 
 
 def _outgrown(scene: Scene, radius: float, grows: str) -> Iterator[str]:

@@ -1,9 +1,8 @@
 """Peers: contact codes of others, run as they are, each within what it covers. None is imported here."""
 
+from validation.solvers.peers.adhesion import MaugisRing, SharpEdge
 from validation.solvers.peers.hertz_pixels import HertzOnPixels
-from validation.solvers.peers.maugis_ring import MaugisRing
 from validation.solvers.peers.peer import Peer
-from validation.solvers.peers.sharp_edge import SharpEdge
 from validation.solvers.peers.viscoelastic_pixels import ViscoelasticPixels
 
 PEERS: dict[str, Peer] = {

@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from contact_scene import Scene, Sphere, Trace
+from validation.solvers.base import RunOptions
 from validation.solvers.peers.peer import Peer, elastic_ramps, ramp_times, trace_of
-from validation.solvers.run_options import RunOptions
 
 SPARE = 2.8
 """Side of the square over the largest contact radius: beyond 2, so that the contact ends inside it."""
@@ -36,11 +36,9 @@ class HertzOnPixels(Peer):
         return "adhesion" if scene.is_adhesive else elastic_ramps(scene)
 
     def default_resolution(self, scene: Scene) -> int:
-        """32."""
         return 32
 
     def load(self) -> None:
-        """Import ContactMechanics and the package of its surfaces."""
         import ContactMechanics.Systems  # noqa: F401
         import SurfaceTopography  # noqa: F401
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from importlib.util import find_spec
 from typing import Any, ClassVar
@@ -16,13 +17,8 @@ EXTRA = "pip install 'crosscontact[peers]'"
 
 
 class Peer(Solver):
-    """A code of somebody else, called as its users call it.
-
-    Attributes
-    ----------
-    distribution, module : str
-        The package as it is installed, and as it is imported.
-    """
+    """A code of somebody else, called as its users call it: ``distribution`` is the package as it is
+    installed, ``module`` as it is imported."""
 
     distribution: ClassVar[str]
     module: ClassVar[str]
@@ -45,21 +41,16 @@ class Peer(Solver):
         except metadata.PackageNotFoundError:
             return ""
 
-    @property
-    def installed(self) -> bool:
-        """Whether the package is there; it is not imported."""
-        return find_spec(self.module) is not None
-
     def refusal(self, scene: Scene) -> UnsupportedScene | None:
         """A package that is missing, or a scene that it does not cover."""
-        if not self.installed:
+        if find_spec(self.module) is None:
             return UnsupportedScene("solver", f'"{self.name}" needs the package {self.distribution}', EXTRA)
         outside = self.outside(scene)
         return UnsupportedScene("solver", f'"{self.name}" does not cover {outside}') if outside else None
 
+    @abstractmethod
     def outside(self, scene: Scene) -> str:
         """What in a scene the code does not cover; empty if it covers all."""
-        raise AssertionError("defined by every peer")
 
 
 def beyond_a_sphere(scene: Scene) -> str:
@@ -105,17 +96,7 @@ def trace_of(
 ) -> Trace:
     """A trace of a code that gives no energies: the work by trapezoids, nothing stored, nothing lost.
 
-    Parameters
-    ----------
-    solver : Solver
-    time, depth, force, radius : ndarray, shape (n,)
-        In units of the scene.
-    lost : bool
-        Whether contact is lost at the last row.
-
-    Returns
-    -------
-    Trace
+    The columns, each of shape (n,), are in units of the scene; ``lost``: contact is lost at the last row.
     """
     kind = OutcomeKind.DETACHED if lost else OutcomeKind.COMPLETED
     reason = "the contact area fell to zero" if lost else "all loading steps carried out"

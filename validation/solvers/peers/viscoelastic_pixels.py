@@ -2,8 +2,8 @@
 
 ``MaxwellViscoelastic`` takes backward-Euler steps of one length; the moduli of its branches are shear moduli.
 Stresses are given to it in units of the relaxed shear modulus ``G0 = E0/(2 (1 + nu))``: in any other unit its
-memory of earlier steps is too large by ``1/G0`` (version 2.9.0; ``python -m
-validation.solvers.peers.tamaas_units`` shows it), while its first step and its elastic limits are right.
+memory of earlier steps is too large by ``1/G0`` (version 2.9.0; a test shows it), while its first step and
+its elastic limits are right.
 
 The cell of Tamaas is periodic by default; here its non-periodic operator is used. Contact radius: that of the
 disc of the contact area, which Tamaas corrects for the steps of the outline. It returns no penetration.
@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from contact_scene import Force, ForceRamp, Scene, Sphere, Trace
+from validation.solvers.base import RunOptions
 from validation.solvers.peers.peer import Peer, beyond_a_sphere, trace_of
-from validation.solvers.run_options import RunOptions
 
 SPARE = 2.2
 """Side of the square over a bound of the contact radius: beyond 2, so that the contact ends inside it."""
@@ -48,11 +48,9 @@ class ViscoelasticPixels(Peer):
         return beyond_a_sphere(scene)
 
     def default_resolution(self, scene: Scene) -> int:
-        """64."""
         return 64
 
     def load(self) -> None:
-        """Import Tamaas."""
         import tamaas
 
         tamaas.set_log_level(tamaas.LogLevel.error)
