@@ -44,12 +44,6 @@ def test_relaxation_modulus():
     assert THREE.relaxation_modulus([-1.0, 0.0, 4.0]) == pytest.approx([0.0, 8.0, 1.0 + 3.0 / E**2 + 4.0 / E])
 
 
-def test_complex_modulus():
-    """At w tau = 1 and 2: storage 1 + 3/2 + 4 * 4/5, loss 3/2 + 4 * 2/5."""
-    assert THREE.storage_modulus(0.5) == pytest.approx(5.7)
-    assert THREE.loss_modulus(0.5) == pytest.approx(3.1)
-
-
 @pytest.mark.parametrize("apart", [1e-13, 1e-6, 1e-3, 0.05, 0.3])
 def test_relaxation_times_close_together_are_not_joined(apart):
     moduli, times = Material(1.0, 0.5, (Branch(2.0, 1.0 + apart), Branch(3.0, 1.0))).spectrum
