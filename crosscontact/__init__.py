@@ -11,6 +11,7 @@
 Names are loaded where they are first used: the import itself loads no package that computes or draws.
 """
 
+# ruff: noqa: F403, F405  (type checkers read the names of contact_scene from there)
 from __future__ import annotations
 
 from importlib import import_module
@@ -26,51 +27,7 @@ except ImportError as error:
     raise
 
 if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and SciPy unloaded
-    from contact_scene import (
-        WLF,
-        Adhesion,
-        Approach,
-        Arrhenius,
-        Branch,
-        BulkRelaxation,
-        Cone,
-        DynamicData,
-        FlatPunch,
-        Force,
-        ForceRamp,
-        Hold,
-        Loading,
-        Machine,
-        Material,
-        Oscillate,
-        Outcome,
-        OutcomeKind,
-        PowerLaw,
-        PowerLawRelaxation,
-        PronyFit,
-        Ramp,
-        RelaxationData,
-        Scene,
-        SceneError,
-        ShiftTable,
-        Sphere,
-        StandardLinearSolid,
-        SurfaceProfile,
-        Sweep,
-        Table,
-        TabulatedProfile,
-        Trace,
-        UnsupportedScene,
-        at_temperature,
-        fit_prony,
-        read_material,
-        read_measured,
-        read_scene,
-        read_shift_factors,
-        scene_from_dict,
-        write_material,
-        write_scene,
-    )
+    from contact_scene import *
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.exam import export_exam, judge
     from crosscontact.fitting import Fit, MeasuredCurve, fit, read_curves, synthetic, write_curve

@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
-from contact_scene.run_control import whole_number
-from contact_scene.value_checks import function_or_none, not_negative, several, true_or_false
+from contact_scene.value_checks import function_or_none, true_or_false
 from crosscontact import arguments
-from crosscontact.arguments import case_of, checked_resolution
+from crosscontact.arguments import COUNT, RESOLUTION, case_of, given, times
 from crosscontact.result import Result, html_table
 from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
 from validation.drawing import run_figures
 from validation.measure.check import Check
-from validation.report.document import number as in_digits
+from validation.report.tables import of_checks
 from validation.report.terminal import aligned
 from validation.runs import run as runs
 
@@ -89,22 +88,18 @@ def solve(
         If an argument is wrong or the solver does not take the scene (``UnsupportedScene``); one line.
     """
     case = case_of(scene)
-    arguments.check(solver, "solver", arguments.selectable())
-    resolution = checked_resolution(resolution)
-    if max_steps is not None:
-        max_steps = whole_number(max_steps, "max_steps", 1)
+    arguments.check_solver(solver, "solver", arguments.selectable())
     function_or_none(progress, "progress", "the share that is done")
-    true_or_false(estimate_errors, "estimate_errors")
     if profile_times is not None:
-        case = replace(case, profile_times=_times(profile_times, "profile_times"))
+        case = replace(case, profile_times=times(profile_times, "profile_times"))
     run = runs.run_or_raise(
         case,
         solver,
-        resolution,
+        given(RESOLUTION, resolution, "resolution"),
         progress,
-        estimate_errors,
-        stop_times=_times(stop_times, "stop_times"),
-        max_steps=max_steps,
+        true_or_false(estimate_errors, "estimate_errors"),
+        stop_times=times(stop_times, "stop_times"),
+        max_steps=given(COUNT, max_steps, "max_steps"),
     )
     return Result(case.scene, run)
 
@@ -125,22 +120,19 @@ def compare(
         A scene, the name of a built-in one (then with its check values and tolerances), or a scene file.
     solvers : collection of str, optional
         Names, the reference among them; by default all.
-    resolution : int, optional
+    resolution, max_steps : int, optional
         As for :func:`solve`.
     estimate_errors : bool
         Whether agreement is judged by error estimates, as ``crosscontact compare`` does, or by the
         tolerances of the scene alone.
-    max_steps : int, optional
-        As for :func:`solve`.
 
     Returns
     -------
     SolverComparison
     """
     case = case_of(scene)
-    resolution = checked_resolution(resolution)
-    if max_steps is not None:
-        max_steps = whole_number(max_steps, "max_steps", 1)
+    resolution = given(RESOLUTION, resolution, "resolution")
+    max_steps = given(COUNT, max_steps, "max_steps")
     true_or_false(estimate_errors, "estimate_errors")
     names = arguments.usable() if solvers is None else arguments.chosen(solvers, "solvers")
     by_solver = {
@@ -191,8 +183,8 @@ class SolverComparison:
         return panels
 
     def _rows(self) -> list[tuple[str, ...]]:
-        head = ("solver", "quantity", "found", "expected", "difference", "limit", "verdict")
-        return [head, *(_row(check) for check in self.checks)]
+        table = of_checks(self.checks)
+        return [table.head, *(tuple(map(str, row)) for row in table.rows)]
 
     def __repr__(self) -> str:
         verdict = "all agree" if self.agree else "they disagree"
@@ -200,20 +192,3 @@ class SolverComparison:
 
     def _repr_html_(self) -> str:
         return html_table(self._rows())
-
-
-def _row(check: Check) -> tuple[str, ...]:
-    return (
-        check.solver,
-        check.quantity,
-        in_digits(check.found),
-        f"{'' if check.relation == '=' else check.relation + ' '}{in_digits(check.expected)}",
-        "-" if check.difference is None else f"{check.difference:+.1e}",
-        "-" if check.limit is None else f"{check.limit:.1e}",
-        "pass" if check.passed else "FAIL",
-    )
-
-
-def _times(values: Collection[float], key: str) -> tuple[float, ...]:
-    times = several(values, key, "several times")
-    return tuple(not_negative(time, f"{key}[{i}]") for i, time in enumerate(times))

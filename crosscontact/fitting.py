@@ -14,7 +14,7 @@ from contact_scene.errors import shown
 from contact_scene.files import as_target
 from contact_scene.value_checks import as_tuple, function_or_none, of_class
 from crosscontact import arguments
-from crosscontact.arguments import case_of, checked_path, checked_resolution
+from crosscontact.arguments import RESOLUTION, case_of, checked_path, given
 from crosscontact.result import html_table
 from validation.fits import charts
 from validation.fits.afm_files import is_afm_file, read_file, write_afm
@@ -170,7 +170,10 @@ def fit(
         One line, if data or arguments are no good.
     """
     measured = _measured(curves)
-    resolution = _checked_resolution(solver, check_solver, resolution)
+    arguments.check_solver(solver, "solver", arguments.names())
+    if check_solver is not None:
+        arguments.check_solver(check_solver, "check_solver", arguments.names())
+    resolution = given(RESOLUTION, resolution, "resolution")
     of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
     function_or_none(progress, "progress", "a line of text")
     settings = FitSettings(
@@ -190,15 +193,7 @@ def fit(
     )
     guess = case_of(scene).scene
     folder = None if out is None else output_folder(checked_path(out, "out"), "out")
-    return Fit(_fit_and_write(measured, guess, settings, folder, executor, progress))
-
-
-def _checked_resolution(solver: str, check_solver: str | None, resolution: int | None) -> int | None:
-    """The resolution, checked after the solvers that it is for."""
-    arguments.check(solver, "solver", arguments.names())
-    if check_solver is not None:
-        arguments.check(check_solver, "check_solver", arguments.names())
-    return checked_resolution(resolution)
+    return Fit(fit_and_write(measured, guess, settings, folder, executor, progress))
 
 
 def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
@@ -220,18 +215,20 @@ def _names(given: Sequence[str], key: str) -> tuple[str, ...]:
     return (given,) if isinstance(given, str) else as_tuple(given, key, "several names")
 
 
-def _fit_and_write(
+def fit_and_write(
     curves: list[MeasuredCurve],
     guess: Scene,
     settings: FitSettings,
     folder: Path | None,
     executor: Executor | None,
     progress: Callable[[str], None] | None,
+    key: str = "out",
+    fresh: bool = False,
 ) -> FitResult:
     """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
     if folder is not None:
-        claim(folder, "a fit", question(curves, guess, settings), "out")
-    store = Store(folder)
+        claim(folder, "a fit", question(curves, guess, settings), key, fresh)
+    store = Store(folder, fresh)
     try:
         result = fit_curves(curves, guess, settings, executor, store, progress)
     except InterruptedFit as interrupted:

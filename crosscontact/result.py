@@ -26,19 +26,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_UNITS = {
-    "time": "time",
-    "penetration": "length",
-    "force": "force",
-    "contact_radius": "length",
-    "stored_energy": "energy",
-    "external_work": "energy",
-    "dissipated_energy": "energy",
-    "branch_dissipation": "energy",
-    "stage": "length",
-    "machine_energy": "energy",
-    "instability_loss": "energy",
-}
+_UNITS = {"time": "time", "force": "force"}
+_UNITS |= dict.fromkeys(("penetration", "contact_radius", "stage"), "length")
+_UNITS |= dict.fromkeys(("stored_energy", "external_work", "dissipated_energy"), "energy")
+_UNITS |= dict.fromkeys(("branch_dissipation", "machine_energy", "instability_loss"), "energy")
 """Kind of the unit of a column of the trace."""
 INK: dict[str, Any] = {"color": "#0a0a0a", "linestyle": "-", "linewidth": 1.5}
 """Line of a figure that shows this result alone: black, whichever solver it comes from."""
@@ -228,9 +219,6 @@ class Result:
             f'src="data:image/png;base64,{picture}">'
             f"{html_table(in_words)}"
         )
-
-    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, str]:
-        return {"text/plain": repr(self), "text/html": self._repr_html_()}
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write ``scene.toml``, ``trace.csv`` and ``summary.json`` as the command line does.

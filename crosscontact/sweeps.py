@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
-from contact_scene.run_control import whole_number
 from contact_scene.value_checks import function_or_none, one_of, positive
 from crosscontact import arguments
-from crosscontact.arguments import A_SCENE, checked_path
+from crosscontact.arguments import A_SCENE, COUNT, checked_path, given
 from validation.runs.folder import claim, locked_folder
 from validation.runs.pool import engine_of, own_engine
 from validation.runs.store import RunTable
@@ -102,9 +101,7 @@ def sweep(
     """
     check_writable()
     one_of(design, "design", DESIGNS)
-    jobs = whole_number(jobs, "jobs", 1)
-    if batch_seconds is not None:
-        batch_seconds = positive(batch_seconds, "batch_seconds")
+    jobs, batch_seconds = COUNT(jobs, "jobs"), given(positive, batch_seconds, "batch_seconds")
     function_or_none(progress, "progress", "the share that is done and a line of text")
     target = None if out is None else checked_path(out, "out")
     if not isinstance(values, Mapping) or not values:

@@ -1,4 +1,5 @@
-"""The commands, one file each: its arguments (``add_arguments``) and what it does (``run``).
+"""The commands, one file each: its options as data (``OPTIONS``, or ``ACTIONS`` of those that have some) and
+what it does (``run``).
 
 The file of a command is imported when the command is used, and then whole: the list of commands, the version
 and the built-in scenes come at once.
@@ -7,7 +8,7 @@ and the built-in scenes come at once.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
@@ -31,18 +32,27 @@ COMMANDS = {
 
 
 class Parser(argparse.ArgumentParser):
-    """Reports bad input in one line; takes the arguments of a command from its file when it is used."""
+    """Reports bad input in one line; takes the options of a command from its file when it is used."""
 
     def __init__(self, *, command: str = "", **settings: Any) -> None:
         super().__init__(**settings)
         self._command = command
 
     def _load(self) -> None:
-        if self._command:
-            module = import_module(f"crosscontact.commands.{self._command}")
-            module.add_arguments(self)
-            self.set_defaults(run=module.run)
-            self._command = ""
+        if not self._command:
+            return
+        module = import_module(f"crosscontact.commands.{self._command}")
+        self._command = ""
+        self._add(getattr(module, "OPTIONS", {}))
+        self.set_defaults(run=module.run)
+        if hasattr(module, "ACTIONS"):
+            actions = self.add_subparsers(dest="action", metavar="ACTION", required=True)
+            for name, (text, options) in module.ACTIONS.items():
+                actions.add_parser(name, help=text)._add(options)
+
+    def _add(self, options: Mapping[str, Mapping[str, Any]]) -> None:
+        for name, settings in options.items():
+            self.add_argument(name, **settings)
 
     def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
         self._load()

@@ -6,57 +6,40 @@ import argparse
 
 from crosscontact import arguments
 from crosscontact.commands import shared
+from crosscontact.commands.shared import value
 from validation.compare import page
 from validation.compare.scene_page import verdicts
 from validation.compare.suite import all_pairs, compare_scenes
 from validation.report import terminal
-from validation.runs.folder import claim, output_folder, scene_question
 from validation.runs.pool import processes
-from validation.runs.progress import Progress
-from validation.runs.store import Store
 from validation.solvers import SOLVERS
 
-
-def _solvers(text: str) -> tuple[str, ...]:
-    try:
-        return arguments.chosen(shared.comma_separated(text), "")
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Scenes and solvers."""
-    shared.scene_argument(command, many=True)
-    command.add_argument(
-        "--solvers",
-        type=_solvers,
-        metavar="A,B",
-        help="these only, the reference among them; default: all",
-    )
-    command.add_argument("--out", metavar="DIR", help="write the report and every run there")
-    shared.run_options(command, max_steps=True)
+_solvers = shared.comma_separated(lambda names: arguments.chosen(names, ""))
+OPTIONS = {
+    **shared.SCENES,
+    "--solvers": value("A,B", "these only, the reference among them; default: all", type=_solvers),
+    "--out": value("DIR", "write the report and every run there"),
+    **shared.MAX_STEPS,
+    **shared.jobs(),
+    **shared.FRESH,
+}
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
     """Compare and print; 2 if all solvers refuse a scene, else 1 if solvers disagree."""
-    solvers, max_steps = options.solvers, options.max_steps
+    solvers = options.solvers
     if not solvers:
         arguments.usable()  # names those that cannot be loaded
     loaded = shared.load_taken(
         options.scenes, lambda case: [SOLVERS[name] for _, name in all_pairs([case], solvers)]
     )
-    folder = None if options.out is None else output_folder(options.out)
-    if folder is not None:
-        scenes = scene_question(*((case.name, case.scene) for case in loaded))
-        claim(folder, "a report", scenes, fresh=options.fresh)
-    pairs = all_pairs(loaded, solvers)
-    store = Store(folder, options.fresh)
-    with shared.telling_what_is_kept(folder, store), processes(min(jobs, len(pairs))) as executor:
-        progress = Progress("compare")
-        progress.phase("runs")
-        result = compare_scenes(
-            "compare", loaded, executor, progress, store=store, solvers=solvers, max_steps=max_steps
-        )
+    count = len(all_pairs(loaded, solvers))
+    with (
+        shared.long_work("compare", options, "a report", loaded) as work,
+        processes(min(jobs, count)) as executor,
+    ):
+        settings = {"store": work.store, "solvers": solvers, "max_steps": options.max_steps}
+        result = compare_scenes("compare", loaded, executor, work.runs(), **settings)
         refused = [scene for scene in result.scenes if all(run.refused for run in scene.runs.values())]
         for scene in refused:
             shared.say(f"error: {scene.case.name}: {next(iter(scene.runs.values())).failure}")
@@ -64,11 +47,6 @@ def run(options: argparse.Namespace, jobs: int) -> int:
             return 2
         for scene in result.scenes:
             print(terminal.text(verdicts(scene)))
-        if folder is not None:
-            with Progress("compare") as writing:
-                writing.phase("drawing and writing")
-                page.write(result, folder, executor, writing)
-            store.clear()
-            print(f"written to {folder / 'index.html'}")
+        work.write(lambda folder, writing: page.write(result, folder, executor, writing))
     code = shared.exit_code(result.failures)
     return 2 if refused else code

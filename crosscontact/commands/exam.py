@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import os
 from pathlib import Path
-from typing import Any
 
 from contact_scene import SceneError
 from contact_scene.errors import shown
 from crosscontact import arguments
 from crosscontact.commands import shared
+from crosscontact.commands.shared import flag, value
 from validation.exam.own_answers import (
     ANSWERS,
     answer_all,
@@ -26,42 +26,41 @@ from validation.runs.progress import Progress
 from validation.scenes import SUITES
 
 
-def _solvers(text: str) -> tuple[str, ...]:
-    names, known = tuple(dict.fromkeys(shared.comma_separated(text))), arguments.selectable()
-    unknown: list[Any] = [name for name in names if name not in known]
-    if unknown:
-        raise argparse.ArgumentTypeError(f"got {unknown[0]!r:.40}; allowed: of {', '.join(known)}")
-    return names
+def _known(names: list[str]) -> tuple[str, ...]:
+    for name in names:
+        arguments.check_solver(name, "", arguments.selectable())
+    return tuple(dict.fromkeys(names))
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Its actions: export, answer, reproduce."""
-    actions = command.add_subparsers(dest="action", metavar="ACTION", required=True)
-    export = actions.add_parser("export", help="write a folder for each scene: TOML, JSON, a page in words")
-    export.add_argument("folder", metavar="DIR")
-    export.add_argument("--suite", choices=SUITES, default="quick")
-    export.add_argument(
-        "--with-reference",
-        action="store_true",
-        help="write the reference's trace and measures with their errors beside each scene",
-    )
-    shared.run_options(export, fresh=False)
-    answer = actions.add_parser("answer", help="answer an exported exam by registered solvers")
-    answer.add_argument("folder", metavar="DIR")
-    answer.add_argument("--solvers", type=_solvers, required=True, metavar="A,B", help="peers included")
-    answer.add_argument(
-        "--resolution",
-        type=shared.resolution,
-        nargs="+",
-        default=[None],
-        metavar="N",
-        help="one answer for each; default: the solver's choice",
-    )
-    shared.run_options(
-        answer, jobs="processes; default: 1, so that run times are not those of a busy machine", fresh=False
-    )
-    again = actions.add_parser("reproduce", help="compute a trace again from its header alone")
-    again.add_argument("file", metavar="FILE", help="such as DIR/SCENE/reference.csv")
+FOLDER = {"folder": {"metavar": "DIR"}}
+ACTIONS = {
+    "export": (
+        "write a folder for each scene: TOML, JSON, a page in words",
+        {
+            **FOLDER,
+            "--suite": {"choices": SUITES, "default": "quick"},
+            "--with-reference": flag(
+                "write the reference's trace and measures with their errors beside each scene"
+            ),
+            **shared.jobs(),
+        },
+    ),
+    "answer": (
+        "answer an exported exam by registered solvers",
+        {
+            **FOLDER,
+            "--solvers": value("A,B", "peers included", type=shared.comma_separated(_known), required=True),
+            **shared.resolution(
+                "one answer for each; default: the solver's choice", nargs="+", default=[None]
+            ),
+            **shared.jobs("processes; default: 1, so that run times are not those of a busy machine"),
+        },
+    ),
+    "reproduce": (
+        "compute a trace again from its header alone",
+        {"file": value("FILE", "such as DIR/SCENE/reference.csv")},
+    ),
+}
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
@@ -109,11 +108,10 @@ def _answer(options: argparse.Namespace) -> int:
 
 def _reproduce(file: str) -> int:
     """Compute a trace again from its header alone; 1 if it is not the same bit for bit."""
-    path = Path(file)
-    if not os.path.isfile(path):
+    if not os.path.isfile(file):
         raise SceneError("FILE", f"got {shown(file)}", "a trace with its header, such as reference.csv")
-    differs, rows = reproduce(path)
+    differs, rows = reproduce(Path(file))
     if differs:
-        return shared.failed([f"{path}: {differs}"])
-    print(f"{path}: the same bit for bit, {counted(rows, 'row')}")
+        return shared.failed([f"{file}: {differs}"])
+    print(f"{file}: the same bit for bit, {counted(rows, 'row')}")
     return 0

@@ -6,22 +6,21 @@ Of an interrupted command nothing is taken over: the same one begins anew.
 from __future__ import annotations
 
 import argparse
-import math
 import time
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contact_scene import Scene, SceneError, write_scene
+from contact_scene.value_checks import Range
+from crosscontact.arguments import COUNT, option_type
 from crosscontact.commands import shared
-from crosscontact.commands.shared import say
+from crosscontact.commands.shared import flag, say, value
 from validation import cases, solvers
 from validation.fields.figures import USUAL, FigureSet
 from validation.fields.files import ParaViewSeries
 from validation.fields.moments import (
     METHOD,
-    EnergySums,
     FieldRequest,
     RecordedFields,
     balance,
@@ -30,6 +29,7 @@ from validation.fields.moments import (
 )
 from validation.fields.quantities import QUANTITIES
 from validation.report.document import counted, plain
+from validation.report.terminal import aligned
 from validation.runs.folder import claim, in_words, locked_folder, output_folder, scene_question
 from validation.runs.process import GracefulStop, interrupting
 from validation.runs.progress import Progress, StepProgress
@@ -37,50 +37,47 @@ from validation.runs.progress import Progress, StepProgress
 if TYPE_CHECKING:
     from fem_solver import FieldState
 
-_time = shared.number(lambda value: 0.0 <= value < math.inf, "times >= 0")
-
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Scene, moments and figures."""
-    shared.scene_argument(command)
-    command.add_argument(
-        "--at",
-        type=_time,
+FIGURES = {
+    "--strip": flag("draw the key moments of the run side by side too"),
+    "--animate": flag("draw the whole run as an animated GIF too; no files for ParaView"),
+    "--revolve": flag("draw the body in three dimensions too"),
+    "--show": flag("the last moment in a window too, where there is a screen"),
+    "--alike": flag("one magnification, view and range of colours for all sections of the run"),
+}
+"""What is drawn beside sections at all moments, and how."""
+OPTIONS = {
+    **shared.SCENE,
+    "--at": value(
+        "T",
+        "times, stepped onto exactly; where the load jumps, the state before",
+        type=option_type(Range("times >= 0", 0.0)),
         nargs="+",
         default=[],
-        metavar="T",
-        help="times, stepped onto exactly; where the load jumps, the state before",
-    )
-    command.add_argument("--pull-off", action="store_true", help="the moment of largest tension")
-    command.add_argument(
-        "--every",
-        type=shared.count,
+    ),
+    "--pull-off": flag("the moment of largest tension"),
+    "--every": value(
+        "N",
+        "every N-th accepted step, the start included; not drawn",
+        type=option_type(COUNT),
         default=0,
-        metavar="N",
-        help="every N-th accepted step, the start included; not drawn",
-    )
-    command.add_argument(
-        "--resolution", type=shared.resolution, metavar="N", help="divisions per process zone, as for solve"
-    )
-    command.add_argument("--out", metavar="DIR", help="default: out/fields/SCENE")
-    shared.run_options(command, jobs="", max_steps=True, keeps_runs=False)
-    drawn = command.add_argument_group("figures", "sections are drawn at all moments; where asked for, also")
-    for name, words in {
-        "--strip": "the key moments of the run side by side",
-        "--animate": "the whole run as an animated GIF; no files for ParaView",
-        "--revolve": "the body in three dimensions",
-        "--show": "the last moment in a window, where there is a screen",
-        "--alike": "one magnification, view and range of colours for all sections of the run",
-    }.items():
-        drawn.add_argument(name, action="store_true", help=words)
-    drawn.add_argument(
-        "--quantity",
+    ),
+    **shared.resolution("divisions per process zone, as for solve"),
+    "--out": value("DIR", "default: out/fields/SCENE"),
+    **shared.MAX_STEPS,
+    **shared.REPLACE,
+    **FIGURES,
+    "--quantity": value(
+        "Q",
+        "what to draw, of %(choices)s; default: von_mises stress_zz dissipation_rate",
         nargs="+",
         choices=tuple(QUANTITIES),
-        metavar="Q",
-        help="what to draw, of %(choices)s; default: von_mises stress_zz dissipation_rate",
-    )
-    drawn.add_argument("--no-figures", action="store_true", help="files for ParaView only")
+    ),
+    "--no-figures": flag("files for ParaView only"),
+}
+HEAD = (
+    *("moment", "time", "penetration", "force", "radius"),
+    *("stored", "lost in mesh", "in trace", "difference"),
+)
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
@@ -107,7 +104,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
 
 def _figures(options: argparse.Namespace) -> FigureSet | None:
     """The figures that are requested; ``None`` for none."""
-    flags = (options.strip, options.animate, options.revolve, options.show, options.alike)
+    flags = [getattr(options, name.strip("-")) for name in FIGURES]
     if not options.no_figures:
         return FigureSet(tuple(dict.fromkeys(options.quantity or USUAL)), *flags)
     if options.quantity or any(flags):
@@ -122,22 +119,19 @@ def _into(
     figures: FigureSet | None,
     options: argparse.Namespace,
 ) -> int:
-    scene, max_steps = case.scene, options.max_steps
+    scene, stop = case.scene, GracefulStop()
     claim(folder, "a run", scene_question(("", scene), solver=METHOD.name), fresh=options.fresh)
-    stop = GracefulStop()
     shared.warn(solvers.scene_warnings(scene))
-    states: list[FieldState] = []  # to be drawn
     try:
         with interrupting(), Progress(f"{case.name} fields") as progress:
             progress.phase("set-up")
-            steps = StepProgress(progress, "computing and writing")
+            how = options.resolution, StepProgress(progress, "computing and writing"), options.max_steps
             with stop.handling_signals():
-                recorded = record_fields(scene, request, options.resolution, steps, max_steps, stop.monitor)
+                recorded = record_fields(scene, request, *how, stop.monitor)
             if stop.requested:
                 raise KeyboardInterrupt
             write_scene(scene, folder / "scene.toml")
-            to_draw = None if figures is None else states.append
-            lines = _write_moments(recorded, folder, scene, progress, to_draw)
+            lines, states = _write_moments(recorded, folder, scene, progress, keep=figures is not None)
             if figures is not None and states:
                 progress.phase("drawing")
                 recording = recorded.recording
@@ -147,63 +141,49 @@ def _into(
     except KeyboardInterrupt:
         say("the same command begins anew")
         raise
-    for line in lines:
-        print(line)
+    print("\n".join(lines))
     return _exit_code(recorded)
 
 
 def _write_moments(
-    recorded: RecordedFields,
-    folder: Path,
-    scene: Scene,
-    progress: Progress,
-    on_moment: Callable[[FieldState], None] | None,
-) -> list[str]:
-    """Compute and write all states, each handed on if it is to be drawn; returns lines for a reader."""
+    recorded: RecordedFields, folder: Path, scene: Scene, progress: Progress, keep: bool
+) -> tuple[list[str], list[FieldState]]:
+    """Compute and write all states; lines for a reader, and the states to be drawn, if they are kept."""
     trace = recorded.recording.trace
+    drawn: list[FieldState] = []
+    rows: list[tuple[str, ...]] = [HEAD]
     before, begin = asdict(trace.counters), time.process_time()
-    drawn = set(recorded.moments) - recorded.sampled  # every n-th state would be too many
     written = set(recorded.moments) - recorded.frames
     series = ParaViewSeries(folder, scene) if written else None
-    lines = [_HEAD] if written else []
     for count, state in enumerate(recorded.states(), 1):
         if series is not None and state.row in written:
             sums = balance(state, trace)
             series.add(state, sums)
-            lines.append(_line(state, sums))
-        if on_moment is not None and state.row in drawn:
-            on_moment(state)
+            lost = "-" if sums.dissipated is None else f"{sums.dissipated:.6g}"
+            error = "-" if sums.error is None else f"{100.0 * sums.error:.3f} %"
+            numbers = state.time, state.penetration, state.force, state.contact_radius, sums.stored
+            shown = [format(number, ".6g") for number in (*numbers, sums.branch_dissipation)]
+            rows.append((state.label or "-", *shown[:-1], lost, shown[-1], error))
+        if keep and state.row not in recorded.sampled:  # every n-th state would be too many
+            drawn.append(state)
         progress(count / len(recorded.moments), detail=f"{count} of {len(recorded.moments)} moments")
     cost = {name: count - before[name] for name, count in asdict(trace.counters).items()}
     spent = ", ".join(counted(count, plain(name).removesuffix("s")) for name, count in cost.items() if count)
-    lines.append(f"cost of the fields: {spent or 'none'}")
+    told = f"cost of the fields: {spent or 'none'}"
     if series is None:
-        return lines
-    numbers = {
-        "solver": trace.solver,
-        "outcome": str(trace.outcome.kind),
-        "reason": trace.outcome.reason,
-        "run": before,
-        "fields": cost,
-        "processor_seconds": time.process_time() - begin,
-    }
-    lists = series.close(numbers)
-    return [*lines, *(f"written to {file}" for file in lists), f"for ParaView: {in_words(series.bytes)}"]
-
-
-_HEAD = (
-    f"{'moment':<20}{'time':>12}{'penetration':>13}{'force':>12}{'radius':>11}"
-    f"{'stored':>12}{'lost in mesh':>14}{'in trace':>12}{'difference':>12}"
-)
-
-
-def _line(state: FieldState, sums: EnergySums) -> str:
-    error = "-" if sums.error is None else f"{100.0 * sums.error:.3f} %"
-    lost = "-" if sums.dissipated is None else f"{sums.dissipated:.6g}"
-    return (
-        f"{state.label or '-':<20}{state.time:12.6g}{state.penetration:13.5g}{state.force:12.5g}"
-        f"{state.contact_radius:11.5g}{sums.stored:12.5g}{lost:>14}{sums.branch_dissipation:12.6g}{error:>12}"
+        return [told], drawn
+    lists = series.close(
+        {
+            "solver": trace.solver,
+            "outcome": str(trace.outcome.kind),
+            "reason": trace.outcome.reason,
+            "run": before,
+            "fields": cost,
+            "processor_seconds": time.process_time() - begin,
+        }
     )
+    size, kinds = f"for ParaView: {in_words(series.bytes)}", ["text", *["number"] * (len(HEAD) - 1)]
+    return [*aligned(rows, kinds), told, *(f"written to {file}" for file in lists), size], drawn
 
 
 def _exit_code(recorded: RecordedFields) -> int:

@@ -21,34 +21,25 @@ from contact_scene.prony import TOLERANCE, DynamicData, PronyFit, RelaxationData
 from contact_scene.scene import write_material
 from contact_scene.value_checks import one_of, positive
 from crosscontact.commands import shared
+from crosscontact.commands.shared import flag, value
 from validation.drawing.material_figure import draw_fit, draw_series
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder
 
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """File, how it is read, and what is written and drawn."""
-    command.add_argument(
-        "file",
-        metavar="FILE",
-        help="a series (pyvisco, RepTate, columns tau, E) or data (columns t, E or w, E', E'')",
-    )
-    command.add_argument("--format", metavar="NAME", help="of FILE; default: told by its columns")
-    command.add_argument("--poisson", type=float, default=0.5, metavar="NU", help="default: %(default)s")
-    command.add_argument(
-        "--modulus", type=float, metavar="E0", help="relaxed Young's modulus, where FILE has none"
-    )
-    command.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="X",
-        help="drop branches as long as the misfit (relative, root mean square) stays below X; of data that "
+OPTIONS = {
+    "file": value("FILE", "a series (pyvisco, RepTate, columns tau, E) or data (columns t, E or w, E', E'')"),
+    "--format": value("NAME", "of FILE; default: told by its columns"),
+    "--poisson": value("NU", "default: %(default)s", type=float, default=0.5),
+    "--modulus": value("E0", "relaxed Young's modulus, where FILE has none", type=float),
+    "--tolerance": value(
+        "X",
+        "drop branches as long as the misfit (relative, root mean square) stays below X; of data that "
         "scatter by more, as long as Schwarz' criterion prefers the shorter series; default: 0.001",
-    )
-    command.add_argument("--out", metavar="DIR", help="write material.toml, the table of a scene, there")
-    command.add_argument(
-        "--plot", action="store_true", help="draw material.png and .svg, into --out or the current folder"
-    )
+        type=float,
+    ),
+    "--out": value("DIR", "write material.toml, the table of a scene, there"),
+    "--plot": flag("draw material.png and .svg, into --out or the current folder"),
+}
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:

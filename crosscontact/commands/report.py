@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
 
 from crosscontact import arguments
-from crosscontact.commands import stability
-from crosscontact.commands.shared import exit_code, failed, run_options, telling_what_is_kept
+from crosscontact.commands import shared, stability
+from crosscontact.commands.shared import exit_code, failed, flag, value
 from validation import cases, scenes
 from validation.claims import evidence
 from validation.claims import page as claims_page
@@ -17,34 +18,26 @@ from validation.compare.suite import SceneComparison, all_pairs, compare_scenes
 from validation.fields import chapter as fields_chapter
 from validation.report.document import counted, number
 from validation.report.report import Chapter
-from validation.runs.folder import claim, output_folder, scene_question
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
-from validation.runs.store import Store
 from validation.stability import page as stability_page
 
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Suite, folder, and what the report holds."""
-    command.add_argument("--suite", choices=scenes.SUITES, default="quick")
-    command.add_argument("--out", metavar="DIR", default="out/report", help="default: %(default)s")
-    command.add_argument(
-        "--estimates",
-        action=argparse.BooleanOptionalAction,
-        default=True,
-        help="judge agreement by error estimates, each from a coarser run (default), or by tolerances alone",
-    )
-    command.add_argument(
-        "--baseline",
-        metavar="OLD.json",
-        help="an earlier report.json: list what moved, exit 1 when beyond tolerance",
-    )
-    command.add_argument(
-        "--fields",
-        action="store_true",
-        help="draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more",
-    )
-    run_options(command)
+OPTIONS = {
+    "--suite": {"choices": scenes.SUITES, "default": "quick"},
+    "--out": value("DIR", "default: %(default)s", default="out/report"),
+    "--estimates": {
+        "action": argparse.BooleanOptionalAction,
+        "default": True,
+        "help": "judge agreement by error estimates, each from a coarser run (default), or by tolerances "
+        "alone",
+    },
+    "--baseline": value("OLD.json", "an earlier report.json: list what moved, exit 1 when beyond tolerance"),
+    "--fields": flag(
+        "draw what happens under the surface along the cycle of Fig. 3 too; a minute or two more"
+    ),
+    **shared.jobs(),
+    **shared.FRESH,
+}
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
@@ -52,39 +45,33 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     arguments.usable()  # names those that cannot be loaded
     suite, baseline = options.suite, options.baseline
     old = None if baseline is None else regression.read(baseline)
-    folder = output_folder(options.out)
     loaded = cases.load_all(scenes.suite(suite))
-    question = scene_question(*((case.name, case.scene) for case in loaded))
-    claim(folder, "a report", question, fresh=options.fresh)
-    store = Store(folder, options.fresh)
-    with telling_what_is_kept(folder, store), processes(min(jobs, len(all_pairs(loaded)))) as executor:
-        progress = Progress("report")
-        progress.phase("runs")
-        judged = suite != "quick"
-        planned = all_pairs(loaded)
-        further = evidence.missing_runs(planned) if judged else []
-        compared = compare_scenes(
-            suite, loaded, executor, progress, estimate=options.estimates, store=store, further=further
-        )
-        matrix = stability.compute(jobs, store) if suite == "full" else None
+    planned, others, moved = all_pairs(loaded), list[Chapter](), None
+    with (
+        shared.long_work("report", options, "a report", loaded) as work,
+        processes(min(jobs, len(planned))) as executor,
+    ):
+        further = evidence.missing_runs(planned) if suite != "quick" else []
+        settings = {"estimate": options.estimates, "store": work.store, "further": further}
+        compared = compare_scenes(suite, loaded, executor, work.runs(), **settings)
+        matrix = stability.compute(jobs, work.store) if suite == "full" else None
         fields = _fields(compared.scenes) if options.fields else None
         with Progress("report") as writing:
             writing.phase("drawing and writing")
-            others = []
-            if judged:
+            if suite != "quick":
                 collected = evidence.collect([*planned, *further], compared.runs)
                 others.append(claims_page.chapter(findings(collected), collected))
             if matrix is not None:
                 others.append(stability_page.chapter(matrix))
             if fields is not None:
                 others.append(fields)
-            new = page.data(compared, others)
-            moved = None if old is None else regression.compare(baseline, old, new, loaded)
-            page.write(compared, folder, executor, writing, others, moved)
-    store.clear()
+            if old is not None:
+                moved = regression.compare(baseline, old, page.data(compared, others), loaded)
+            page.write(compared, Path(options.out), executor, writing, others, moved)
     checks = page.checks(compared, others)
     failures = [check for check in checks if not check.passed]
-    print(f"{counted(len(checks), 'check')}, {len(failures)} failed: {folder / 'index.html'}")
+    index = Path(options.out) / "index.html"
+    print(f"{counted(len(checks), 'check')}, {len(failures)} failed: {index}")
     code = exit_code(failures)
     return code if moved is None else max(code, _moved(moved))
 

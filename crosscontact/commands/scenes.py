@@ -7,10 +7,6 @@ import argparse
 from validation import scenes
 
 
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """It has none."""
-
-
 def run(options: argparse.Namespace, jobs: int) -> int:
     """Print name, quick suite or not, and title of every built-in scene."""
     titles = scenes.titles()

@@ -1,24 +1,26 @@
-"""What commands share: options and their values, refusals, what is said on stderr."""
+"""What commands share: options, each declared once, refusals, what is said on stderr, and long work."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from contact_scene import OutcomeKind, Scene, SceneError
 from crosscontact import arguments
+from crosscontact.arguments import COUNT, RESOLUTION, option_type
 from validation import cases
 from validation.cases import Case
 from validation.drawing.export import png, svg_file
 from validation.measure.check import Check
 from validation.report.document import number as in_digits
-from validation.runs.folder import write_whole
+from validation.runs.folder import claim, output_folder, scene_question, write_whole
 from validation.runs.process import interrupting
+from validation.runs.progress import Progress
 from validation.runs.store import Store
 from validation.solvers import Solver
 
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
 
 DOTS_PER_INCH = 110
 """Resolution of the figures of ``--plot``."""
+Options = dict[str, dict[str, Any]]
+"""Settings of ``argparse`` by the name of an option."""
 
 
 class Names:
@@ -42,81 +46,61 @@ class Names:
         return name in tuple(self)
 
 
-def comma_separated(text: str) -> list[str]:
-    """The names in ``A,B``."""
-    return [name.strip() for name in text.split(",")]
+def value(metavar: str, help: str, **more: Any) -> dict[str, Any]:
+    """An option with a value, or several."""
+    return {"metavar": metavar, "help": help} | more
 
 
-def whole(least: int) -> Callable[[str], int]:
-    """The type of an option that is a whole number, at least this."""
-
-    def parse(text: str) -> int:
-        if not text.isdecimal() or int(text) < least:
-            raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: a whole number >= {least}")
-        return int(text)
-
-    return parse
+def flag(help: str) -> dict[str, Any]:
+    """An option that is given or not."""
+    return {"action": "store_true", "help": help}
 
 
-def number(is_allowed: Callable[[float], bool], allowed: str) -> Callable[[str], float]:
-    """The type of an option that is a number; ``allowed`` says in words which numbers are."""
+def resolution(help: str, **more: Any) -> Options:
+    """``--resolution``."""
+    return {"--resolution": value("N", help, type=option_type(RESOLUTION), **more)}
 
-    def parse(text: str) -> float:
+
+def solver(otherwise: str) -> Options:
+    """``--solver``: one of those that can be selected, or what happens without it."""
+    names = Names(lambda: arguments.selectable())
+    return {"--solver": value("NAME", f"one of %(choices)s; {otherwise}", choices=names)}
+
+
+def jobs(help: str = "processes; default: the number of cores") -> Options:
+    """``--jobs``."""
+    return {"--jobs": value("N", help, type=option_type(COUNT))}
+
+
+SCENE = {"scene": value("SCENE", "a TOML file or the name of a built-in scene")}
+SCENES = {"scenes": value("SCENE", "TOML files or built-in names", nargs="+")}
+MAX_STEPS = {
+    "--max-steps": value(
+        "N",
+        "end a run after so many steps, accepted and rejected together; default: 200,000, more for many "
+        "cycles",
+        type=option_type(COUNT),
+    )
+}
+REPLACE = {"--fresh": flag("replace what --out holds, of another scene, solver or command")}
+FRESH = {
+    "--fresh": flag(
+        "replace what --out holds, of another scene, solver or command; otherwise the runs that an "
+        "interrupted command has finished there are taken over"
+    )
+}
+
+
+def comma_separated(names: Callable[[list[str]], tuple[str, ...]]) -> Callable[[str], tuple[str, ...]]:
+    """The type of an option ``A,B`` whose names are checked."""
+
+    def parse(text: str) -> tuple[str, ...]:
         try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not is_allowed(value):
-            raise argparse.ArgumentTypeError(f"got {text!r:.40}; allowed: {allowed}")
-        return value
+            return names([name.strip() for name in text.split(",")])
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
 
     return parse
-
-
-count = whole(1)
-resolution = whole(arguments.SMALLEST_RESOLUTION)
-
-
-def scene_argument(command: argparse.ArgumentParser, *, many: bool = False) -> None:
-    """``SCENE``: one, or several."""
-    if many:
-        command.add_argument("scenes", metavar="SCENE", nargs="+", help="TOML files or built-in names")
-    else:
-        command.add_argument("scene", metavar="SCENE", help="a TOML file or the name of a built-in scene")
-
-
-def solver_option(command: argparse.ArgumentParser, help: str) -> None:
-    """``--solver``: one of those that can be selected; ``help`` says what happens without it."""
-    choices = Names(arguments.selectable)
-    command.add_argument("--solver", choices=choices, metavar="NAME", help=f"one of %(choices)s; {help}")
-
-
-def run_options(
-    command: argparse.ArgumentParser,
-    *,
-    jobs: str = "processes; default: the number of cores",
-    max_steps: bool = False,
-    fresh: bool = True,
-    keeps_runs: bool = True,
-) -> None:
-    """``--max-steps``, ``--jobs`` (its help; empty: none), ``--fresh``: how runs are carried out and kept."""
-    if max_steps:
-        command.add_argument(
-            "--max-steps",
-            type=count,
-            metavar="N",
-            help="end a run after so many steps, accepted and rejected together; default: 200,000, more for "
-            "many cycles",
-        )
-    if jobs:
-        command.add_argument("--jobs", type=count, metavar="N", help=jobs)
-    if fresh:
-        kept = "; otherwise the runs that an interrupted command has finished there are taken over"
-        command.add_argument(
-            "--fresh",
-            action="store_true",
-            help=f"replace what --out holds, of another scene, solver or command{kept if keeps_runs else ''}",
-        )
 
 
 def say(words: str) -> None:
@@ -161,22 +145,6 @@ def draw(figure: Figure, folder: Path, name: str) -> None:
     print(f"drawn in {files[0]} and {files[1]}")
 
 
-@contextmanager
-def telling_what_is_kept(folder: Path | None, store: Store) -> Iterator[None]:
-    """Let an interruption pass and say what of the finished parts the same command finds."""
-    try:
-        with interrupting():
-            yield
-    except KeyboardInterrupt:
-        if folder is None:
-            say("without --out DIR nothing is kept")
-        elif store.holds_answers:
-            say(f"{folder} holds what is done: the same command goes on with it")
-        else:
-            say("no run is done: there is nothing to keep")
-        raise
-
-
 def load_taken(names: Iterable[str], methods: Callable[[Case], Iterable[Solver]]) -> list[Case]:
     """Load scenes, each of which one of the solvers that are to run it has to take; repeated ones once."""
     sources = tuple(dict.fromkeys(names))
@@ -200,3 +168,60 @@ def check_taken(source: str, scene: Scene, methods: Iterable[Solver], resolution
     if found:
         problem = ", ".join(f"{name}: {error.key}: {error.problem}" for name, error in found.items())
         raise SceneError("", f"no solver takes it: {problem}", "a scene that one of them takes", source)
+
+
+@dataclass(frozen=True)
+class Work:
+    """A command of many runs: the folder it writes to, if there is one, and the runs it has finished."""
+
+    name: str
+    folder: Path | None
+    store: Store
+
+    def runs(self) -> Progress:
+        """Progress of the runs."""
+        progress = Progress(self.name)
+        progress.phase("runs")
+        return progress
+
+    def write(self, write: Callable[[Path, Progress], Path | None]) -> None:
+        """Write the results, if there is a folder, and say where."""
+        if self.folder is not None:
+            with Progress(self.name) as writing:
+                writing.phase("drawing and writing")
+                page = write(self.folder, writing)
+            print(f"written to {page or self.folder / 'index.html'}")
+
+
+@contextmanager
+def long_work(
+    name: str, options: argparse.Namespace, kind: str, scenes: Sequence[Case] = ()
+) -> Iterator[Work]:
+    """Take ``--out`` for results of a kind on scenes; runs of an interrupted command are found in it.
+
+    When all is done, what was stored is removed.
+    """
+    folder = None if options.out is None else output_folder(options.out)
+    if folder is not None:
+        question = scene_question(*((case.name, case.scene) for case in scenes))
+        claim(folder, kind, question, fresh=options.fresh)
+    store = Store(folder, options.fresh)
+    with telling_what_is_kept(folder, store):
+        yield Work(name, folder, store)
+    store.clear()
+
+
+@contextmanager
+def telling_what_is_kept(folder: Path | None, store: Store) -> Iterator[None]:
+    """Let an interruption pass and say what of the finished parts the same command finds."""
+    try:
+        with interrupting():
+            yield
+    except KeyboardInterrupt:
+        if folder is None:
+            say("without --out DIR nothing is kept")
+        elif store.holds_answers:
+            say(f"{folder} holds what is done: the same command goes on with it")
+        else:
+            say("no run is done: there is nothing to keep")
+        raise

@@ -10,7 +10,7 @@ import argparse
 from contact_scene import OutcomeKind
 from crosscontact import arguments
 from crosscontact.commands import shared
-from crosscontact.commands.shared import say, warn
+from crosscontact.commands.shared import flag, say, value, warn
 from crosscontact.result import SCALES_IN_WORDS, Result, key_numbers
 from validation import cases, solvers
 from validation.measure.windows import load_steps_begun
@@ -21,52 +21,41 @@ from validation.runs.progress import Progress, StepProgress
 from validation.runs.run import Run, write_run
 from validation.runs.run import run as run_solver
 
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Scene, solver, resolution, what is written and drawn."""
-    shared.scene_argument(command)
-    shared.solver_option(command, "default: the reference")
-    command.add_argument(
-        "--resolution",
-        type=shared.resolution,
-        metavar="N",
-        help="divisions per process zone (without adhesion: per hundredth of the largest contact radius), "
-        "N >= 4; default: the solver's choice",
-    )
-    command.add_argument("--out", metavar="DIR", help="write trace.csv, summary.json and scene.toml there")
-    command.add_argument(
-        "--estimate",
-        action="store_true",
-        help="estimate the errors, by a second, coarser run where the solver has no estimate of its own",
-    )
-    command.add_argument(
-        "--plot", action="store_true", help="draw force.png and force.svg, into --out or the current folder"
-    )
-    shared.run_options(command, jobs="", max_steps=True, keeps_runs=False)
+OPTIONS = {
+    **shared.SCENE,
+    **shared.solver("default: the reference"),
+    **shared.resolution(
+        "divisions per process zone (without adhesion: per hundredth of the largest contact radius), N >= 4; "
+        "default: the solver's choice"
+    ),
+    "--out": value("DIR", "write trace.csv, summary.json and scene.toml there"),
+    "--estimate": flag(
+        "estimate the errors, by a second, coarser run where the solver has no estimate of its own"
+    ),
+    "--plot": flag("draw force.png and force.svg, into --out or the current folder"),
+    **shared.MAX_STEPS,
+    **shared.REPLACE,
+}
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
     """Run a solver, print the key numbers, write what is asked for; 2 if the solver refuses the scene."""
-    name = options.solver or arguments.REFERENCE
-    case, method = cases.load(options.scene), solvers.solver(name)
-    resolution, max_steps, estimate = options.resolution, options.max_steps, options.estimate
-    shared.check_taken(options.scene, case.scene, (method,), resolution)  # before anything is made
+    name, estimate = options.solver or arguments.REFERENCE, options.estimate
+    case, method = cases.load(options.scene), solvers.SOLVERS[name]
+    shared.check_taken(options.scene, case.scene, (method,), options.resolution)  # before anything is made
     folder = None if options.out is None else output_folder(options.out)
     if folder is not None:
         claim(folder, "a run", scene_question(("", case.scene), solver=name), fresh=options.fresh)
     drawn = (folder or output_folder(".", "--plot")) if options.plot else None
-    said = solvers.scene_warnings(case.scene)
+    said, stop = solvers.scene_warnings(case.scene), GracefulStop()
     warn(said)
     with Progress(f"{case.name} {name}") as progress:
         progress.phase("set-up")
-        after = "estimating the errors" if estimate else "measuring"
-        steps = StepProgress(progress, after)
-        stop = GracefulStop()
+        steps = StepProgress(progress, "estimating the errors" if estimate else "measuring")
+        how, max_steps = (options.resolution, steps, estimate), options.max_steps
         try:
             with stop.handling_signals():
-                result = run_solver(
-                    case, name, resolution, steps, estimate, monitor=stop.monitor, max_steps=max_steps
-                )
+                result = run_solver(case, name, *how, monitor=stop.monitor, max_steps=max_steps)
         except KeyboardInterrupt:
             say("nothing is kept of the run")
             raise
@@ -79,7 +68,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     finally:  # numbers that a full disk does not take are printed all the same
         _print(case, result, _without_errors(stop, estimate))
     known = solvers.trace_warnings(case.scene, result.trace) if said and result.trace is not None else ()
-    warn([one for one in result.warnings if one not in known])
+    warn(one for one in result.warnings if one not in known)
     if drawn is not None and result.trace is not None:
         shared.draw(Result(case.scene, result).figure(), drawn, "force")
     if folder is not None:

@@ -3,49 +3,44 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 from contact_scene import SceneError
+from contact_scene.value_checks import Range
 from crosscontact import arguments
+from crosscontact.arguments import option_type
 from crosscontact.commands import shared
-from validation.cases import Case
+from crosscontact.commands.shared import value
 from validation.report import terminal
-from validation.runs.folder import claim, output_folder, scene_question
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
-from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS, solvers
 from validation.studies import page
 from validation.studies.knobs import Poisson, Zones
 from validation.studies.study import study
 
-_bulk = shared.number(lambda value: 2.0 / 3.0 < value < 1e6, "a number above 2/3, below 1e6")
-_ratio = shared.number(lambda value: 2e-9 <= value <= 0.2, "a number from 2e-9 to 0.2")
-
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Scenes, and the study to make of them."""
-    shared.scene_argument(command, many=True)
-    command.add_argument("--out", metavar="DIR", help="write page, Markdown, JSON and figures there")
-    command.add_argument(
-        "--poisson",
-        type=_bulk,
+BULK = Range("a number above 2/3, below 1e6", 2.0 / 3.0, 1e6, open=True)
+RATIO = Range("a number from 2e-9 to 0.2", 2e-9, 0.2)
+OPTIONS = {
+    **shared.SCENES,
+    "--out": value("DIR", "write page, Markdown, JSON and figures there"),
+    "--poisson": value(
+        "K/G",
+        "instead: elastic bulk of these ratios to the relaxed shear modulus (10 to 1000), against a constant "
+        "Poisson's ratio",
+        type=option_type(BULK),
         nargs="*",
-        metavar="K/G",
-        help="instead: elastic bulk of these ratios to the relaxed shear modulus (10 to 1000), against a "
-        "constant Poisson's ratio",
-    )
-    command.add_argument(
-        "--zones",
-        type=_ratio,
+    ),
+    "--zones": value(
+        "RATIO",
+        "instead: steps, points, time and error of every solver with process zones of these ratios to the "
+        "contact radius (5e-2 to 5e-9)",
+        type=option_type(RATIO),
         nargs="*",
-        metavar="RATIO",
-        help="instead: steps, points, time and error of every solver with process zones of these ratios to "
-        "the contact radius (5e-2 to 5e-9)",
-    )
-    shared.run_options(command, jobs="processes for what is not timed", max_steps=True)
+    ),
+    **shared.MAX_STEPS,
+    **shared.jobs("processes for what is not timed"),
+    **shared.FRESH,
+}
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
@@ -58,32 +53,13 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     return _turned(options, jobs)
 
 
-@contextmanager
-def _prepared(options: argparse.Namespace, cases: list[Case]) -> Iterator[tuple[Path | None, Store]]:
-    """Folder and finished runs of a study of these scenes."""
-    folder = None if options.out is None else output_folder(options.out)
-    if folder is not None:
-        question = scene_question(*((case.name, case.scene) for case in cases))
-        claim(folder, "a study", question, fresh=options.fresh)
-    store = Store(folder, options.fresh)
-    with shared.telling_what_is_kept(folder, store):
-        yield folder, store
-    store.clear()
-
-
 def _refinement(options: argparse.Namespace, jobs: int) -> int:
     """Refine every solver on the given scenes."""
     loaded = shared.load_taken(options.scenes, lambda case: solvers())
-    with _prepared(options, loaded) as (folder, store):
-        progress = Progress("study")
-        progress.phase("runs")
-        result = study(loaded, jobs, progress, store, options.max_steps)
+    with shared.long_work("study", options, "a study", loaded) as work:
+        result = study(loaded, jobs, work.runs(), work.store, options.max_steps)
         print(terminal.text(page.short(result)))
-        if folder is not None:
-            with Progress("study") as writing:
-                writing.phase("drawing and writing")
-                page.write(result, folder)
-            print(f"written to {folder / 'index.html'}")
+        work.write(lambda folder, writing: page.write(result, folder))
     return shared.failed(
         [
             f"failed: {scene.case.name}: {ladder.ladder.scheme}: {ladder.ladder.kind} {level.level.label}: "
@@ -100,13 +76,14 @@ def _turned(options: argparse.Namespace, jobs: int) -> int:
     asked = solvers() if options.zones is None else (SOLVERS[REFERENCE],)
     loaded, failures = shared.load_taken(options.scenes, lambda case: asked), list[str]()
     workers = processes(jobs) if options.zones is None else processes(1, isolated=True, tasks_per_process=1)
-    with _prepared(options, loaded) as (folder, store), workers as executor:
+    with shared.long_work("study", options, "a study", loaded) as work, workers as executor:
         for case in loaded:
             with Progress(f"{case.name} {knob.name}") as progress:
                 progress.phase("runs")
-                runs = knob.runs(case, given or knob.values, progress, executor, store, options.max_steps)
+                values, how = given or knob.values, (progress, executor, work.store, options.max_steps)
+                runs = knob.runs(case, values, *how)
             print(terminal.text(knob.section(case.name, runs)))
-            if folder is not None:
-                print(f"written to {knob.write(case, runs, folder)}")
+            if work.folder is not None:
+                print(f"written to {knob.write(case, runs, work.folder)}")
             failures += knob.failures(runs)
     return shared.failed(failures)

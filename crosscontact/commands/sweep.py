@@ -8,7 +8,8 @@ from pathlib import Path
 
 from contact_scene import SceneError
 from crosscontact import arguments
-from crosscontact.commands.shared import run_options, say
+from crosscontact.commands import shared
+from crosscontact.commands.shared import flag, say, value
 from validation.report.terminal import aligned
 from validation.runs.folder import claim, in_words, locked_folder
 from validation.runs.pool import own_engine
@@ -21,31 +22,21 @@ from validation.sweeps.run_plan import SweepForecast, carry_out, forecast
 
 ENDINGS = 5
 """Ways to end that are listed; the table has all."""
-WITH_PLAN = ("--out", "--jobs", "--dask", "--dry-run", "--fresh")
+WITH_PLAN: shared.Options = {
+    "--out": value("DIR", "keep every run and write data set, table and figures there"),
+    **shared.jobs(),
+    "--dask": value(
+        "ADDRESS", "run on the workers of this Dask scheduler, or of a cluster of its own: local"
+    ),
+    "--dry-run": flag("say how many runs there are, how long they take, how large"),
+    **shared.FRESH,
+}
 """Options that say how a plan is carried out."""
-
-
-def add_arguments(command: argparse.ArgumentParser) -> None:
-    """Plan, folder, and what carries the runs out."""
-    command.add_argument(
-        "plan",
-        metavar="PLAN",
-        nargs="?",
-        help="a TOML file or the name of a built-in plan; without: list those",
-    )
-    command.add_argument(
-        "--out", metavar="DIR", help="keep every run and write data set, table and figures there"
-    )
-    command.add_argument(
-        "--dask",
-        metavar="ADDRESS",
-        help="run on the workers of this Dask scheduler, or of a cluster of its own: local",
-    )
-    command.add_argument(
-        "--dry-run", action="store_true", help="say how many runs there are, how long they take, how large"
-    )
-    command.add_argument("--plot", metavar="DIR", help="draw the figures of an earlier sweep again")
-    run_options(command)
+OPTIONS = {
+    "plan": value("PLAN", "a TOML file or the name of a built-in plan; without: list those", nargs="?"),
+    "--plot": value("DIR", "draw the figures of an earlier sweep again"),
+    **WITH_PLAN,
+}
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
