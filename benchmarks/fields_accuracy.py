@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from contact_scene import Adhesion, FlatPunch, Indenter, Loading, Material, Scene, Sphere, Trace
 from validation import cases
 from validation.fields.moments import EnergySums, FieldRequest, balance, record_fields
-from validation.measure.approach import end_of_approach
+from validation.measure.events import end_of_approach
 from validation.reference import subsurface
 
 if TYPE_CHECKING:

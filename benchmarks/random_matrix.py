@@ -28,7 +28,7 @@ from benchmarks.trace_invariants import broken, energy_gained
 from contact_scene import SceneError, Trace
 from contact_scene.scene import write_scene
 from validation.compare.against_reference import check_case
-from validation.measure.norms import CURVES, distance
+from validation.measure.curves import CURVES, distance
 from validation.measure.scaling import scale
 from validation.runs.folder import output_folder
 from validation.runs.pool import TaskEnding, TaskResult, completed_tasks, processes, run_of, run_task

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from contact_scene import SceneError
 from validation import cases
-from validation.measure.norms import CURVES, distance
+from validation.measure.curves import CURVES, distance
 from validation.measure.scaling import Magnitudes
 from validation.runs.run import Run, read_run
 

@@ -21,7 +21,7 @@ from contact_scene import COLUMNS, SceneError, read_columns, read_scene
 from validation.cases import Case
 from validation.claims.claim import Finding, Part, Verdict
 from validation.compare.suite import SceneComparison, SuiteComparison
-from validation.measure.check import Check
+from validation.measure.difference import Check
 from validation.runs.folder import from_json, in_words
 from validation.runs.run import Run, read_run
 from validation.stability.measure import MISSING

@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 from contact_scene import Adhesion, Oscillate, Scene, SceneError
 from validation import cases
 from validation.cases import Case
+from validation.measure.curves import CURVES, distance
 from validation.measure.difference import of_numbers
-from validation.measure.norms import CURVES, distance
 from validation.runs.run import Run, run
 from validation.solvers import REFERENCE, SOLVERS, solver
 from validation.studies.knobs import Zones

@@ -88,13 +88,20 @@ class Counters:
 
 @dataclass(frozen=True)
 class Event:
-    """An instability: ``kind`` is "snap-in" or "pull-off"."""
+    """A state that a solver has found between its steps.
+
+    ``kind`` is "snap-in" or "pull-off" of an instability, "largest force", "largest tension", "largest
+    penetration" or "trigger" of a state that it has located on its dense path. ``uncertainty`` says how far
+    time, penetration, force and contact radius, in this order, may be off by how it was located: not by the
+    steps of the run, which only another run tells. Empty: it does not say.
+    """
 
     kind: str
     time: float
     penetration: float
     force: float
     contact_radius: float
+    uncertainty: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -123,7 +130,9 @@ class Trace(Checked):
     """Time series of a run, one row per accepted step, the first row the start state.
 
     The seven arrays of ``COLUMNS`` have shape (n,). ``extra`` holds further columns of that shape (NaN-free).
-    ``errors`` holds the solver's own relative error estimates by observable, empty where none was requested.
+    ``events`` are instabilities, ``located`` the extrema and triggers that the solver has located, each of
+    which is a row too. ``errors`` holds the solver's own relative error estimates by observable, empty where
+    none was requested.
     """
 
     solver: str
@@ -138,6 +147,7 @@ class Trace(Checked):
     counters: Counters
     extra: dict[str, Array] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
+    located: tuple[Event, ...] = ()
     profiles: tuple[SurfaceProfile, ...] = ()
     errors: dict[str, float] = field(default_factory=dict)
     wall_seconds: AnyNumber = 0.0

@@ -17,7 +17,7 @@ from validation import cases
 from validation import scenes as builtin_scenes
 from validation.compare.against_reference import check_case
 from validation.drawing import run_figures
-from validation.measure.check import Check
+from validation.measure.difference import Check
 from validation.report.tables import of_checks
 from validation.report.terminal import aligned
 from validation.runs import run as runs

@@ -15,7 +15,7 @@ from crosscontact.arguments import checked_path
 from validation.drawing import run_figures
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
-from validation.measure.dimensionless import SYMBOLS, unit_sizes
+from validation.measure.scaling import SYMBOLS, unit_sizes
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder
 from validation.runs.run import Run, read_run, write_run

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from validation.cases import load
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 from validation.reference.adhesion_hysteresis import AdhesionHysteresis
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.fixed_stress import FixedStressContact

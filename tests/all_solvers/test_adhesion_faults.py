@@ -7,8 +7,8 @@ import pytest
 from support.faults.injection import Fault, found_wrong, stale
 
 from validation.cases import load
-from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import observe
+from validation.measure.scaling import unit_sizes
 from validation.solvers import SOLVERS
 
 TRACKING = "validation.reference.tracking"

@@ -15,7 +15,7 @@ from validation.cases import Expected, load
 from validation.compare.against_reference import against_reference, check_case
 from validation.compare.checks import check_run
 from validation.compare.suite import all_pairs
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.ting import Ting

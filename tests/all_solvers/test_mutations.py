@@ -28,8 +28,8 @@ from support.faults.injection import Fault, seeded, stale, time_limit
 from validation import cases, scenes, solvers
 from validation.compare.against_reference import check_case
 from validation.compare.checks import check_run
+from validation.measure.curves import distance
 from validation.measure.error_estimate import ENERGIES
-from validation.measure.norms import distance
 from validation.measure.scaling import column_of, scale
 from validation.runs.pool import quick_resolution
 from validation.runs.run import Run, run

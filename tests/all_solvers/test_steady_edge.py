@@ -27,8 +27,8 @@ from contact_scene import (
     Sphere,
 )
 from validation.cases import load
-from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import observe
+from validation.measure.scaling import unit_sizes
 from validation.reference import fixed_stress, steady_crack
 from validation.reference.rated_edge import RatedEdge
 from validation.solvers import SOLVERS

@@ -36,7 +36,7 @@ from contact_scene import (
     Sphere,
     Sweep,
 )
-from validation.measure.norms import distance, interpolation_error
+from validation.measure.curves import distance, interpolation_error
 
 
 @dataclass(frozen=True)

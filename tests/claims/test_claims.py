@@ -33,7 +33,7 @@ from validation.claims.evidence import (
 )
 from validation.compare import page
 from validation.compare.suite import SuiteComparison
-from validation.measure.scalars import measure
+from validation.measure.observables import measure
 from validation.runs.run import Run
 from validation.solvers import SOLVERS
 

@@ -10,7 +10,7 @@ from contact_scene import Counters
 from crosscontact.cli import main
 from validation.cases import Case
 from validation.compare.against_reference import against_reference
-from validation.measure.scalars import measure
+from validation.measure.observables import measure
 from validation.runs.run import Run
 
 SLOW = pytest.mark.slow

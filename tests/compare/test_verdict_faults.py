@@ -14,7 +14,7 @@ from meshes import EdgeMeshes, surface
 from validation.cases import Case, Expected
 from validation.compare.against_reference import against_reference
 from validation.compare.checks import check_run
-from validation.measure import check, movement_norms, norms
+from validation.measure import curves, difference
 from validation.runs.run import Run
 
 SCENE = Scene(Material(1.0, 0.5), Sphere(1.0), Loading("relaxed", 0.0, (Ramp(1.0, 0.5),)))
@@ -43,26 +43,26 @@ def run(loop: float) -> Run:
     return Run("by hand", "bem", trace(TIMES), measures={"loop_energy": loop})
 
 
-def compared(loop: float) -> check.Check:
+def compared(loop: float) -> difference.Check:
     checks = against_reference(CASE, run(loop), run(1.0))
     return next(one for one in checks if one.quantity == "loop_energy")
 
 
 def rms():
     """Apart by 0.5 throughout; the largest value is 4."""
-    return norms.distance(trace(TIMES + 0.5), trace(TIMES)).rms, 0.125
+    return curves.distance(trace(TIMES + 0.5), trace(TIMES)).rms, 0.125
 
 
 def mean():
     """``|t - 2|/2`` over four times, the first and the last half of which differ in sign."""
-    return norms.distance(trace(TIMES), trace(np.full(5, 2.0))).mean, 0.5
+    return curves.distance(trace(TIMES), trace(np.full(5, 2.0))).mean, 0.5
 
 
 def window():
     """They part evenly in the second window, by 1 at its end, where the excursion is 2."""
     apart = np.maximum(TIMES - 2.0, 0.0) / 2.0
     spans = np.array([[0.0, 2.0], [2.0, 4.0]])
-    found = movement_norms.movement_distance(trace(TIMES + apart), trace(TIMES), spans)
+    found = curves.movement_distance(trace(TIMES + apart), trace(TIMES), spans)
     return (found.rms, found.begin, found.end), (0.5 / math.sqrt(12.0), 2.0, 4.0)
 
 
@@ -78,7 +78,7 @@ def sides():
 
 
 def limit():
-    found = [check.agreement_limit(tolerance, 0.01, 0.02) for tolerance in (1.0, 0.02)]
+    found = [difference.agreement_limit(tolerance, 0.01, 0.02) for tolerance in (1.0, 0.02)]
     return found, (0.03, 0.02)
 
 

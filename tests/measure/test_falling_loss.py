@@ -9,8 +9,8 @@ from support.synthetic_traces import trace
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
 from validation.cases import Case, load
 from validation.compare.against_reference import check_case
-from validation.measure.falling_loss import fall_warnings, largest_fall
-from validation.measure.scalars import measure
+from validation.measure.observables import largest_fall, measure
+from validation.measure.warnings import fall_warnings
 from validation.reference.starting_edge import closing
 from validation.runs.run import Run, run
 

@@ -21,9 +21,18 @@ from contact_scene import (
     Sweep,
     Trace,
 )
-from validation.measure.movement_norms import LEAST_EXCURSION, movement_bound, movement_distance
-from validation.measure.norms import distance, interpolation_error, parting_time
-from validation.measure.row_interpolation import POINTS, WEIGHTS, RowCurve, column_curve
+from validation.measure.curves import (
+    LEAST_EXCURSION,
+    POINTS,
+    WEIGHTS,
+    RowCurve,
+    column_curve,
+    distance,
+    interpolation_error,
+    movement_bound,
+    movement_distance,
+    parting_time,
+)
 from validation.measure.windows import corners, windows
 
 

@@ -22,11 +22,9 @@ from contact_scene import (
 )
 from contact_scene.run_control import below_zone_outcome
 from validation.cases import load
-from validation.measure.approach import end_of_approach, is_located
-from validation.measure.cycle_losses import cycle_losses
-from validation.measure.norms import distance, parting_time
-from validation.measure.observables import at_last_contact, observe
-from validation.measure.scalars import measure
+from validation.measure.curves import distance, parting_time
+from validation.measure.events import end_of_approach, is_located
+from validation.measure.observables import at_last_contact, cycle_losses, measure, observe
 
 
 def trace(time, penetration, force, radius=None, loss=None, kind=OutcomeKind.COMPLETED, events=()):

@@ -13,7 +13,7 @@ from contact_scene import Branch, Hold, Loading, Material, Oscillate, Ramp, Scen
 from contact_scene.scene import write_scene
 from crosscontact.cli import main
 from validation.cases import Case
-from validation.measure.small_swings import swing_warnings
+from validation.measure.warnings import swing_warnings
 from validation.runs.run import run
 from validation.solvers import solver
 

@@ -7,7 +7,7 @@ from scipy.integrate import quad
 
 from contact_scene import Branch, Cone, Material, Sphere
 from validation.cases import load
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction, FrozenZone
 from validation.reference.jkr import JKR, NoEquilibrium

@@ -27,8 +27,7 @@ from contact_scene import (
 from validation import scenes
 from validation.cases import load
 from validation.measure.error_estimate import from_own
-from validation.measure.observables import Observables, observe
-from validation.measure.scalars import measure
+from validation.measure.observables import Observables, measure, observe
 from validation.measure.scaling import scale
 from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone

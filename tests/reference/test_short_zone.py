@@ -15,8 +15,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 from contact_scene import Scene, Trace
 from validation.cases import load
-from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import observe
+from validation.measure.scaling import unit_sizes
 from validation.reference.jkr import JKR
 from validation.reference.prony_integrals import relaxation_integral
 from validation.reference.separate_bulk import equivalent_material

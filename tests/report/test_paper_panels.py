@@ -11,7 +11,7 @@ from support.synthetic_traces import trace
 from validation.cases import load
 from validation.claims.paper_panels import oscillation
 from validation.drawing.curves import RunCurves, with_differences
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 
 
 def test_lowest_forces_of_an_oscillation_hold_one_row_a_cycle():

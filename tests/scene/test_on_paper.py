@@ -26,8 +26,8 @@ from contact_scene import (
     TabulatedProfile,
 )
 from contact_scene.adhesion import Adhesion
-from validation.measure.dimensionless import unit_sizes
 from validation.measure.observables import observe
+from validation.measure.scaling import unit_sizes
 from validation.measure.windows import cycle_times
 from validation.reference.separate_bulk import equivalent_material
 from validation.solvers import SOLVERS

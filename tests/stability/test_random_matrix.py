@@ -24,7 +24,7 @@ from contact_scene import (
     Trace,
 )
 from validation import solvers
-from validation.measure.scalars import measure
+from validation.measure.observables import measure
 from validation.runs.pool import Task, TaskEnding, TaskResult
 from validation.runs.run import Run
 from validation.solvers.contact_range import largest_contact_radius

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose
 from contact_scene import Branch, Counters, Material, Outcome, OutcomeKind, SceneError, Trace
 from crosscontact.cli import main
 from validation import cases
-from validation.measure.norms import CURVES
-from validation.measure.scalars import measure
+from validation.measure.curves import CURVES
+from validation.measure.observables import measure
 from validation.reference.separate_bulk import equivalent_material
 from validation.runs import pool
 from validation.runs.pool import TaskEnding, TaskResult

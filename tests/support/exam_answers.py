@@ -9,7 +9,7 @@ import numpy as np
 from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace
 from validation.cases import Case, load
 from validation.exam.answer import Answer, Header
-from validation.measure.scalars import measure
+from validation.measure.observables import measure
 from validation.runs.run import Run
 
 SCENE = "elastic-press"

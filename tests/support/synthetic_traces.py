@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, SurfaceProfile, Trace
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 
 
 def trace(depth=(0.0, 1.0), force=(0.0, 1.0), radius=None, loss=None) -> Trace:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from validation.claims import cycles, dwell, force, model, oscillations, preload, relaxed, release, surface
 from validation.claims.claim import Claim, Finding, Verdict
 from validation.claims.evidence import SOLVER, Evidence
-from validation.measure.check import Check
+from validation.measure.difference import Check
 
 CLAIMS: tuple[Claim, ...] = (
     *model.CLAIMS,

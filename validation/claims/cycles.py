@@ -16,7 +16,7 @@ from validation.claims.measures import (
     last_slope,
     tension_row,
 )
-from validation.measure.approach import end_of_approach
+from validation.measure.events import end_of_approach
 
 SLOWEST, FASTEST = CYCLE_SPEEDS[0], CYCLE_SPEEDS[-1]
 QUOTED_SLOW = 2e-5

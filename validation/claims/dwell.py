@@ -9,7 +9,7 @@ import numpy as np
 from validation.claims.claim import HOLDS, IN_PART, Part, claim
 from validation.claims.evidence import DEPTH, DWELL_SPEEDS, DWELLS, Evidence, cycle, retraction
 from validation.claims.measures import RECOVERED, crossing, rising
-from validation.measure.approach import end_of_approach
+from validation.measure.events import end_of_approach
 
 SPEED = 0.1
 """Speed of the cycles whose rest varies."""

@@ -6,7 +6,7 @@ from functools import cache
 
 from contact_scene import Sphere
 from validation.cases import load
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from contact_scene import Adhesion, Hold, Loading, Ramp, Scene, Trace
 from validation.cases import Case, load
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 from validation.runs.pool import TellProgress, run_all
 from validation.runs.run import Run
 from validation.solvers import REFERENCE

@@ -9,7 +9,7 @@ from validation.claims import elastic
 from validation.claims.claim import IN_PART, Part, claim
 from validation.claims.evidence import DEPTH, FORCES, MATCHED, Evidence, retraction
 from validation.claims.measures import LARGER, RECOVERED, rising
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 from validation.reference.frozen import FrozenRetraction
 
 PLACE = "Sec. III, Fig. 5"

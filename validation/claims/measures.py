@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene import SurfaceProfile, Trace
-from validation.measure.approach import end_of_approach
+from validation.measure.events import end_of_approach
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from validation.claims import elastic
 from validation.claims.claim import FAILS, HOLDS, IN_PART, Part, claim
 from validation.claims.evidence import CYCLE_SPEEDS, DEPTH, HALF_ZONE_SPEEDS, Evidence, cycle
 from validation.claims.measures import LARGER, RECOVERED
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 from validation.reference.creep_compliance import creep_compliance
 from validation.reference.finite_zone import FiniteZone
 

@@ -9,8 +9,8 @@ from validation.claims import elastic
 from validation.claims.claim import HOLDS, Part, claim
 from validation.claims.evidence import FREQUENCIES, Evidence
 from validation.claims.measures import LARGER, RECOVERED, bell
-from validation.measure.cycle_losses import CycleLoss, cycle_losses
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.observables import CycleLoss, cycle_losses
+from validation.measure.scaling import unit_sizes
 from validation.measure.windows import cycle_times
 
 PLACE = "Sec. III, Fig. 6"

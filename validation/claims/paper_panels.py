@@ -27,8 +27,8 @@ from validation.claims.evidence import (
 )
 from validation.drawing.curves import of_trace
 from validation.drawing.styles import BLUE, CLOSED_FORM, DASHES, INK, MARKERS, ORANGE, SERIES
-from validation.measure.approach import end_of_approach
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.events import end_of_approach
+from validation.measure.scaling import unit_sizes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

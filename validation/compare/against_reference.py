@@ -12,14 +12,18 @@ from contact_scene import OutcomeKind, Trace
 from contact_scene.trace import Array
 from validation.cases import Case
 from validation.compare.checks import check_run, declined
-from validation.measure.approach import has_smooth_crests, is_located
-from validation.measure.check import Check, agreement_limit
-from validation.measure.difference import Difference, of_curves, of_movements, of_numbers
-from validation.measure.dimensionless import unit_sizes
-from validation.measure.error_estimate import MOVEMENT
-from validation.measure.norms import parting_time
+from validation.measure.curves import MOVEMENT, parting_time
+from validation.measure.difference import (
+    Check,
+    Difference,
+    agreement_limit,
+    of_curves,
+    of_movements,
+    of_numbers,
+)
+from validation.measure.events import has_smooth_crests, is_located
 from validation.measure.observables import Observables
-from validation.measure.scaling import column_of
+from validation.measure.scaling import column_of, unit_sizes
 from validation.measure.windows import windows
 from validation.runs.run import Run
 from validation.solvers import REFERENCE

@@ -6,11 +6,10 @@ import math
 
 from contact_scene import Trace
 from validation.cases import Case, Expected
-from validation.measure.check import Check
-from validation.measure.dimensionless import unit_sizes
-from validation.measure.falling_loss import largest_fall
-from validation.measure.row_interpolation import column_curve
-from validation.measure.scaling import scale
+from validation.measure.curves import column_curve
+from validation.measure.difference import Check
+from validation.measure.observables import largest_fall
+from validation.measure.scaling import scale, unit_sizes
 from validation.runs.run import Run, fall_error
 from validation.solvers import REFERENCE
 

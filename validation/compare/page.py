@@ -15,7 +15,7 @@ from validation.compare import overview_figures, scene_page
 from validation.compare.regression import Move, ReportComparison
 from validation.compare.scene_page import anchor, skipped_work
 from validation.compare.suite import SceneComparison, SuiteComparison
-from validation.measure.check import Check
+from validation.measure.difference import Check
 from validation.report import html, junit, markdown
 from validation.report import report as folders
 from validation.report.document import (

@@ -27,8 +27,7 @@ from typing import Any, TypeGuard
 from contact_scene.errors import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
-from validation.measure.check import Check
-from validation.measure.difference import relative
+from validation.measure.difference import Check, relative
 from validation.measure.scaling import Magnitudes
 from validation.runs.folder import from_json
 from validation.runs.provenance import changes

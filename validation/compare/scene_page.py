@@ -9,7 +9,7 @@ from validation.compare import overview_figures
 from validation.compare.suite import SceneComparison
 from validation.drawing import run_figures
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
-from validation.measure.skipped_work import in_words
+from validation.measure.warnings import left_out_by_all
 from validation.report.document import (
     Bullets,
     DataTable,
@@ -94,7 +94,7 @@ def skipped_work(scene: SceneComparison) -> str:
     """What the solvers left out because the scene did not need it."""
     traces = {solver: run.trace for solver, run in scene.runs.items() if run.trace is not None}
     work = {solver: asdict(trace.counters) for solver, trace in traces.items()}
-    return in_words(work) if work else "No run has counters of its work."
+    return left_out_by_all(work) if work else "No run has counters of its work."
 
 
 def parameters(scene: SceneComparison) -> DataTable:

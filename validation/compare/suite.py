@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 from validation.cases import Case
 from validation.compare.against_reference import check_case
-from validation.measure.check import Check
+from validation.measure.difference import Check
 from validation.runs.pool import run_all
 from validation.runs.progress import Progress
 from validation.runs.provenance import stamp

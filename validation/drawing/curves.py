@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Cone, PowerLaw, Scene, Sphere, Trace
-from validation.measure.dimensionless import unit_sizes
-from validation.measure.observables import largest_tension
+from validation.measure.events import largest_tension
+from validation.measure.scaling import unit_sizes
 from validation.reference.jkr import JKR
 
 Labels = Mapping[str, str]

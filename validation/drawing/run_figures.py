@@ -20,7 +20,7 @@ from contact_scene.errors import shown as shown_value
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.curves import Labels, RunCurves, labels, of_trace
 from validation.drawing.styles import CLOSED_FORM, INK, curve_style
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -128,14 +128,14 @@ class Answer:
             end = last + 2
         kind = OutcomeKind.DETACHED if lost or self.header.outcome == "detached" else OutcomeKind.COMPLETED
         columns = {name: column[:end] for name, column in columns.items()}
-        state = [float(columns[name][-1]) for name in COLUMNS[:4]]
-        gone = kind is OutcomeKind.DETACHED and state[-1] == 0.0  # contact that shrinks to nothing is lost
+        time, depth, force, edge = (float(columns[name][-1]) for name in COLUMNS[:4])
+        gone = kind is OutcomeKind.DETACHED and edge == 0.0  # contact that shrinks to nothing is lost
         return Trace(
             self.header.code,
             **columns,
-            outcome=Outcome(kind, "as read from its rows", state[0]),
+            outcome=Outcome(kind, "as read from its rows", time),
             counters=Counters(),
-            events=(Event("pull-off", *state),) if gone else (),
+            events=(Event("pull-off", time, depth, force, edge),) if gone else (),
             wall_seconds=self.header.seconds or 0.0,
         )
 

@@ -32,11 +32,10 @@ import numpy as np
 from contact_scene import COLUMNS, Adhesion, OutcomeKind, Scene, Sphere, Trace
 from validation.cases import Case
 from validation.exam.answer import Answer
-from validation.measure.approach import is_located
+from validation.measure.curves import MOVEMENT, Distance, distance
 from validation.measure.difference import Difference, of_movements, of_numbers
-from validation.measure.error_estimate import MOVEMENT
-from validation.measure.norms import Distance, distance
-from validation.measure.scalars import measure
+from validation.measure.events import is_located
+from validation.measure.observables import measure
 from validation.measure.scaling import LEAST_SHARE, column_of
 from validation.measure.windows import cycle_times, windows
 from validation.runs.run import Run

@@ -17,7 +17,7 @@ from validation.exam.answer import AnswerFolder
 from validation.exam.grading import BALANCE, COARSEST, Grade, GriffithTrack, counted, grade, griffith_track
 from validation.exam.own_answers import reference_runs
 from validation.exam.question import tags
-from validation.measure.check import Check
+from validation.measure.difference import Check
 from validation.report import document, junit, markdown, report
 from validation.report.document import (
     ABSENT,

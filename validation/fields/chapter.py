@@ -17,7 +17,7 @@ from validation.fields.figures import USUAL, FigureSet, looks
 from validation.fields.moments import FieldRequest, balance, record_fields
 from validation.fields.quantities import QUANTITIES
 from validation.fields.rendering import NoRendering
-from validation.measure.approach import end_of_approach
+from validation.measure.events import end_of_approach
 from validation.report.document import (
     DataTable,
     Figure,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from contact_scene import Scene, SurfaceProfile
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import GRID, INK, MARKERS, SERIES
-from validation.measure.dimensionless import unit_sizes
+from validation.measure.scaling import unit_sizes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

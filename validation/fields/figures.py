@@ -23,7 +23,7 @@ from validation.fields.moments import in_contact, key_moments
 from validation.fields.quantities import QUANTITIES, Quantity, ValueKind
 from validation.fields.rendering import INDENTER, MARK, ZONE, NoRendering
 from validation.fields.section import Look, Section, look_at, look_at_edge
-from validation.measure.approach import end_of_approach
+from validation.measure.events import end_of_approach
 from validation.runs.folder import in_words, write_whole
 
 if TYPE_CHECKING:

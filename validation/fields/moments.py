@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact_scene import Loading, OutcomeKind, RunMonitor, Scene, SceneError, Trace
-from validation.measure.approach import end_of_approach
-from validation.measure.observables import largest_tension
-from validation.measure.round_off import ROUND_OFF
+from validation.measure.events import end_of_approach, largest_tension
+from validation.measure.scaling import ROUND_OFF
 from validation.solvers.base import step_budget
 from validation.solvers.finite_elements import FiniteElements
 

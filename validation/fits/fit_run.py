@@ -11,7 +11,7 @@ from contact_scene import OutcomeKind, Scene, SceneError
 from contact_scene.errors import one_line
 from validation import solvers
 from validation.fits.measured_curve import Array
-from validation.measure.row_interpolation import RowCurve
+from validation.measure.curves import RowCurve
 
 ON_TIME = 1e-9
 """Distance of a row from the corner it was stepped onto, over the duration, at most: round-off of times."""

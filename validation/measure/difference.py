@@ -1,7 +1,8 @@
-"""The subtraction of two runs: every number and curve of one against those of another.
+"""The subtraction of two runs, every number and curve of one against those of another, and the verdict on it.
 
-What a difference is relative to is stated in :mod:`validation.measure.scaling` for numbers, in
-:mod:`validation.measure.norms` for curves and in :mod:`validation.measure.movement_norms` for their movement.
+What a difference is relative to is stated in :mod:`validation.measure.scaling` for numbers and in
+:mod:`validation.measure.curves` for curves and their movement. Two runs agree where they differ by no more
+than both error estimates together, at most by the tolerance.
 """
 
 from __future__ import annotations
@@ -13,16 +14,18 @@ from typing import Protocol
 
 from contact_scene import Trace
 from contact_scene.trace import Array
-from validation.measure.check import disagreement
-from validation.measure.error_estimate import MOVEMENT
-from validation.measure.movement_norms import movement_distance
-from validation.measure.norms import CURVES, distance
-from validation.measure.scaling import Magnitudes, column_of
+from validation.measure.curves import CURVES, MOVEMENT, distance, movement_distance
+from validation.measure.scaling import ROUND_OFF, Magnitudes, column_of
 
 NO_TIME = "no common interval of time"
+SEVERAL = 3.5
+"""Largest error estimate, relative to the tolerance, of a run that is worth comparing. Estimates hold a
+safety factor of three: beyond this the two runs they come from differ by more than the tolerance, and where
+they agree with the reference, they do so by accident. What limits it is the force at which finite elements
+lose a contact that was pulled fast (``retraction-fast``: 3.1 tolerances), where the edge runs away."""
 
 
-class MeasuredRun(Protocol):
+class Compared(Protocol):
     """A run as far as it is compared: its rows, numbers by name, and what it estimates its errors at."""
 
     @property
@@ -53,18 +56,53 @@ class Difference:
         return self.missing or disagreement(self.error, tolerance, self.own, self.known_to)
 
 
+@dataclass(frozen=True)
+class Check:
+    """What a run was expected to show, what it showed, and whether that is within tolerance.
+
+    The form in which all evidence states what passed and what failed: which ``quantity`` of which run, and
+    the ``source`` of the expectation. ``found`` is ``None`` if the run does not give it. ``difference`` is
+    relative, signed where a sign makes sense, and ``tolerance`` its largest magnitude (``None`` for words and
+    one-sided limits); where both runs estimate their errors, their sum is the limit and the tolerance its
+    cap. ``relation`` is ``"="``, ``"<="`` or ``">="``; the ``note`` says why, where numbers do not.
+    """
+
+    scene: str
+    solver: str
+    quantity: str
+    source: str
+    expected: float | str | None
+    found: float | str | None
+    passed: bool
+    unit: str = ""
+    difference: float | None = None
+    tolerance: float | None = None
+    relation: str = "="
+    note: str = ""
+    estimate: float | None = None
+    base_estimate: float | None = None
+
+    @property
+    def limit(self) -> float | None:
+        """Largest magnitude of ``difference`` that passes."""
+        if self.tolerance is None:
+            return None
+        return agreement_limit(self.tolerance, self.estimate, self.base_estimate)
+
+
 def of_numbers(
-    run: MeasuredRun, base: MeasuredRun, names: Iterable[str], of_largest: Collection[str] = ()
+    run: Compared, base: Compared, names: Iterable[str], of_largest: Collection[str] = ()
 ) -> Iterator[Difference]:
     """Differences of the named numbers, as far as either run has them.
 
-    Those ``of_largest`` are relative to the largest magnitude of their column in the second run.
+    Those ``of_largest`` are relative to the largest magnitude of their column in the second run. Without its
+    rows the largest of its numbers stands for that of a column.
     """
-    sizes = None if base.curves is None else Magnitudes.of_trace(base.curves)
+    sizes = Magnitudes.of_measures(base.measures) if base.curves is None else Magnitudes.of_trace(base.curves)
     for name in names:
         value, expected = run.measures.get(name), base.measures.get(name)
         estimates = run.errors.get(name), base.errors.get(name)
-        if value is not None and expected is not None and sizes is not None:
+        if value is not None and expected is not None:
             size = sizes.columns[column_of(name)] if name in of_largest else sizes.scale(name, expected)
             yield Difference(name, relative(value - expected, size), *estimates)
         elif value is not None or expected is not None:
@@ -72,7 +110,7 @@ def of_numbers(
             yield Difference(name, math.inf, *estimates, missing=missing)
 
 
-def of_curves(run: MeasuredRun, base: MeasuredRun, spans: Array | None = None) -> Iterator[Difference]:
+def of_curves(run: Compared, base: Compared, spans: Array | None = None) -> Iterator[Difference]:
     """RMS differences of force and contact radius over the time that both runs cover."""
     for column in CURVES:
         estimates = run.errors.get(column), base.errors.get(column)
@@ -85,7 +123,7 @@ def of_curves(run: MeasuredRun, base: MeasuredRun, spans: Array | None = None) -
             yield Difference(column, apart.rms, *estimates, largest)
 
 
-def of_movements(run: MeasuredRun, base: MeasuredRun, spans: Array) -> Iterator[Difference]:
+def of_movements(run: Compared, base: Compared, spans: Array) -> Iterator[Difference]:
     """Differences of the movement of these curves in their worst window, by column with ``MOVEMENT``."""
     for column in CURVES if len(spans) else ():
         key = column + MOVEMENT
@@ -102,3 +140,26 @@ def of_movements(run: MeasuredRun, base: MeasuredRun, spans: Array) -> Iterator[
 def relative(gap: float, size: float) -> float:
     """The gap over the size; infinite where the size is zero and the gap is not."""
     return gap / size if size > 0.0 else math.copysign(math.inf, gap) if gap else 0.0
+
+
+def agreement_limit(tolerance: float, estimate: float | None, base_estimate: float | None) -> float:
+    """Largest relative difference that counts as agreement: the sum of both estimates, at most the tolerance.
+
+    The tolerance alone where one of the runs has no estimate.
+    """
+    if estimate is None or base_estimate is None:
+        return tolerance
+    return min(tolerance, estimate + base_estimate + ROUND_OFF)
+
+
+def disagreement(
+    difference: float | None, tolerance: float, estimate: float | None, base_estimate: float | None
+) -> str:
+    """Why a relative difference (``None``: not given) is no agreement, in words; empty if it is."""
+    if difference is None:
+        return "the run does not give it"
+    for whose, error in (("the run", estimate), ("the reference", base_estimate)):
+        if error is not None and not 0.0 <= error <= SEVERAL * tolerance:
+            return f"{whose} estimates its own error at {error:.2g}: the tolerance is {tolerance:.2g}"
+    limit = agreement_limit(tolerance, estimate, base_estimate)
+    return "" if abs(difference) <= limit else f"differs by {abs(difference):.2g}, not within {limit:.2g}"

@@ -16,16 +16,18 @@ errors of steps that do not all halve from one run to the other. So has the pull
 corner of the force begins to move within an element or a step. At a limit point, where contact is lost, the
 edge moves as the root of the load: radius and force there have half the order.
 
-Curves are known at rows only: what they may do between is added (:mod:`row_interpolation`). Relative to its
-excursion in the worst window a curve has an estimate of its own, so that a small oscillation is not lost in
-the size of the contact.
-
-The difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its
-run are in the mean at its order, a penetration than that of the penetrations too (root mean squares are those
+Curves are known at rows only: what they may do between is added (:mod:`validation.measure.curves`). The
+difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its run
+are in the mean at its order, a penetration than that of the penetrations too (root mean squares are those
 of the last moments, where an edge that runs away is a little early or late); a square, than twice that. An
 energy is no better than the losses of both runs on the way to it. The excess at the edge is a difference,
-uncertain by what its two terms are. What the rows leave open of the end of approach, the pull-off and the
-detachment is added (:mod:`place_errors`).
+uncertain by what its two terms are.
+
+An extremum (end of approach, largest force, pull-off) of a run with the error ``e(t)`` lies where
+``F(t) + e(t)`` is largest: an error that is the same in all rows does not move it. It may be anywhere where
+``F`` falls short by no more than ``|e - e_row|``, but at least by half of ``e_row``, since how two runs
+differ from row to row may vanish by accident. To that comes what the rows leave open (:mod:`events`), or what
+the solver says of an event that it has located.
 """
 
 from __future__ import annotations
@@ -36,30 +38,31 @@ import numpy as np
 
 from contact_scene import Loading, Trace
 from contact_scene.trace import Array
-from validation.measure.movement_norms import movement_bound, movement_distance, movement_interpolation_error
-from validation.measure.norms import CURVES, distance, interpolation_error
-from validation.measure.observables import at_last_contact
-from validation.measure.place_errors import (
-    SAFETY,
-    add_at_approach,
-    add_at_detachment,
-    add_at_peak,
-    add_at_pull_off,
+from validation.measure.curves import (
+    CURVES,
+    MOVEMENT,
+    column_curve,
+    distance,
+    interpolation_error,
+    movement_bound,
+    movement_distance,
+    movement_interpolation_error,
 )
-from validation.measure.row_interpolation import column_curve
+from validation.measure.events import SAFETY, after_last_contact, extrema, last_in_contact, left_open
+from validation.measure.observables import at_last_contact
 from validation.measure.scaling import column_of, scale
-from validation.measure.windows import load_step_ends, windows
+from validation.measure.windows import windows
 from validation.solvers import solver
 
-IN_LAYERS = ("branch_dissipation", "zone_excess")
-"""Quantities of first order: squares of the stress in the layer at the edge."""
 OF_SQUARE = 2.0
 """Relative error of a square over that of what is squared."""
+VARIED = 0.5
+"""Least change of an error near an extremum, relative to that error: it may vanish by accident."""
+IN_LAYERS = ("branch_dissipation", "zone_excess")
+"""Quantities of first order: squares of the stress in the layer at the edge."""
 AT_LIMIT_POINTS = ("detachment_radius", "detachment_force")
 """Quantities of first order where others are of second: the edge runs away as the root of the load."""
 ENERGIES = ("loop_energy", "dissipated_energy", "loss_fall", "peak_cycle_loss", *IN_LAYERS)
-MOVEMENT = "_movement"
-"""Ending of the name of an error of a curve relative to its excursion in the worst window."""
 Measures = Mapping[str, float | None]
 
 
@@ -71,12 +74,11 @@ def from_two_runs(
     ratio: float = 2.0,
     loading: Loading | None = None,
 ) -> dict[str, float]:
-    """Errors of a run from its difference from a coarser or finer one, ``3 |other - run|/|r^p - 1|``.
+    """Errors of a run from its difference from a coarser or finer one of the same solver.
 
     Parameters
     ----------
     run, other : Trace
-        Of one solver; the estimates are those of the first.
     measured, otherwise : mapping of str to float or None
         Scalars of either run by name.
     ratio : float
@@ -92,93 +94,107 @@ def from_two_runs(
     """
     usual = solver(run.solver).order
     spans = _spans(loading, run)
-    errors, floors = _of_curves(run, other, usual, ratio, spans)
+
+    def factor(order: float) -> float:
+        return SAFETY / abs(ratio**order - 1.0)
+
+    apart = {column: distance(other, run, column, spans) for column in (*CURVES, "penetration")}
+    errors, least = {}, {1.0: 0.0, usual: 0.0}
+    for column in CURVES:
+        gap = apart[column]
+        if gap is not None:
+            between = interpolation_error(run, column, spans)
+            errors[column] = factor(usual) * gap.rms + between
+            least = {p: max(floor, factor(p) * gap.mean + between) for p, floor in least.items()}
+    depths = apart["penetration"]
     heat, loss = _losses_apart(run, other, spans)
-    depths = distance(other, run, "penetration", spans)
-    mean_depth = 0.0 if depths is None else depths.mean
     for name, value in measured.items():
         there = otherwise.get(name)
-        if value is None or there is None or not (column_of(name) or name in ENERGIES):
+        if value is None or there is None or not _has_error(name):
             continue
-        relative_to = scale(name, value, run)
-        first = name in (*ENERGIES, *AT_LIMIT_POINTS) or name.startswith("pull_off")
-        order = 1.0 if first else usual
+        order = 1.0 if name in (*ENERGIES, *AT_LIMIT_POINTS) or name.startswith("pull_off") else usual
         on_the_way = heat if name in IN_LAYERS else loss if name in ENERGIES else 0.0
-        differs = max(abs(there - value), on_the_way)
-        own = _extrapolated(differs / relative_to, order, ratio) if relative_to > 0.0 else 0.0
-        errors[name] = max(own, (OF_SQUARE if name in IN_LAYERS else 1.0) * floors[order])
-        if column_of(name) == "penetration":  # what a prescribed force leaves to be found
-            errors[name] = max(errors[name], _extrapolated(mean_depth, order, ratio))
+        relative_to = scale(name, value, run)
+        differs = max(abs(there - value), on_the_way) / relative_to if relative_to > 0.0 else 0.0
+        errors[name] = max(factor(order) * differs, (OF_SQUARE if name in IN_LAYERS else 1.0) * least[order])
+        if column_of(name) == "penetration" and depths is not None:  # what a prescribed force leaves open
+            errors[name] = max(errors[name], factor(order) * depths.mean)
     _raise_to_balance(errors, run, measured)
-    if len(spans):
-        for column in CURVES:
-            moved = movement_distance(other, run, spans, column)
-            if moved is not None:
-                between = movement_interpolation_error(run, spans, column)
-                errors[column + MOVEMENT] = _extrapolated(moved.rms, usual, ratio) + between
-    deepest, other_deepest = measured.get("approach_penetration"), otherwise.get("approach_penetration")
-    change = 0.0 if deepest is None or other_deepest is None else abs(other_deepest - deepest)
-    of_depth = _apart(run, other, "penetration", usual, ratio, spans)
-    add_at_approach(errors, run, spans, _extrapolated(change, usual, ratio), of_depth)
-    apart = distance(other, run, "force", spans)
-    usually = 0.0 if apart is None else _extrapolated(apart.rms, 1.0, ratio)
-    of_force = _apart(run, other, "force", 1.0, ratio, spans)
-    add_at_peak(errors, run, spans, of_force, usually)
-    add_at_pull_off(errors, run, of_force, usually)
-    add_at_detachment(errors, run, measured.get("detachment_radius"), compared=True)
+    for column in CURVES if len(spans) else ():
+        moved = movement_distance(other, run, spans, column)
+        if moved is not None:
+            unknown = movement_interpolation_error(run, spans, column)
+            errors[column + MOVEMENT] = factor(usual) * moved.rms + unknown
+    for event in extrema(run, spans.ravel()):
+        if event.observable in errors:
+            gap, order = apart[event.column], 1.0 if event.column == "force" else usual
+            usually = gap.rms * event.size if gap is not None and event.column == "force" else 0.0
+            moved_by = abs((measured[event.observable] or 0.0) - (otherwise[event.observable] or 0.0))
+            level = factor(order) * max(moved_by, usually)
+            error, signed = (
+                np.full(len(run), level),
+                factor(order) * _rows_apart(run, other, event.column, spans),
+            )
+            if np.isfinite(signed[event.row]):
+                known = np.isfinite(signed)
+                varied = np.abs(signed[known] - signed[event.row])
+                error[known] = np.clip(varied, 0.0 if event.corner else VARIED * level, level)
+            _add(errors, run, event.name, event.row, left_open(run, event, error), True, event.column)
+    if measured.get("detachment_radius") != 0.0:
+        _add(errors, run, "detachment", last_in_contact(run), after_last_contact(run), True)
     return errors
 
 
 def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -> dict[str, float]:
     """The estimates of a solver that makes its own; a scalar it does not name has the largest of them.
 
-    Where it names none for the movement of a curve, it is bounded by that of the curve.
-
-    Parameters
-    ----------
-    trace : Trace
-    measured : mapping of str to float or None
-        Scalars of the run by name.
-    loading : Loading, optional
-        As of :func:`from_two_runs`.
-
-    Returns
-    -------
-    dict of str to float
+    Where it names none for the movement of a curve, it is bounded by that of the curve. Arguments as of
+    :func:`from_two_runs`.
     """
     largest = max(trace.errors.values(), default=0.0)
     spans = _spans(loading, trace)
     own = {column: trace.errors[column] for column in CURVES if column in trace.errors}
     errors = {column: error + interpolation_error(trace, column, spans) for column, error in own.items()}
     for name, value in measured.items():
-        if value is not None and (column_of(name) or name in ENERGIES):
+        if value is not None and _has_error(name):
             errors[name] = trace.errors.get(name, largest)
-    if len(spans):
-        for column, error in own.items():
-            bound = movement_bound(trace, spans, column) * error
-            between = movement_interpolation_error(trace, spans, column)
-            errors[column + MOVEMENT] = trace.errors.get(column + MOVEMENT, bound) + between
-    add_at_approach(errors, trace, spans)
-    add_at_peak(errors, trace, spans)
-    add_at_pull_off(errors, trace)
-    add_at_detachment(errors, trace, measured.get("detachment_radius"))
+    for column, error in own.items() if len(spans) else ():
+        bound = movement_bound(trace, spans, column) * error
+        between = movement_interpolation_error(trace, spans, column)
+        errors[column + MOVEMENT] = trace.errors.get(column + MOVEMENT, bound) + between
+    for event in extrema(trace, spans.ravel()):
+        level = errors.get(event.observable, 0.0) * event.size if event.column == "force" else 0.0
+        _add(errors, trace, event.name, event.row, left_open(trace, event, np.full(len(trace), level)))
+    if measured.get("detachment_radius") != 0.0:
+        _add(errors, trace, "detachment", last_in_contact(trace), after_last_contact(trace))
     return errors
 
 
-def _of_curves(
-    run: Trace, other: Trace, usual: float, ratio: float, spans: Array
-) -> tuple[dict[str, float], dict[float, float]]:
-    """Errors of the curves by column, and the least error of a scalar by the order that it converges with."""
-    errors = {}
-    floors = {1.0: 0.0, usual: 0.0}
-    for column in CURVES:
-        apart = distance(other, run, column, spans)
-        if apart is not None:
-            between = interpolation_error(run, column, spans)
-            errors[column] = _extrapolated(apart.rms, usual, ratio) + between
-            for order, floor in floors.items():
-                floors[order] = max(floor, _extrapolated(apart.mean, order, ratio) + between)
-    return errors, floors
+def _has_error(name: str) -> bool:
+    return bool(column_of(name)) or name in ENERGIES
+
+
+def _add(
+    errors: dict[str, float],
+    trace: Trace,
+    event: str,
+    row: int,
+    away: Mapping[str, float],
+    compared: bool = False,
+    located_by: str = "",
+) -> None:
+    """Add to the errors at an event how far ``away`` from its row it may be, by column.
+
+    The difference of two runs has that in it, but for the column that it is ``located_by``: where they are
+    ``compared`` the larger of it, and of the error of the curve with what the place adds, is the estimate.
+    """
+    for column, distance_away in away.items():
+        key = f"{event}_{'radius' if column == 'contact_radius' else column}"
+        relative_to = scale(key, float(trace.columns()[column][row]), trace)
+        if key in errors and relative_to > 0.0:
+            curve = errors.get("contact_radius" if column == "contact_radius" else "force", 0.0)
+            at_row = curve if compared and column != located_by else errors[key]
+            errors[key] = max(errors[key], at_row + distance_away / relative_to)
 
 
 def _losses_apart(run: Trace, other: Trace, spans: Array) -> tuple[float, float]:
@@ -219,32 +235,10 @@ def _spans(loading: Loading | None, trace: Trace) -> Array:
     return windows(loading, trace) if loading is not None and len(trace) else np.empty((0, 2))
 
 
-def _extrapolated(difference: float, order: float, ratio: float) -> float:
-    return SAFETY * difference / abs(ratio**order - 1.0)
-
-
-def _apart(run: Trace, other: Trace, column: str, order: float, ratio: float, spans: Array) -> Array:
-    """Estimated error of a column in every row, signed; nan where the other run has ended.
-
-    Parameters
-    ----------
-    run, other : Trace
-    column : str
-        Name of the column.
-    order, ratio : float
-        As of :func:`from_two_runs`.
-    spans : ndarray, shape (k, 2)
-        Windows of the run.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-    """
+def _rows_apart(run: Trace, other: Trace, column: str, spans: Array) -> Array:
+    """Difference of another run in every row, shape (n,); nan where it has ended."""
     if len(other) < 2:
         return np.full(len(run), np.nan)
     within = (run.time >= other.time[0]) & (run.time <= other.time[-1])
-    curve = column_curve(other, column, load_step_ends(spans))
-    difference = np.array(
-        [curve.at(float(time)) if here else np.nan for time, here in zip(run.time, within, strict=True)]
-    )
-    return (difference - run.columns()[column]) * _extrapolated(1.0, order, ratio)
+    there = column_curve(other, column, spans).values(np.clip(run.time, other.time[0], other.time[-1]))
+    return np.where(within, there, np.nan) - run.columns()[column]

@@ -10,57 +10,28 @@ every integral over the penetration.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from contact_scene import Loading, OutcomeKind, Trace
-from validation.measure.approach import approach_ended, end_of_approach
-from validation.measure.round_off import ROUND_OFF
+from contact_scene import Loading, OutcomeKind, Scene, Trace
+from validation.measure.events import approach_ended, end_of_approach, last_in_contact, peak_row, pull_off_row
+from validation.measure.scaling import ROUND_OFF
+from validation.measure.windows import cycle_times
 
 Array = NDArray[np.float64]
-
-PULLED_BACK = 1e-6
-"""Part of the range of the penetration by which an indenter is pulled back: on a spring the penetration is
-found with the edge, and rows at nearly the same time may go back by what neither is known."""
 
 
 @dataclass(frozen=True)
 class Observables:
-    """Scalars of one run.
+    """Scalars of one run, ``None`` where one does not apply; ``docs/reference/output.md`` says what each is.
 
-    Parameters
-    ----------
-    start_force, start_radius : float or None
-        First row.
-    approach_time, approach_penetration, approach_force, approach_radius : float or None
-        End of the approach, the first crest of the penetration that may be its largest value (see
-        :mod:`validation.measure.approach`). ``None`` for a run that did not finish, unless the approach had
-        ended.
-    peak_force, peak_time : float or None
-        Largest compressive force of the run, and when it is reached first (see :func:`peak_row`); ``None`` of
-        a run that did not finish as for the approach, and without compression.
-    pull_off_force : float or None
-        Largest tension ``max(-F)`` of the run, if it is an extremum that the run has passed (see
-        :func:`pull_off_row`): not the tension with which a run begins or which still rises at its end.
-    pull_off_time, pull_off_penetration, pull_off_radius : float or None
-        There; on a plateau of the force (force control) its last row.
-    detachment_time, detachment_penetration, detachment_radius, detachment_force : float or None
-        Last state in contact of a run that lost contact. ``None`` where the contact shrank to its process
-        zone: there the model ends, not the contact, and the state is ``final_*``.
-    stage_at_detachment : float or None
-        Position of the stage there; only of a machine with a spring.
-    loop_energy : float or None
-        ``integral F dD`` over the run; on a spring the work of the stage, ``integral F dX``.
-    dissipated_energy : float or None
-        The solver's own loss at the end of the run, or at detachment: what the snap to the free surface sets
-        free then is no viscous loss.
-    instability_loss : float or None
-        Lost in instabilities of the whole run, at constant stage; only of a machine with a spring.
-    final_time, final_penetration, final_force, final_radius : float or None
-        Last row. Of a run that lost contact force and radius are zero, whether or not the solver ends with
-        a row of the free surface; the last state in contact is ``detachment_*``.
+    ``approach_*`` and ``peak_*`` of a run that did not finish are known once its approach has ended.
+    ``detachment_*`` is the last state in contact, and ``None`` where the contact shrank to its process zone:
+    there the model ends, not the contact, and the state is ``final_*``. On a spring ``loop_energy`` is the
+    work of the stage, and ``instability_loss`` what is lost in instabilities at constant stage.
     """
 
     start_force: float | None = None
@@ -93,114 +64,81 @@ class Observables:
         return dict(vars(self))
 
 
+@dataclass(frozen=True)
+class CycleLoss:
+    """Energy lost over one oscillation: ``loop`` is ``integral F dD``, ``dissipated`` the solver's own loss.
+
+    ``start`` and ``end`` are times of equal phase, one period apart; ``angular_frequency`` is the mean.
+    """
+
+    start: float
+    end: float
+    angular_frequency: float
+    loop: float
+    dissipated: float
+
+
+def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float | None]:
+    """Every scalar of a run by name: observables, losses of cycles, work counters and run time (s)."""
+    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.0
+    observed = observe(trace, zone, scene.loading, scene.ends_in_a_point)
+    values: dict[str, float | None] = dict(observed.as_dict())
+    stored = float(trace.stored_energy.max()) if len(trace) else 0.0
+    branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
+    values["branch_dissipation"] = branches
+    values["zone_excess"] = branches - loss if branches is not None and loss is not None else None
+    values["loss_fall"] = largest_fall(trace)[0] if len(trace) else None
+    values["loss_share"] = loss / stored if loss is not None and stored > 0.0 else None
+    cycles = cycle_losses(trace, cycle_times(scene.loading))
+    peak = max(cycles, key=lambda cycle: cycle.loop, default=None)
+    values["peak_cycle_loss"] = peak.loop if peak else None
+    values["peak_cycle_frequency"] = peak.angular_frequency if peak else None
+    values |= {f"counters.{name}": float(count) for name, count in vars(trace.counters).items()}
+    values["wall_seconds"] = wall_seconds
+    return values
+
+
 def observe(
     trace: Trace, zone: float = 0.0, loading: Loading | None = None, ends_in_a_point: bool = False
 ) -> Observables:
     """All observables of a run; of a run without a row, none.
 
-    Parameters
-    ----------
-    trace : Trace
-    zone : float
-        Length of the process zone.
-    loading : Loading, optional
-        What was asked for: whether the approach of a run that did not finish had ended.
-    ends_in_a_point : bool
-        Whether contact shrinks to nothing before it is lost (``Scene.ends_in_a_point``).
-
-    Returns
-    -------
-    Observables
+    ``zone`` is the length of the process zone. ``loading`` tells whether the approach of a run that did not
+    finish had ended. ``ends_in_a_point``: contact shrinks to nothing before it is lost.
     """
     if len(trace) == 0:
         return Observables()
-    lost = trace.outcome.kind is OutcomeKind.DETACHED
+    lost, last = trace.outcome.kind is OutcomeKind.DETACHED, last_in_contact(trace, zone)
     values: dict[str, float] = {
         "start_force": trace.force[0],
         "start_radius": trace.contact_radius[0],
         "loop_energy": loop_energy(trace),
-        "dissipated_energy": trace.dissipated_energy[_last_in_contact(trace, zone)],
+        "dissipated_energy": trace.dissipated_energy[last],
         "final_time": trace.time[-1],
         "final_penetration": trace.penetration[-1],
         "final_force": 0.0 if lost else trace.force[-1],
         "final_radius": 0.0 if lost else trace.contact_radius[-1],
     }
     if trace.outcome.finished or approach_ended(trace, loading):
-        values |= _row(trace, end_of_approach(trace), "approach")
+        values |= dict(_row(trace, end_of_approach(trace), "approach"))
         peak = peak_row(trace)
         if peak is not None:
             values |= {"peak_force": trace.force[peak], "peak_time": trace.time[peak]}
     pulling = pull_off_row(trace)
     if pulling is not None:
-        at = _row(trace, pulling, "pull_off")
-        values |= at | {"pull_off_force": -at["pull_off_force"]}
-    values |= _detachment(trace, zone, ends_in_a_point)
+        values |= dict(_row(trace, pulling, "pull_off")) | {"pull_off_force": -trace.force[pulling]}
+    values |= _detachment(trace, last, zone, ends_in_a_point)
     if "stage" in trace.extra:
         values["instability_loss"] = trace.extra["instability_loss"][-1]
         if "detachment_force" in values:
-            values["stage_at_detachment"] = trace.extra["stage"][_last_in_contact(trace, zone)]
+            values["stage_at_detachment"] = trace.extra["stage"][last]
     return Observables(**{name: float(value) for name, value in values.items()})
 
 
-def largest_tension(trace: Trace) -> int | None:
-    """Index of the last row at the largest tension; ``None`` without tension beyond round-off."""
-    tension = -trace.force
-    slack = ROUND_OFF * float(np.abs(trace.force).max())
-    if tension.max() <= slack:
-        return None
-    return int(np.flatnonzero(tension >= tension.max() - slack)[-1])
-
-
-def peak_row(trace: Trace) -> int | None:
-    """Index of the first row at the largest compressive force; ``None`` without one beyond round-off."""
-    slack = ROUND_OFF * float(np.abs(trace.force).max())
-    largest = float(trace.force.max())
-    return int(np.flatnonzero(trace.force >= largest - slack)[0]) if largest > slack else None
-
-
-def pull_off_row(trace: Trace) -> int | None:
-    """Index of the last row at the largest tension, if that is the pull-off force.
-
-    It is if the indenter pulls there (some earlier row is deeper), and if the run has passed the extremum:
-    the tension falls afterwards, or contact is lost. Of a run that loses contact without ever being pulled
-    back, such as during a hold, it is the largest tension after the first row. A contact that has shrunk to
-    its process zone has passed the extremum only if its outcome says so.
-    """
-    tension = -trace.force
-    slack = ROUND_OFF * float(np.abs(trace.force).max())
-    depth = trace.penetration
-    pulled_back = depth < np.maximum.accumulate(depth) - PULLED_BACK * float(np.ptp(depth))
-    kind = trace.outcome.kind
-    if kind is OutcomeKind.BELOW_ZONE and not trace.outcome.past_extremum:
-        return None
-    if kind is OutcomeKind.DETACHED and not np.any(pulled_back & (tension > slack)):
-        pulled_back = np.arange(len(trace)) > 0
-    pulling = np.flatnonzero(pulled_back & (tension > slack))
-    if pulling.size == 0:
-        return None
-    largest = float(tension[pulling].max())
-    row = int(pulling[tension[pulling] >= largest - slack][-1])
-    falls = bool(np.any(tension[row + 1 :] < largest - slack))
-    return row if falls or kind is OutcomeKind.DETACHED else None
-
-
 def at_last_contact(trace: Trace, column: str, zone: float = 0.0) -> float | None:
-    """A column at the row of detachment, or the last; ``None`` if the run has no such column or no row.
-
-    Parameters
-    ----------
-    trace : Trace
-    column : str
-        Name.
-    zone : float
-        Length of the process zone; 0 without adhesion.
-
-    Returns
-    -------
-    float or None
-    """
+    """A column at the row of detachment, or the last; ``None`` if the run has no such column or no row."""
     values = trace.columns().get(column)
-    return None if values is None or len(trace) == 0 else float(values[_last_in_contact(trace, zone)])
+    return None if values is None or len(trace) == 0 else float(values[last_in_contact(trace, zone)])
 
 
 def loop_energy(trace: Trace) -> float:
@@ -212,16 +150,59 @@ def loop_energy(trace: Trace) -> float:
     return float(np.diff(trace.external_work).sum())
 
 
-def _row(trace: Trace, index: int, name: str) -> dict[str, float]:
-    return {
-        f"{name}_time": trace.time[index],
-        f"{name}_penetration": trace.penetration[index],
-        f"{name}_force": trace.force[index],
-        f"{name}_radius": trace.contact_radius[index],
-    }
+def largest_fall(trace: Trace) -> tuple[float, int, int]:
+    """Largest fall of the loss from any row to a later one, not negative, and the two rows.
+
+    No material gives back what it has lost. The adhesive closure over a zone of finite length does not
+    balance energies where an edge sets off from rest (:mod:`validation.reference.starting_edge`), nor in
+    first order of zone over radius. All solvers share that: ``compare`` holds their falls against each other.
+    Without adhesion a loss that falls is an error.
+    """
+    loss = trace.dissipated_energy
+    end = int(np.argmax(np.maximum.accumulate(loss) - loss))
+    begin = int(np.argmax(loss[: end + 1]))
+    return float(loss[begin] - loss[end]), begin, end
 
 
-def _detachment(trace: Trace, zone: float, ends_in_a_point: bool) -> dict[str, float]:
+def cycle_losses(trace: Trace, times: ArrayLike) -> tuple[CycleLoss, ...]:
+    """Losses of the cycles between consecutive ``times``, as far as the run went.
+
+    A time that is no row of the trace is interpolated linearly, which costs second order in the row
+    spacing; pass them to the solver as stop times to have them stepped onto.
+    """
+    if len(trace) < 2:
+        return ()
+    ends = np.asarray(times, float)
+    slack = ROUND_OFF * (trace.time[-1] - trace.time[0])
+    ends = ends[(ends >= trace.time[0] - slack) & (ends <= trace.time[-1] + slack)]
+    work = np.concatenate(([0.0], np.cumsum(np.diff(trace.external_work))))
+    at = [_until(trace, work, float(time)) for time in ends]
+    return tuple(
+        CycleLoss(float(a), float(b), float(2 * np.pi / (b - a)), right[0] - left[0], right[1] - left[1])
+        for a, b, left, right in zip(ends[:-1], ends[1:], at[:-1], at[1:], strict=True)
+    )
+
+
+def _until(trace: Trace, work: Array, time: float) -> tuple[float, float]:
+    """``integral F dD`` and dissipated energy up to ``time``; ``F`` and ``D`` almost linear between rows."""
+    i = int(np.clip(np.searchsorted(trace.time, time, side="right") - 1, 0, len(trace) - 2))
+    step = trace.time[i + 1] - trace.time[i]
+    part = float(np.clip((time - trace.time[i]) / step, 0.0, 1.0)) if step > 0 else 1.0
+    first, last = trace.force[i], trace.force[i + 1]
+    depth = trace.penetration[i + 1] - trace.penetration[i]
+    straight = (first + 0.5 * part * (last - first)) * part * depth
+    done = straight + part * (work[i + 1] - work[i] - 0.5 * (first + last) * depth)
+    loss = trace.dissipated_energy[i] + part * (trace.dissipated_energy[i + 1] - trace.dissipated_energy[i])
+    return float(work[i] + done), float(loss)
+
+
+def _row(trace: Trace, index: int, name: str) -> Iterator[tuple[str, float]]:
+    for quantity in ("time", "penetration", "force"):
+        yield f"{name}_{quantity}", getattr(trace, quantity)[index]
+    yield f"{name}_radius", trace.contact_radius[index]
+
+
+def _detachment(trace: Trace, last: int, zone: float, ends_in_a_point: bool) -> dict[str, float]:
     """The solver's own "pull-off" event where it gives one, else the last row still in contact.
 
     An event without a contact radius is the loss seen from the free surface: that of a punch is lost at once,
@@ -229,7 +210,6 @@ def _detachment(trace: Trace, zone: float, ends_in_a_point: bool) -> dict[str, f
     """
     if trace.outcome.kind is not OutcomeKind.DETACHED:
         return {}
-    last = _last_in_contact(trace, zone)
     until = trace.time[last] + ROUND_OFF * float(np.ptp(trace.time))
     for event in reversed(trace.events):
         free = event.contact_radius == 0.0 and event.time <= until and not ends_in_a_point
@@ -240,16 +220,6 @@ def _detachment(trace: Trace, zone: float, ends_in_a_point: bool) -> dict[str, f
                 "detachment_radius": event.contact_radius,
                 "detachment_force": event.force,
             }
-    if np.any(trace.contact_radius[last + 1 :] > 0.0):  # contact continues below the zone
-        return _row(trace, last, "detachment")
-    return _row(trace, last, "detachment") | {"detachment_time": trace.outcome.time}
-
-
-def _last_in_contact(trace: Trace, zone: float) -> int:
-    """Of a run that lost contact the last row in contact and no shorter than the zone, else the last row."""
-    radius = trace.contact_radius
-    if trace.outcome.kind is OutcomeKind.DETACHED:
-        for touching in (np.flatnonzero((radius > 0.0) & (radius >= zone)), np.flatnonzero(radius > 0.0)):
-            if touching.size:
-                return int(touching[-1])
-    return len(trace) - 1
+    goes_on = np.any(trace.contact_radius[last + 1 :] > 0.0)  # below the zone
+    row = dict(_row(trace, last, "detachment"))
+    return row if goes_on else row | {"detachment_time": trace.outcome.time}

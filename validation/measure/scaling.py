@@ -1,4 +1,4 @@
-"""What the error of a measured quantity is relative to: the only rule, for every table, study and check.
+"""What the error of a measured quantity is relative to, the only rule for all tables and checks; and units.
 
 A difference in a quantity is divided by
 
@@ -12,24 +12,32 @@ A difference in a quantity is divided by
   of the external work in the run, for the same reason; that over a cycle: at least a twentieth of the largest
   stored energy;
 - any frequency: its magnitude.
+
+Check values are stated in the paper's units (Sec. III), with ``R`` the radius of the sphere and ``K`` the
+relaxed plane modulus ``E0/(1 - nu^2)``: lengths over ``R``, forces over ``pi K R^2``, energies over
+``pi K R^3``, pull-off forces over ``F_JKR = 3 pi dgamma R/2``. Scenes without a sphere keep their units.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from contact_scene import Trace
+from contact_scene import Scene, Sphere, Trace
 
 LEAST_SHARE = 0.05
 """Least scale of a force, radius or time, relative to the largest magnitude of its column in the run."""
+ROUND_OFF = 1e-9
+"""Difference, relative to the largest value of a column, below which two of its values count as equal."""
 LOSSES = ("dissipated_energy", "loss_fall", "instability_loss", "branch_dissipation", "zone_excess")
 """Quantities that are what an energy balance leaves."""
 WORKS = {"loop_energy": "external_work", "peak_cycle_loss": "stored_energy"}
 """Work done over a run or a cycle: the column it is a small part of where it nearly vanishes."""
+SYMBOLS = {"": "", "length": "R", "force": "πE₀R²/(1−ν²)", "energy": "πE₀R³/(1−ν²)", "jkr-force": "F_JKR"}
 _COLUMNS = {"force": "force", "radius": "contact_radius", "penetration": "penetration", "time": "time"}
 _STAGE = "stage"
 
@@ -39,17 +47,29 @@ def column_of(name: str) -> str:
     return _STAGE if name.startswith(f"{_STAGE}_") else _COLUMNS.get(name.rpartition("_")[2], "")
 
 
+def unit_of(name: str) -> str:
+    """Name of the unit in which an observable is stated."""
+    if name == "pull_off_force":
+        return "jkr-force"
+    column = column_of(name)
+    return {"": "energy", "time": "", "force": "force"}.get(column, "length")
+
+
+def unit_sizes(scene: Scene) -> dict[str, float]:
+    """Size of every unit in the units of the scene; always holds ``""`` = 1."""
+    known = {"": 1.0}
+    if isinstance(scene.indenter, Sphere):
+        radius = scene.indenter.radius
+        stiffness = math.pi * scene.material.relaxed_plane_modulus
+        known |= {"length": radius, "force": stiffness * radius**2, "energy": stiffness * radius**3}
+        if scene.adhesion is not None and scene.is_adhesive:
+            known["jkr-force"] = 1.5 * math.pi * scene.adhesion.work * radius
+    return known
+
+
 @dataclass(frozen=True)
 class Magnitudes:
-    """Largest magnitudes in a run.
-
-    Parameters
-    ----------
-    columns : mapping of str to float
-        By column of the trace; energies where the rows are available.
-    balance : float
-        Of the terms of the energy balance.
-    """
+    """Largest magnitudes in a run, by column of the trace, and of the terms of its energy balance."""
 
     columns: Mapping[str, float]
     balance: float
@@ -98,19 +118,5 @@ class Magnitudes:
 
 
 def scale(name: str, value: float, trace: Trace) -> float:
-    """What a difference in a quantity is relative to, from the rows of the run it belongs to.
-
-    Parameters
-    ----------
-    name : str
-        Of an observable.
-    value : float
-        Its value in the run.
-    trace : Trace
-
-    Returns
-    -------
-    float
-        In the unit of ``value``.
-    """
+    """What a difference in a quantity is relative to, from the rows of the run it belongs to."""
     return Magnitudes.of_trace(trace).scale(name, value)

@@ -20,20 +20,11 @@ AT_LEVEL = 1e-9
 
 
 def windows(loading: Loading, trace: Trace) -> Array:
-    """Begin and end of every window of a run, as far as the run goes; only whole cycles.
+    """Begin and end of every window of a run, shape (n, 2), as far as the run goes; only whole cycles.
 
     What is left of a cycle in which contact is lost shows when it is lost, not how the edge moves in a cycle.
     The state from which a load step begins is that of the run, and one that ends at a level does so where the
     run has reached it.
-
-    Parameters
-    ----------
-    loading : Loading
-    trace : Trace
-
-    Returns
-    -------
-    ndarray, shape (n, 2)
     """
     last = float(trace.time[-1])
     spans = [(float(trace.time[0]), last)]
@@ -45,17 +36,7 @@ def windows(loading: Loading, trace: Trace) -> Array:
 
 
 def load_step_ends(spans: Array) -> Array:
-    """Times at which load steps begin and end, told from the windows of a run alone; kinks are none of them.
-
-    Parameters
-    ----------
-    spans : ndarray, shape (n, 2)
-        As of :func:`windows`: cycles lie within a load step.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-    """
+    """Times at which load steps begin and end, told from the windows alone: cycles lie within a load step."""
     begin, end = spans.T
     within = (begin[1:] <= begin[:, None]) & (end[:, None] <= end[1:])
     shorter = (end - begin)[:, None] < (end - begin)[1:]
@@ -63,18 +44,7 @@ def load_step_ends(spans: Array) -> Array:
 
 
 def corners(loading: Loading, trace: Trace) -> Array:
-    """Times at which load steps begin and end, and at which the loading has kinks within them.
-
-    Parameters
-    ----------
-    loading : Loading
-    trace : Trace
-        As far as it goes.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-    """
+    """Times at which load steps begin and end, and at which the loading has kinks within them."""
     steps = list(_load_steps(loading, trace))
     ends = [time for _, _, begin, end in steps for time in (begin, end)]
     kinks = [begin + kink for _, segment, begin, end in steps for kink in segment.kinks if begin + kink < end]
@@ -119,7 +89,6 @@ def cycle_times(loading: Loading) -> tuple[float, ...]:
     """Times of phase 0, 2 pi, 4 pi, ... of the first oscillation or sweep; empty without one.
 
     Empty too where there are more than any solver takes, ``MOST_CYCLES``: their times could not be held.
-
     Steps before it must be controlled by penetration and end at a time, not at a level: otherwise its start
     is known only after the run.
     """

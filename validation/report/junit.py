@@ -6,7 +6,7 @@ import re
 import xml.etree.ElementTree as tree
 from collections.abc import Iterable, Sequence
 
-from validation.measure.check import Check
+from validation.measure.difference import Check
 from validation.report.report import Chapter
 from validation.report.tables import cells
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from validation.measure.check import Check
+from validation.measure.difference import Check
 from validation.report import html
 from validation.report.document import Document, Part, Section, figures_of
 from validation.runs.folder import write_whole

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from validation.measure.check import Check
-from validation.measure.dimensionless import SYMBOLS
+from validation.measure.difference import Check
+from validation.measure.scaling import SYMBOLS
 from validation.report.document import (
     ABSENT,
     DataTable,

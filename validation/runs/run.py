@@ -40,10 +40,8 @@ from contact_scene.run_control import outcome_of_loss
 from validation import solvers
 from validation.cases import Case
 from validation.measure import error_estimate
-from validation.measure.falling_loss import fall_warnings
-from validation.measure.observables import Observables
-from validation.measure.scalars import measure
-from validation.measure.small_swings import swing_warnings
+from validation.measure.observables import Observables, measure
+from validation.measure.warnings import fall_warnings, swing_warnings
 from validation.measure.windows import cycle_times
 from validation.runs.folder import from_json, move_whole, to_json, write_whole
 from validation.runs.store import checked
@@ -235,6 +233,7 @@ _NO_MEASURES: dict[str, Any] = {
     "counters": Counters,
     "error_estimates": dict[str, float | None],
     "events": tuple[Event, ...],
+    "located": tuple[Event, ...],
 }
 """Keys of the ``summary.json`` of a run with a trace that are no measures, and what each holds."""
 _TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
@@ -273,6 +272,7 @@ def summary(result: Run) -> dict[str, Any]:
         "counters": None if trace is None else asdict(trace.counters),
         "error_estimates": None if trace is None else result.errors or dict(trace.errors),
         "events": [asdict(event) for event in trace.events] if trace is not None else [],
+        "located": [asdict(event) for event in trace.located] if trace is not None else [],
     }
 
 
@@ -306,6 +306,7 @@ def read_run(source: Path) -> tuple[Scene, Run]:
 
 def _run(stated: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
     """The run that a folder holds; its outcome is dated by the last row of the trace."""
+    stated = {"located": []} | stated  # earlier versions wrote none
     of = {name: checked(stated.get(name), kind, name) for name, kind in _NO_MEASURES.items()}
     measures: dict[str, float | None] = {
         name: checked(value, float | None, name)
@@ -328,6 +329,7 @@ def _run(stated: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run
         counters=of["counters"],
         extra={name: column for name, column in columns.items() if name not in COLUMNS},
         events=of["events"],
+        located=of["located"],
         wall_seconds=of["wall_seconds"],
     )
     measures |= {f"counters.{name}": float(count) for name, count in vars(of["counters"]).items()}

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from contact_scene import COLUMNS, Material, Trace
+from validation.measure.curves import distance
 from validation.measure.difference import of_curves, of_numbers
-from validation.measure.norms import distance
 from validation.measure.observables import observe
 from validation.runs.run import Run
 from validation.stability.case import EquivalentScene, ReferenceRuns, Value

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from validation.drawing import export
-from validation.measure.check import Check
+from validation.measure.difference import Check
 from validation.report import markdown, report
 from validation.report.document import (
     Bullets,

@@ -30,8 +30,8 @@ from validation.cases import Case
 from validation.drawing import export
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import curve_style
+from validation.measure.curves import CURVES
 from validation.measure.difference import Difference, of_curves, of_numbers
-from validation.measure.norms import CURVES
 from validation.reference.creep_compliance import creep_compliance
 from validation.reference.separate_bulk import equivalent_material
 from validation.report import markdown

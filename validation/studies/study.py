@@ -18,10 +18,10 @@ import numpy as np
 from contact_scene import SceneError, Trace
 from contact_scene.errors import one_line
 from validation.cases import Case
-from validation.measure.approach import is_located
+from validation.measure.curves import distance
 from validation.measure.difference import of_numbers
-from validation.measure.norms import distance
-from validation.measure.scalars import measure
+from validation.measure.events import is_located
+from validation.measure.observables import measure
 from validation.measure.scaling import Magnitudes
 from validation.runs.pool import Task, TaskResult, processes, run_tasks
 from validation.runs.progress import Progress
@@ -43,7 +43,7 @@ SCALARS = (
     "peak_cycle_loss",
 )
 NORMS = ("force, RMS", "force, mean", "force, largest", "radius, RMS")
-"""Errors of curves, relative to the largest magnitude of the reference (:mod:`validation.measure.norms`)."""
+"""Errors of curves, relative to the largest magnitude of the reference (:mod:`validation.measure.curves`)."""
 REPEATS = 3
 """Largest number of runs of a timed level, of which the fastest counts."""
 ENOUGH_SECONDS = 1.0

@@ -52,7 +52,7 @@ from contact_scene.run_control import whole_number
 from contact_scene.scene import scene_table
 from contact_scene.value_checks import one_of, positive, whole_from
 from validation import scenes, solvers
-from validation.measure.scalars import measure
+from validation.measure.observables import measure
 
 PLANS = Path(__file__).with_name("plans")
 """Folder of the built-in plans."""

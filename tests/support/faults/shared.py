@@ -222,7 +222,7 @@ def _(true):
     return observe
 
 
-@measure_fault("units of an energy 1 % too large", "dimensionless:unit_sizes", ("cycle-si-small",))
+@measure_fault("units of an energy 1 % too large", "scaling:unit_sizes", ("cycle-si-small",))
 def _(true):
     return lambda scene: {
         name: size * (1.01 if name == "energy" else 1.0) for name, size in true(scene).items()
@@ -238,7 +238,7 @@ def _(true):
     return cycle_times
 
 
-@measure_fault("units of a force without pi", "dimensionless:unit_sizes", ("relaxed-equilibrium",))
+@measure_fault("units of a force without pi", "scaling:unit_sizes", ("relaxed-equilibrium",))
 def _(true):
     return lambda scene: {
         name: size / (math.pi if name == "force" else 1.0) for name, size in true(scene).items()

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 from support.faults.injection import Fault
 
-NORMS, COMPARE = "validation.measure.norms", "validation.compare"
-MOVEMENT = "validation.measure.movement_norms"
+NORMS, COMPARE = "validation.measure.curves", "validation.compare"
+MOVEMENT = "validation.measure.curves"
 
 
 def _squared(true):
@@ -46,7 +46,7 @@ FAULTS = [
     Fault("reference", "check values of one side", f"{COMPARE}.checks:_value",
           lambda true: lambda *given: replace(true(*given), passed=true(*given).difference < 0.01),
           ("sides",), True),
-    Fault("reference", "estimates three times too generous", "validation.measure.check:agreement_limit",
+    Fault("reference", "estimates three times too generous", "validation.measure.difference:agreement_limit",
           lambda true: lambda tolerance, *errors: true(tolerance, *(e and 3.0 * e for e in errors)),
           ("limit",), True),
     Fault("fem", "grading 1 % too steep", "meshes.surface:graded",

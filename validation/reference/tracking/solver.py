@@ -28,6 +28,7 @@ from contact_scene.machine import machine_columns
 from contact_scene.run_control import outcome_of_loss, single_threaded
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.estimate import estimated_errors
+from validation.reference.tracking.located import extrema
 from validation.reference.tracking.options import Fineness, Options
 from validation.reference.tracking.problem import FrontProblem, front_problem, with_elastic_travel
 from validation.reference.tracking.recorder import EXTRA_COLUMNS
@@ -114,6 +115,7 @@ def solve(
         counters=result.counters,
         extra={name: column for name, column in result.columns.items() if name not in COLUMNS},
         events=tuple(result.events),
+        located=tuple(extrema(result.columns, result.extrema)),
         profiles=tuple(result.profiles),
         errors=errors,
         wall_seconds=time.perf_counter() - began,
@@ -131,6 +133,7 @@ class _Result:
     outcome: Outcome
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
+    extrema: list[float] = field(default_factory=list)
     profiles: list[SurfaceProfile] = field(default_factory=list)
     start: Surface | None = None
 
@@ -166,7 +169,7 @@ def _run(
     if interrupted:
         outcome = replace(outcome, time=float(columns["time"][-1]))
     state = stepper.state
-    return _Result(columns, outcome, state.counters, state.events, state.profiles, begun)
+    return _Result(columns, outcome, state.counters, state.events, state.extrema, state.profiles, begun)
 
 
 def _stepper(

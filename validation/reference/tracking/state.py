@@ -44,6 +44,8 @@ class FrontState:
         Direction in which the edge runs from the limit point that it has reached; otherwise 0.
     rejected_before : int
         Rejected steps up to the last committed one.
+    extrema : list of float
+        Times of extrema of the force within steps.
     """
 
     surface: Surface
@@ -66,5 +68,6 @@ class FrontState:
     history: StepHistory = field(default_factory=StepHistory)
     counters: Counters = field(default_factory=Counters)
     events: list[Event] = field(default_factory=list)
+    extrema: list[float] = field(default_factory=list)
     profiles: list[SurfaceProfile] = field(default_factory=list)
     recorded: RecordedRows = field(default_factory=RecordedRows)

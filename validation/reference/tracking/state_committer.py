@@ -122,6 +122,7 @@ class StateCommitter:
         if extremum is None:
             return
         at, length = extremum
+        state.extrema.append(at)
         ends = [state.history.rows[-back - 1][TIME], state.history.rows[-back][TIME]]
         for time in (at - BESIDE_EXTREMUM * length, at, at + BESIDE_EXTREMUM * length):
             if ends[0] < time < ends[1]:

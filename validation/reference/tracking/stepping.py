@@ -17,6 +17,7 @@ from contact_scene.run_control import (
 )
 from validation.reference.tracking.instantaneous import force_without_contact
 from validation.reference.tracking.load_jump import load_jump
+from validation.reference.tracking.located import limit_point_uncertainty
 from validation.reference.tracking.options import Options
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.recorder import FORCE_OF_ROW, Recorder
@@ -224,7 +225,8 @@ class FrontStepper:
         """Contact ends here; the last row is the free surface, unless a force takes the indenter further."""
         state, surface = self.state, self.state.surface
         last = (0.0, 0.0) if self.problem.scene.ends_in_a_point else (state.force, surface.radius)
-        state.events.append(Event("pull-off", state.time, surface.penetration, *last))
+        off = limit_point_uncertainty(self.problem, state)
+        state.events.append(Event("pull-off", state.time, surface.penetration, *last, off))
         self._end(OutcomeKind.DETACHED, reason)
         if surface.radius > 0.0 and segment.control != "force":
             stage = surface.penetration + self.problem.scene.loading.compliance * state.force
