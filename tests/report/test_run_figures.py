@@ -18,6 +18,7 @@ def test_nothing_is_cut_off_and_numbers_do_not_touch(low, high):
     values = np.linspace(low, high, 40)
     columns = dict.fromkeys(("time", "penetration", "force", "contact_radius"), values)
     figure = draw(PANELS[0], [RunCurves("bem", "bem", columns)], SCENE_UNITS)
+    figure.draw_without_rendering()
     box, (width, height) = figure.get_tightbbox(), figure.get_size_inches()
     assert min(box.x0, box.y0, width - box.x1, height - box.y1) >= 0.0
     assert box.x0 < 0.1  # inches

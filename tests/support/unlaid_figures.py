@@ -9,8 +9,6 @@ import pytest
 from matplotlib import rc_context
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from validation.drawing import run_figures
-
 BARE_AXES = {
     f"{axis}tick.{what}": False
     for axis, places in (("x", ("labelbottom", "minor.bottom")), ("y", ("labelleft", "minor.left")))
@@ -23,5 +21,4 @@ def without_layout() -> Iterator[None]:
     """Figures made inside keep the margins that Matplotlib starts with, and number no ticks."""
     with pytest.MonkeyPatch.context() as patch, rc_context(BARE_AXES):
         patch.setattr(ConstrainedLayoutEngine, "execute", lambda engine, figure: None)
-        patch.setattr(run_figures, "_lay_out", lambda figure, axes: None)
         yield

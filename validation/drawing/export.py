@@ -39,9 +39,8 @@ def svg(figure: Figure, name: str, description: str) -> str:
     drawn = stream.getvalue()
     drawn = drawn[drawn.index("<svg") :]
     drawn = _compact(re.sub(r"<metadata>.*?</metadata>", "", drawn, flags=re.DOTALL))
-    drawn = _with_short_ids(drawn, name)
-    drawn = re.sub(r'^<svg ([^>]*?)width="[^"]*"', r"<svg \1", drawn, count=1)
-    drawn = re.sub(r'^<svg ([^>]*?)height="[^"]*"', r"<svg \1", drawn, count=1)
+    for size in ("width", "height"):
+        drawn = re.sub(rf'^<svg ([^>]*?){size}="[^"]*"', r"<svg \1", drawn, count=1)
     for colour, variable in CSS_VARIABLES.items():
         drawn = drawn.replace(colour, variable)
     return drawn.replace("<svg ", f'<svg role="img" aria-label="{escape(description)}" ', 1)
@@ -50,8 +49,8 @@ def svg(figure: Figure, name: str, description: str) -> str:
 def _compact(drawn: str) -> str:
     """The same picture in a third of the bytes.
 
-    Numbers are short, ids that nothing refers to and groups without attributes are gone, and the styles of
-    elements are classes, named alike on the whole page.
+    Numbers are short, ids that nothing refers to are gone, and the styles of elements are classes, named
+    alike on the whole page.
     """
     drawn = re.sub(r"font-family: 'DejaVu Sans'[^;\"]*", "font-family: sans-serif", drawn)
     drawn = re.sub(r"\s*transform=\"rotate\(-0 [^)]*\)\"", "", drawn)
@@ -61,34 +60,10 @@ def _compact(drawn: str) -> str:
     drawn = re.sub(
         rf' clip-path="[^"]*"(?= style="fill: none; stroke: {GRID};)', "", drawn
     )  # ends at the axes
+    drawn = drawn.replace("xlink:href", "href").replace(' xmlns:xlink="http://www.w3.org/1999/xlink"', "")
     used = set(re.findall(r"#([^)\"]+)[)\"]", drawn))
     drawn = re.sub(r' id="([^"]+)"', lambda found: found.group() if found.group(1) in used else "", drawn)
-    return _with_classes(_without_bare_groups(re.sub(r">\s+<", ">\n<", drawn)))
-
-
-def _without_bare_groups(drawn: str) -> str:
-    pieces: list[str] = []
-    keep: list[bool] = []  # whether each open group has attributes
-    for piece in re.split(r"(<g(?: [^>]*)?>|</g>)\n?", drawn):
-        if piece == "</g>":
-            wanted = keep.pop()
-        elif piece.startswith("<g>") or piece.startswith("<g "):
-            wanted = piece != "<g>"
-            keep.append(wanted)
-        else:
-            wanted = True
-        if wanted:
-            pieces.append(piece)
-    return "".join(pieces)
-
-
-def _with_short_ids(drawn: str, name: str) -> str:
-    """Ids that are counted and begin with a hash of ``name``, so that no other picture of a page has them."""
-    start = f"p{hashlib.sha256(name.encode()).hexdigest()[:6]}-"
-    short = {old: f"{start}{count}" for count, old in enumerate(re.findall(r'\bid="([^"]+)"', drawn))}
-    pattern = r'(\bid="|url\(#|href="#)([^")]+)'
-    drawn = drawn.replace("xlink:href", "href").replace(' xmlns:xlink="http://www.w3.org/1999/xlink"', "")
-    return re.sub(pattern, lambda found: found.group(1) + short[found.group(2)], drawn)
+    return _with_classes(re.sub(r">\s+<", ">\n<", drawn))
 
 
 def _with_classes(drawn: str) -> str:

@@ -12,9 +12,6 @@ from dataclasses import dataclass
 from itertools import chain, count
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown as shown_value
 from validation.drawing.axes import SIZE, format_axes
@@ -24,14 +21,10 @@ from validation.measure.scaling import unit_sizes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
-    from matplotlib.transforms import Bbox
 
 WIDE = 3.0  # points; a wider line gets a larger mark at its largest tension
-BELOW, ABOVE, BESIDE = 36.0, 15.0, 14.0  # points: numbers and name; a power of ten; half a number
-PADDING = 4.0  # points
-SHORT = 6  # characters of a number, half of which ends within the margin
+SHORT = 6  # characters of a number; longer ones are fewer
 MANY = 6000  # points beyond which a line is drawn as pixels inside the SVG
 HEIGHT, WIDTHS = 3.4, {2: 8.4, 3: 12.0}  # inches of a figure with as many panels
 INSTABILITY = "instability"  # what the legend says of the crosses
@@ -58,32 +51,37 @@ PANELS = (
 
 
 def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figure:
-    """One panel with all curves laid over each other; the largest tension of each is marked."""
+    """One panel with all curves laid over each other; the largest tension of each is marked.
+
+    The widest line is drawn first and stays visible on both sides of the others. Limits are around what was
+    solved; closed forms may run out of the picture.
+    """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=SIZE)
+    figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.add_subplot()
-    for curve in sorted(curves, key=_width, reverse=True):
-        x, y = curve.columns.get(panel.across), curve.columns.get(panel.up)
-        if x is None or y is None or x.size == 0:
+    styles = [curve_style(curve.style) if curve.style else CLOSED_FORM for curve in curves]
+    for curve, line in sorted(zip(curves, styles, strict=True), key=lambda pair: -pair[1]["linewidth"]):
+        columns = curve.columns
+        if panel.across not in columns or panel.up not in columns or columns[panel.across].size == 0:
             continue
-        if not curve.style:
-            axes.plot(x, y, label=curve.label, **CLOSED_FORM)
-            continue
-        size = 5 if _width(curve) < WIDE else 8
-        style = curve_style(curve.style) | {"marker": "o", "markersize": size, "label": curve.label}
+        size = 5 if line["linewidth"] < WIDE else 8
+        style = {**line, "label": curve.label} | ({"marker": "o", "markersize": size} if curve.style else {})
         _draw_run(axes, curve, panel.across, panel.up, style)
-    solved = [curve for curve in curves if curve.style]
     for column, limit in ((panel.across, axes.set_xlim), (panel.up, axes.set_ylim)):
-        span = _span([curve.columns[column] for curve in solved if column in curve.columns])
-        if span is not None:
-            limit(*span)
+        solved = [curve.columns[column] for curve in curves if curve.style and column in curve.columns]
+        low = min((column.min() for column in solved if column.size), default=0.0)
+        high = max((column.max() for column in solved if column.size), default=0.0)
+        if high > low:
+            limit(low - 0.06 * (high - low), high + 0.06 * (high - low))
     axes.set(xlabel=labels[panel.across], ylabel=labels[panel.up])
     format_axes(axes)
     axes.locator_params(axis="x", nbins=6)
+    numbers = axes.xaxis.get_major_formatter().format_ticks(axes.get_xticks().tolist())
+    if max(map(len, numbers), default=0) > SHORT:
+        axes.locator_params(axis="x", nbins=3)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)
-    _lay_out(figure, axes)
     return figure
 
 
@@ -117,15 +115,11 @@ def in_words(with_stage: bool) -> str:
 def new_figure(with_stage: bool, *, shown: bool = True) -> Figure:
     """A figure with the axes of these panels: one of pyplot, or one that no window shows."""
     panels = len(side_by_side(with_stage))
-    size = (WIDTHS[panels], HEIGHT)
     if shown:
-        from matplotlib import pyplot
-
-        figure = pyplot.figure(figsize=size, layout="constrained")
+        from matplotlib.pyplot import figure as make
     else:
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=size, layout="constrained")
+        from matplotlib.figure import Figure as make  # type: ignore[assignment]
+    figure = make(figsize=(WIDTHS[panels], HEIGHT), layout="constrained")
     figure.subplots(1, panels)
     return figure
 
@@ -141,28 +135,6 @@ def checked_axes(axes: Sequence[Axes], with_stage: bool) -> tuple[Axes, ...]:
     return tuple(panels)
 
 
-def draw_side_by_side(axes: Sequence[Axes], trace: Trace, scene: Scene, line: dict[str, Any]) -> None:
-    """Draw a run; the pull-off is marked by a circle, on a spring every instability by a cross.
-
-    ``line`` has the line properties of Matplotlib, the label among them.
-    """
-    curve, names = of_trace(trace, scene), labels(scene)
-    states = _instabilities(trace, scene)
-    for panel, (across, up) in zip(axes, side_by_side(len(axes) == 3), strict=True):
-        _draw_run(panel, curve, across, up, line)
-        pulled, known = curve.pull_off, any(text.get_text() == "pull-off" for text in panel.texts)
-        if pulled is not None and pulled < len(curve.columns[up]) and not known:
-            at = curve.columns[across][pulled], curve.columns[up][pulled]
-            offset = (9.0, -3.0) if across == "force" else (4.0, -12.0)  # points
-            panel.annotate("pull-off", at, offset, textcoords="offset points", fontsize="small")
-        _mark_instabilities(panel, states, across, up, line["color"])
-        panel.set(xlabel=names[across], ylabel=names[up])
-        format_axes(panel)
-        panel.margins(0.06, 0.12)
-        panel.locator_params(axis="x", nbins=5)  # more labels run into each other
-    axes[0].legend(frameon=False, fontsize="small")
-
-
 def free_label(panel: Axes, solver: str, scene: str) -> str:
     """The solver's name; where lines of the panel have it, behind the scene's, and numbered if need be."""
     taken = {line.get_label() for line in panel.lines}
@@ -170,81 +142,42 @@ def free_label(panel: Axes, solver: str, scene: str) -> str:
     return next(label for label in chain((solver,), longer) if label not in taken)
 
 
-def _instabilities(trace: Trace, scene: Scene) -> list[dict[str, float]]:
-    """States at which the contact of a run on a spring becomes unstable, quantities as drawn."""
-    if not has_stage(trace) or not scene.is_adhesive:  # without adhesion the contact shrinks to nothing
-        return []
-    size = unit_sizes(scene)
-    length, force = size.get("length", 1.0), size.get("force", 1.0)
-    is_free = bool(trace.contact_radius[-1] == 0.0)
-    return [
-        {
-            "penetration": event.penetration / length,
-            "force": event.force / force,
-            "contact_radius": event.contact_radius / length,
-            "stage": (event.penetration + scene.loading.compliance * event.force) / length,
-            "lost": event is trace.events[-1] and event.time == trace.time[-1] and is_free,
-        }
-        for event in trace.events
-    ]
+def draw_side_by_side(axes: Sequence[Axes], trace: Trace, scene: Scene, line: dict[str, Any]) -> None:
+    """Draw a run; the pull-off is marked by a circle, on a spring every instability by a cross.
+
+    ``line`` has the line properties of Matplotlib, the label among them.
+    """
+    curve, names = of_trace(trace, scene), labels(scene)
+    for panel, (across, up) in zip(axes, side_by_side(len(axes) == 3), strict=True):
+        _draw_run(panel, curve, across, up, line)
+        pulled, known = curve.pull_off, any(text.get_text() == "pull-off" for text in panel.texts)
+        if pulled is not None and pulled < len(curve.columns[up]) and not known:
+            at = curve.columns[across][pulled], curve.columns[up][pulled]
+            offset = (9.0, -3.0) if across == "force" else (4.0, -12.0)  # points
+            panel.annotate("pull-off", at, offset, textcoords="offset points", fontsize="small")
+        if has_stage(trace) and scene.is_adhesive:  # without adhesion the contact shrinks to nothing
+            _mark_instabilities(panel, trace, scene, (across, up), line["color"])
+        panel.set(xlabel=names[across], ylabel=names[up])
+        format_axes(panel)
+        panel.margins(0.06, 0.12)
+        panel.locator_params(axis="x", nbins=5)  # more labels run into each other
+    axes[0].legend(frameon=False, fontsize="small")
 
 
-def _mark_instabilities(
-    panel: Axes, states: list[dict[str, float]], across: str, up: str, color: Any
-) -> None:
+def _mark_instabilities(panel: Axes, trace: Trace, scene: Scene, drawn: tuple[str, str], color: Any) -> None:
     """A cross each; where contact is lost a dotted line on, at constant stage, to the force zero."""
     from matplotlib.lines import Line2D
 
-    for state in states:
+    size, (across, up) = unit_sizes(scene), drawn
+    length, force = size.get("length", 1.0), size.get("force", 1.0)
+    for event in trace.events:
+        stage = (event.penetration + scene.loading.compliance * event.force) / length
+        at = {"penetration": event.penetration / length, "force": event.force / force, "stage": stage}
+        at["contact_radius"] = event.contact_radius / length
         known = any(line.get_label() == INSTABILITY for line in panel.lines)
         label = "_nolegend_" if known else INSTABILITY
-        panel.plot(state[across], state[up], "x", color=color, markersize=7, label=label)
-        if state["lost"] and up == "force":  # the free indenter is where the stage is
-            x, y = (state[across], state["stage"]), (state[up], 0.0)
-            jump = Line2D(x, y, color=color, linestyle=":", linewidth=1.2)
+        panel.plot(at[across], at[up], "x", color=color, markersize=7, label=label)
+        last = event is trace.events[-1] and event.time == trace.time[-1] and trace.contact_radius[-1] == 0.0
+        if last and up == "force":  # the free indenter is where the stage is
+            jump = Line2D((at[across], stage), (at[up], 0.0), color=color, linestyle=":", linewidth=1.2)
             panel.add_artist(jump)  # as far as the curves leave room: a soft spring goes far
-
-
-def _lay_out(figure: Figure, axes: Axes) -> None:
-    """Margins alike in every figure, but for what longer numbers ask on the left and on the right.
-
-    An engine of matplotlib measures all text of a figure, which takes as long as drawing it.
-    """
-    width, height = 72.0 * figure.get_size_inches()
-    figure.subplots_adjust(bottom=BELOW / height, top=1.0 - ABOVE / height, right=1.0 - BESIDE / width)
-    pixels = figure.bbox.width
-    if _longest_number(axes.xaxis) > SHORT:
-        axes.locator_params(axis="x", nbins=3)
-        over = _extent(axes.xaxis).x1 - axes.bbox.x1
-        figure.subplots_adjust(right=1.0 - max(over / pixels + PADDING / width, BESIDE / width))
-    taken = axes.bbox.x0 - _extent(axes.yaxis).x0
-    figure.subplots_adjust(left=taken / pixels + PADDING / width)
-
-
-def _longest_number(axis: Axis) -> int:
-    """Characters of the longest number at an axis."""
-    return max(
-        map(len, axis.get_major_formatter().format_ticks(axis.get_majorticklocs().tolist())), default=0
-    )
-
-
-def _extent(axis: Axis) -> Bbox:
-    """Around name and numbers of an axis, in pixels."""
-    extent = axis.get_tightbbox()
-    assert extent is not None  # an axis that is shown
-    return extent
-
-
-def _width(curve: RunCurves) -> float:
-    """Line width in points; the widest is drawn first and stays visible on both sides of the others."""
-    return (curve_style(curve.style) if curve.style else CLOSED_FORM)["linewidth"]
-
-
-def _span(columns: Sequence[NDArray[np.float64]]) -> tuple[float, float] | None:
-    """Limits around what was solved; closed forms may run out of the picture."""
-    filled = [column for column in columns if column.size]
-    if not filled:
-        return None
-    low, high = min(c.min() for c in filled), max(c.max() for c in filled)
-    spare = 0.06 * (high - low)
-    return (low - spare, high + spare) if spare > 0.0 else None

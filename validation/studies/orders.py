@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
 
 ROUND_OFF = 1e-12
 """Relative difference below which two values count as equal."""
@@ -100,6 +99,8 @@ def observed_order(sizes: Sequence[float], values: Sequence[float | None], scale
     ``None`` if a level failed, the values go to and fro, do not differ by more than round-off, or no ``p``
     fits.
     """
+    from scipy.optimize import brentq
+
     (h3, h2, h1), (f3, f2, f1) = sizes, values
     if f3 is None or f2 is None or f1 is None:
         return None

@@ -413,6 +413,9 @@ def draw(studies: Sequence[Convergence], error: str, work: str = "") -> Drawing 
     if not work:
         _slopes(axes, drawn)
         axes.invert_xaxis()
+        low = min((x for x, _ in drawn), default=1.0)
+        parts = [n for n in (1, 2, 4, 8, 16) if low * n < 1.05]
+        axes.set_xticks([1.0 / n for n in parts], [f"1/{n}" if n > 1 else "1" for n in parts])
     format_axes(axes)
     for axis in (axes.xaxis, axes.yaxis):  # few decades: labels between them would run into each other
         axis.set_minor_formatter(NullFormatter())
