@@ -58,7 +58,7 @@ HEAVY |= {"tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
 # Packages that a function may import because a run that does not call it would load them for nothing: each
 # part of SciPy takes longer than a small scene; a bar is drawn on a terminal only; what is known about
 # installed packages is read by the parser of e-mail.
-LARGE = {"scipy", "rich", "importlib"}
+LARGE = {"scipy", "importlib"}
 # Modules that load light names too at first use: importing the user's interface may take 0.15 s, and a list
 # of scenes, --help and --version come at once; NumPy and SciPy alone take longer.
 LOADED_AT_FIRST_USE = {"crosscontact", "crosscontact.cli", "crosscontact.commands"}

@@ -7,17 +7,15 @@ a thread tells that it goes on, and for how long it has.
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import threading
 import time
 from contextlib import suppress
 from types import TracebackType
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 from contact_scene.errors import printable
-
-if TYPE_CHECKING:
-    from rich.progress import Progress as Bar
 
 WIDTH = 30
 """Characters of a full bar."""
@@ -34,8 +32,6 @@ AFTER = 1.0
 LEAST_SHARE = 0.05
 """Share of the work that has to be done before the time left is told: of less, what was waited for
 at the begin would be taken for the pace of more than twenty times as much."""
-GONE = (OSError, ValueError)
-"""What a stream raises that is closed, full or without a reader. None of it ends the work."""
 
 
 class Progress:
@@ -49,16 +45,15 @@ class Progress:
     def __init__(self, label: str, stream: TextIO | None = None) -> None:
         # The bar steers a terminal itself, past what keeps other text from doing so.
         self._stream: TextIO = getattr(sys.stderr, "unfiltered", sys.stderr) if stream is None else stream
-        self._label = printable(label)
-        self._bar = _bar(self._stream)
+        self._label, self._phase = printable(label), ""
+        self._redraws = self._stream.isatty() and os.environ.get("TERM", "").lower() not in (
+            "dumb",
+            "unknown",
+        )
+        self._drawn = 0
         self._shown = self._began = time.monotonic()
-        self._tenth = 0
-        self._fraction, self._detail = 0.0, ""
-        if self._bar is not None:
-            self._bar.add_task(label, total=1.0, text="")
-        self._phase = ""
-        self._lock = threading.RLock()
-        self._closed = threading.Event()
+        self._tenth, self._fraction, self._detail = 0, 0.0, ""
+        self._lock, self._closed = threading.RLock(), threading.Event()
         self._watch: threading.Thread | None = None
 
     def phase(self, name: str) -> None:
@@ -66,8 +61,6 @@ class Progress:
         with self._lock:
             self._phase, self._tenth, self._fraction, self._detail = name, 0, 0.0, ""
             self._began = self._shown = time.monotonic()
-            if self._bar is not None:
-                self._bar.update(self._bar.task_ids[0], description=self._name, completed=0.0, text="")
         if self._watch is None:
             self._watch = threading.Thread(target=self._keep_telling, daemon=True)
             self._watch.start()
@@ -78,34 +71,33 @@ class Progress:
             if detail is None:
                 detail = time_left(self._fraction, self._began) if self._phase else ""
             self._detail = detail
-            now = time.monotonic()
-            if self._bar is not None:
-                if text or now - self._shown >= REDRAW:
-                    self._redraw(self._bar, text or detail, now)
+            silent = time.monotonic() - self._shown
+            if self._redraws:
+                if text or silent >= REDRAW:
+                    self._redraw(text or detail)
             elif text:
-                self._write(text, now)
-            elif int(10 * self._fraction) > self._tenth and now - self._shown >= 1.0:
+                self._line(text)
+            elif int(10 * self._fraction) > self._tenth and silent >= 1.0:
                 self._tenth = int(10 * self._fraction)
-                self._write(self._state, now)
+                self._line(self._state)
 
     def tell(self) -> None:
         """Say that the phase goes on, if nothing was said for a while."""
         with self._lock:
             now = time.monotonic()
-            lasted = now - self._began
-            if self._bar is not None:
-                if now - self._shown >= 1.0:
-                    self._redraw(self._bar, self._detail or f"{lasted:.0f} s", now)
-            elif now - self._shown >= max(SILENCE, SILENT_SHARE * lasted):
-                self._write(f"{self._state}, after {duration(lasted)}", now)
+            lasted, silent = now - self._began, now - self._shown
+            if self._redraws:
+                if silent >= 1.0:
+                    self._redraw(self._detail or f"{lasted:.0f} s")
+            elif silent >= max(SILENCE, SILENT_SHARE * lasted):
+                self._line(f"{self._state}, after {duration(lasted)}")
 
     def close(self) -> None:
         """Remove the bar."""
         self._closed.set()
         with self._lock:
-            if self._bar is not None:
-                with suppress(*GONE):
-                    self._bar.stop()
+            if self._drawn:
+                self._write(f"\r{'':{self._drawn}}\r")
 
     def __enter__(self) -> Progress:
         return self
@@ -128,37 +120,24 @@ class Progress:
         while not self._closed.wait(1.0):
             self.tell()
 
-    def _redraw(self, bar: Bar, text: str, now: float) -> None:
-        self._shown = now
-        with suppress(*GONE):
-            bar.start()
-            bar.update(bar.task_ids[0], completed=self._fraction, text=text[:TEXT], refresh=True)
+    def _redraw(self, text: str) -> None:
+        """The bar in place of the one before, cut to the terminal."""
+        full = (self._stream.encoding or "ascii").lower().startswith("utf")
+        bar = round(WIDTH * self._fraction) * ("\u2501" if full else "-")
+        line = f"{self._name} {bar:{WIDTH}} {100 * self._fraction:3.0f} % {text[:TEXT]}"
+        line = line[: shutil.get_terminal_size().columns - 1]
+        self._write(f"\r{line:{self._drawn}}")
+        self._drawn = len(line)
 
-    def _write(self, text: str, now: float) -> None:
-        self._shown = now
-        with suppress(*GONE):
-            self._stream.write(f"{self._name}: {text}\n")
+    def _line(self, text: str) -> None:
+        self._write(f"{self._name}: {text}\n")
+
+    def _write(self, text: str) -> None:
+        """Write to a stream that may be closed, full or without a reader; none of it ends the work."""
+        self._shown = time.monotonic()
+        with suppress(OSError, ValueError):
+            self._stream.write(text)
             self._stream.flush()
-
-
-def _bar(stream: TextIO) -> Bar | None:
-    """A bar of one line, where a terminal can draw it again."""
-    if not stream.isatty() or os.environ.get("TERM", "").lower() in ("dumb", "unknown"):
-        return None
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
-
-    return Progress(
-        TextColumn("{task.description}", markup=False),
-        BarColumn(WIDTH),
-        TaskProgressColumn(),
-        TextColumn("{task.fields[text]}", markup=False),
-        console=Console(file=stream, highlight=False),
-        auto_refresh=False,
-        transient=True,
-        redirect_stdout=False,
-        redirect_stderr=False,
-    )
 
 
 class StepProgress:
