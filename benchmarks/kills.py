@@ -13,7 +13,6 @@ in an empty folder; after ``--kills`` kills it is left to end.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import random
 import shutil
@@ -22,9 +21,9 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import crosscontact as cc
+from benchmarks.what_differs import differences
 from crosscontact.cli import main
 from validation import scenes
 from validation.studies import study
@@ -53,25 +52,11 @@ name = "rate"
 key = "loading.steps.1.rate"
 geomspace = [0.02, 0.5, 40]
 """
-OF_TIME = ("seconds", "environment", "memory", "repeats")
-"""Parts of the names of numbers that no two runs share."""
-
-
 COMMANDS = {
-    "sweep": ("sweep", "plan.toml"),
-    "report": ("report", "--suite", "quick", "--no-estimates"),
-    "study": ("study", "scene.toml"),
-    "fit": (
-        "fit",
-        "curve.csv",
-        "scene.toml",
-        "--vary",
-        "material.modulus",
-        "--starts",
-        "2",
-        "--resolution",
-        "4",
-    ),
+    "sweep": "sweep plan.toml",
+    "report": "report --suite quick --no-estimates",
+    "study": "study scene.toml",
+    "fit": "fit curve.csv scene.toml --vary material.modulus --starts 2 --resolution 4",
 }
 SUITE = ["elastic-relaxed", "relaxed-equilibrium"]
 """Scenes of the report."""
@@ -83,25 +68,7 @@ def carry_out(command: str, out: str) -> int:
     full = study.ladders
     study.ladders = lambda scene: [replace(one, levels=one.levels[:2]) for one in full(scene)[::4]]
     study.finest = lambda scene: (8,)
-    return main([*COMMANDS[command], "--jobs", "2", "--out", out])
-
-
-def numbers(folder: Path) -> dict[str, Any]:
-    """What the files of numbers in a folder say, run times aside."""
-    found: dict[str, Any] = {}
-    for path in sorted(folder.rglob("*")):
-        if path.suffix in (".csv", ".nc", ".toml"):
-            found[str(path.relative_to(folder))] = path.read_bytes()
-        elif path.suffix == ".json":
-            found[str(path.relative_to(folder))] = _without_times(json.loads(path.read_text()))
-    return found
-
-
-def _without_times(value: Any) -> Any:
-    if isinstance(value, dict):
-        kept = {k: v for k, v in value.items() if not any(part in k for part in OF_TIME)}
-        return {key: _without_times(one) for key, one in kept.items()}
-    return [_without_times(one) for one in value] if isinstance(value, list) else value
+    return main([*COMMANDS[command].split(), "--jobs", "2", "--out", out])
 
 
 def begun(name: str, out: Path) -> subprocess.Popen[bytes]:
@@ -119,7 +86,7 @@ def killed(name: str, folder: Path, kills: int, chance: random.Random) -> tuple[
     whole, out = folder / "whole", folder / "killed"
     began = time.monotonic()
     begun(name, whole).wait()
-    lasts, wanted = time.monotonic() - began, numbers(whole)
+    lasts = time.monotonic() - began
     done = ends = differing = 0
     while True:
         process = begun(name, out)
@@ -131,7 +98,7 @@ def killed(name: str, folder: Path, kills: int, chance: random.Random) -> tuple[
             done += 1
             continue
         ends += 1
-        differing += numbers(out) != wanted
+        differing += any(differences(whole, out, 0.0))
         if done >= kills:
             return done, ends, differing
         shutil.rmtree(out)

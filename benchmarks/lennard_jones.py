@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -29,17 +30,8 @@ AWAY = -0.5
 
 @dataclass(frozen=True)
 class PullOffComparison:
-    """Pull-off forces of one withdrawal, in ``pi w R``.
+    """Pull-off forces of one withdrawal by the three, in ``pi w R``."""
 
-    Parameters
-    ----------
-    tabor, speed : float
-        Tabor's parameter, and speed in radii per relaxation time.
-    lennard_jones, fixed_stress, fixed_length : float
-    """
-
-    tabor: float
-    speed: float
     lennard_jones: float
     fixed_stress: float
     fixed_length: float
@@ -58,7 +50,7 @@ def material(ratio: float = RATIO) -> Material:
 def compared(
     tabor: float, speed: float, ratio: float = RATIO, resolution: int | None = None, divisions: int = 4
 ) -> PullOffComparison:
-    """One withdrawal by all three."""
+    """One withdrawal at Tabor's parameter and a speed in radii per relaxation time."""
     law = LennardJonesSphere(material(ratio), 1.0, WORK, math.cbrt(WORK**2) / tabor)
     unit = math.pi * WORK
 
@@ -68,46 +60,34 @@ def compared(
         return -float(SOLVERS[REFERENCE].solve(scene, resolution).force.min()) / unit
 
     return PullOffComparison(
-        tabor,
-        speed,
         law.pull_off(DEPTH, speed, divisions).force / unit,
         by_zone(Adhesion(WORK, stress=law.stress)),
         by_zone(Adhesion(WORK, law.zone_at_rest)),
     )
 
 
-def table(rows: Iterable[PullOffComparison]) -> Iterator[str]:
-    """Lines of Markdown, a row as soon as it is there; mean size and deviation of the differences."""
-    yield "| Tabor | speed | Lennard-Jones | fixed stress | | fixed length | |"
-    yield "|---" * 7 + "|"
-    found = []
-    for row in rows:
-        found.append(row.differences)
-        stress, length = row.differences
-        yield (
-            f"| {row.tabor:g} | {row.speed:g} | {row.lennard_jones:.3f} | {row.fixed_stress:.3f} "
-            f"| {100 * stress:+.1f} % | {row.fixed_length:.3f} | {100 * length:+.1f} % |"
-        )
-    sizes = 100.0 * np.abs(np.array(found))
-    (stress, length), (spread, of_length) = sizes.mean(axis=0), sizes.std(axis=0)
-    yield ""
-    yield f"Mean difference: fixed stress {stress:.0f} % (sd {spread:.0f} %), "
-    yield f"fixed length {length:.0f} % (sd {of_length:.0f} %)"
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Command line."""
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print a row for each withdrawal, and the mean size of the differences with its deviation."""
     parser = argparse.ArgumentParser(description="fixed cohesive stress against Lennard-Jones tractions")
     parser.add_argument("--tabor", type=float, nargs="+", default=TABOR)
     parser.add_argument("--speed", type=float, nargs="+", default=SPEEDS, help="radii per relaxation time")
     parser.add_argument("--ratio", type=float, default=RATIO, help="glassy over relaxed modulus; 1: elastic")
     parser.add_argument("--resolution", type=int, help="of the reference")
     chosen = parser.parse_args(arguments)
-    rows = (compared(mu, v, chosen.ratio, chosen.resolution) for mu in chosen.tabor for v in chosen.speed)
-    for line in table(rows):
-        print(line, flush=True)
-    return 0
+    print("| Tabor | speed | Lennard-Jones | fixed stress | | fixed length | |\n" + "|---" * 7 + "|")
+    found = []
+    for tabor, speed in product(chosen.tabor, chosen.speed):
+        row = compared(tabor, speed, chosen.ratio, chosen.resolution)
+        stress, length = row.differences
+        found.append((abs(stress), abs(length)))
+        print(
+            f"| {tabor:g} | {speed:g} | {row.lennard_jones:.3f} | {row.fixed_stress:.3f} "
+            f"| {100 * stress:+.1f} % | {row.fixed_length:.3f} | {100 * length:+.1f} % |",
+            flush=True,
+        )
+    for kind, sizes in zip(("stress", "length"), 100.0 * np.array(found).T, strict=True):
+        print(f"Mean difference, fixed {kind}: {sizes.mean():.0f} % (sd {sizes.std():.0f} %)")
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

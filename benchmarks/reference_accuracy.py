@@ -144,27 +144,19 @@ def order(accuracies: list[AccuracyLevel], name: str, finest: int = FINEST) -> f
     return math.nan if slope is None else slope
 
 
-def table(name: str, accuracies: list[AccuracyLevel]) -> list[str]:
-    """The lines of one case."""
-    head = f"{'n':>4}{'steps':>7}{'cpu s':>8}" + "".join(f"{column:>18}" for column in COLUMNS)
-    lines = [name, head]
-    for level in accuracies:
-        cells = "".join(f"{level.errors[column]:>18.1e}" for column in COLUMNS)
-        lines.append(f"{level.resolution:>4}{level.steps:>7}{level.cpu_seconds:>8.2f}{cells}")
-    lines.append(f"{'order':<19}" + "".join(f"{order(accuracies, column):>18.1f}" for column in COLUMNS))
-    own = next(level.estimates for level in accuracies if level.estimates)
-    lines.append(f"{'own estimate, n = ' + str(USUAL):<19}" + "".join(f"{own[c]:>18.1e}" for c in COLUMNS))
-    return lines
-
-
 def main() -> None:
-    """Print the tables."""
+    """Print a table for each case."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.reference_accuracy", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="two cases only")
-    quick = parser.parse_args().quick
-    for name in QUICK if quick else CASES:
-        print("\n".join(table(name, levels(CASES[name]))), flush=True)
-        print()
+    for name in QUICK if parser.parse_args().quick else CASES:
+        print(f"{name}\n{'n':>4}{'steps':>7}{'cpu s':>8}" + "".join(f"{c:>18}" for c in COLUMNS))
+        found = levels(CASES[name])
+        for level in found:
+            cells = "".join(f"{level.errors[column]:>18.1e}" for column in COLUMNS)
+            print(f"{level.resolution:>4}{level.steps:>7}{level.cpu_seconds:>8.2f}{cells}")
+        print(f"{'order':<19}" + "".join(f"{order(found, column):>18.1f}" for column in COLUMNS))
+        own = next(level.estimates for level in found if level.estimates)
+        print(f"{f'own estimate, n = {USUAL}':<19}" + "".join(f"{own[c]:>18.1e}" for c in COLUMNS) + "\n")
 
 
 if __name__ == "__main__":

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,16 +33,14 @@ _SET_OUT = 0.95
 
 def relaxed_contact(scene: Scene) -> JKR:
     """The relaxed contact without a zone."""
-    if scene.adhesion is None:
-        raise ValueError("a contact without adhesion has no edge that takes up energy")
+    assert scene.adhesion is not None
     return JKR(scene.indenter, scene.material.relaxed_plane_modulus, scene.adhesion.work)
 
 
 def steady_edge(scene: Scene) -> SteadyEdge:
     """The closed law of a scene."""
     law = relaxed_contact(scene)
-    if scene.adhesion is None:
-        raise ValueError("a contact without adhesion has no edge that takes up energy")
+    assert scene.adhesion is not None
     return SteadyEdge(
         scene.adhesion, lambda a, depth: float(law.energy_release_rate(a, depth)), scene.material
     )
@@ -77,57 +76,25 @@ def steady_rows(scene: Scene, trace: Trace) -> SteadyRows:
     return SteadyRows(speed, release, law, np.array([edge.enhancement(v, g) for v, g in pairs]))
 
 
-@dataclass(frozen=True)
-class SteadyRun:
-    """One run: the largest and the root-mean-square error of its rows, their number, processor seconds."""
-
-    scene: str
-    solver: str
-    resolution: int
-    largest: float
-    root_mean_square: float
-    rows: int
-    seconds: float
-
-
-def steady_run(name: str, solver: str, resolution: int) -> SteadyRun:
-    """Run a built-in scene."""
-    scene = load(name).scene
-    began = time.process_time()
-    trace = SOLVERS[solver].solve(scene, resolution)
-    seconds = time.process_time() - began
-    errors = steady_rows(scene, trace).errors
-    largest = float(np.abs(errors).max())
-    return SteadyRun(
-        name, solver, resolution, largest, float(np.sqrt(np.mean(errors**2))), len(trace), seconds
-    )
-
-
-def table(runs: Iterable[SteadyRun]) -> Iterator[str]:
-    """Lines of Markdown, a row as soon as it is there."""
-    yield "| scene | solver | resolution | largest error | RMS | rows | seconds |"
-    yield "|---" * 7 + "|"
-    for run in runs:
-        yield (
-            f"| {run.scene} | {run.solver} | {run.resolution} | {run.largest:.1e} "
-            f"| {run.root_mean_square:.1e} | {run.rows} | {run.seconds:.1f} |"
-        )
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Command line."""
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print a row for each scene, solver and resolution."""
     parser = argparse.ArgumentParser(description="energy release rate at every row against the steady edge")
     parser.add_argument("--scene", nargs="+", choices=SCENES, default=SCENES)
     parser.add_argument("--solver", nargs="+", choices=sorted(SOLVERS), default=("reference", "bem", "fem"))
     parser.add_argument("--resolution", type=int, nargs="+", default=RESOLUTIONS)
     chosen = parser.parse_args(arguments)
-    asked = (
-        (name, solver, n) for name in chosen.scene for solver in chosen.solver for n in chosen.resolution
-    )
-    for line in table(steady_run(*one) for one in asked):
-        print(line, flush=True)
-    return 0
+    print("| scene | solver | resolution | largest error | RMS | rows | seconds |\n" + "|---" * 7 + "|")
+    for name, solver, resolution in product(chosen.scene, chosen.solver, chosen.resolution):
+        scene, began = load(name).scene, time.process_time()
+        trace = SOLVERS[solver].solve(scene, resolution)
+        seconds, errors = time.process_time() - began, steady_rows(scene, trace).errors
+        largest, rms = float(np.abs(errors).max()), float(np.sqrt(np.mean(errors**2)))
+        print(
+            f"| {name} | {solver} | {resolution} | {largest:.1e} | {rms:.1e} | {len(trace)} "
+            f"| {seconds:.1f} |",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    main()

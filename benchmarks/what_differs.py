@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-MACHINE = ("seconds", "memory", "environment", "program", "processor", "version", "commit")
+MACHINE = ("seconds", "memory", "environment", "program", "processor", "version", "commit", "repeats")
 """Parts of keys whose values belong to the machine or to the state of the program."""
 IDENTITY = ("scene", "name", "solver", "quantity", "source", "axis", "label", "scheme", "kind")
 """Keys that name an entry of a list, so that an entry which has come or gone moves no other."""
