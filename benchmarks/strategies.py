@@ -9,6 +9,9 @@ units are scaled in a test of their own.
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
@@ -16,14 +19,12 @@ from hypothesis import strategies as st
 from contact_scene import (
     WLF,
     Adhesion,
-    Approach,
     Branch,
     Cone,
     FlatPunch,
     Force,
     ForceRamp,
     Hold,
-    Indenter,
     Loading,
     Machine,
     Material,
@@ -41,6 +42,7 @@ from contact_scene import (
     TabulatedProfile,
     at_temperature,
 )
+from contact_scene.checked import Checked, fields_of
 
 WIDTH, DEPTH = 0.2, 0.02
 LOAD = 2.0 * WIDTH * DEPTH  # of a flat punch on a half-space of E0* = 1
@@ -235,80 +237,31 @@ def scenes(**parts: st.SearchStrategy) -> st.SearchStrategy[Scene]:
 def in_units(scene: Scene, length: float, modulus: float, time: float) -> tuple[Scene, dict[str, float]]:
     """The scene in other units (each given in the old ones), and the units of the trace's columns."""
     force = modulus * length**2
-
-    def scaled_level(level: float | None, unit: float) -> float | None:
-        return None if level is None else level * unit
-
-    def step(old: Step) -> Step:
-        match old:
-            case Ramp(to, rate, until_force, until_radius):
-                levels = scaled_level(until_force, force), scaled_level(until_radius, length)
-                return Ramp(to * length, rate * length / time, *levels)
-            case Hold(duration, until_force):
-                return Hold(duration * time, scaled_level(until_force, force))
-            case Approach(rate, until, to, dwell, retract, away):
-                bounds = {"to": scaled_level(to, length), "away": scaled_level(away, length)}
-                back = scaled_level(retract, length / time)
-                return Approach(
-                    rate * length / time, until * force, dwell=dwell * time, retract=back, **bounds
-                )
-            case Force(value, duration, until_penetration):
-                return Force(value * force, duration * time, scaled_level(until_penetration, length))
-            case ForceRamp(to, rate):
-                return ForceRamp(to * force, rate * force / time)
-            case Oscillate(amplitude, frequency, duration, drift):
-                return Oscillate(amplitude * length, frequency / time, duration * time, drift * length / time)
-            case Sweep(amplitude, chirp, duration):
-                return Sweep(amplitude * length, chirp / time**2, duration * time)
-            case Table(times, values, _, quantity, interpolation):
-                unit = force if quantity == "force" else length
-                scaled_values = tuple(v * unit for v in values)
-                return Table(tuple(t * time for t in times), scaled_values, "", quantity, interpolation)
-        raise AssertionError(f"no unit for {old}")
-
-    def indenter(old: Indenter) -> Indenter:
-        match old:
-            case Sphere(radius):
-                return Sphere(radius * length)
-            case FlatPunch(radius):
-                return FlatPunch(radius * length)
-            case PowerLaw(exponent, coefficient):
-                return PowerLaw(exponent, coefficient * length ** (1.0 - exponent))
-            case TabulatedProfile(radii, heights):
-                return TabulatedProfile(tuple(r * length for r in radii), tuple(h * length for h in heights))
-        return old
-
-    material, loading, adhesion = scene.material, scene.loading, scene.adhesion
-    branches = tuple(Branch(b.modulus * modulus, b.time * time) for b in material.branches)
-    scaled = Scene(
-        Material(material.modulus * modulus, material.poisson, branches),
-        indenter(scene.indenter),
-        Loading(
-            loading.start,
-            loading.penetration * length,
-            tuple(step(s) for s in loading.steps),
-            loading.machine and Machine(loading.machine.stiffness * modulus * length),
-        ),
-        adhesion and _adhesion_in_units(adhesion, length, modulus, time),
-    )
     energy = force * length
-    return scaled, {
-        "time": time,
-        "penetration": length,
-        "force": force,
-        "contact_radius": length,
-        "stored_energy": energy,
-        "external_work": energy,
-        "dissipated_energy": energy,
-    }
+    energies = dict.fromkeys(("stored_energy", "external_work", "dissipated_energy"), energy)
+    columns = {"time": time, "penetration": length, "force": force, "contact_radius": length}
+    return _scaled(scene, {"length": length, "force": force, "time": time}), columns | energies
 
 
-def _adhesion_in_units(adhesion: Adhesion, length: float, modulus: float, time: float) -> Adhesion:
-    energy, closing, rate = modulus * length, adhesion.work_closing, adhesion.rate
-    if isinstance(rate, PowerRate):
-        rate = PowerRate(rate.speed * length / time, rate.exponent)
-    elif rate is not None:
-        rate = RateTable(tuple(v * length / time for v in rate.speeds), tuple(w * energy for w in rate.works))
-    stress = adhesion.stress and adhesion.stress * modulus
-    zone = 0.0 if stress else adhesion.zone * length
-    return Adhesion(adhesion.work * energy, zone, closing and closing * energy, rate, stress)
+def _scaled(part: Any, units: Mapping[str, float]) -> Any:
+    """The same with every number in the unit that its declaration states, as a product of powers."""
+    if isinstance(part, tuple):
+        return tuple(_scaled(one, units) for one in part)
+    if not isinstance(part, Checked):
+        return part
+    changed = {}
+    for name, value in part.stated().items():
+        unit = fields_of(type(part))[name].key.unit
+        if isinstance(part, Table) and name == "values":
+            unit = "force" if part.quantity == "force" else "length"
+        elif isinstance(part, PowerLaw) and name == "coefficient":
+            unit = f"length{1.0 - part.exponent}"
+        powers = [re.fullmatch(r"(length|force|time)(.*)", word) for word in unit.split()]
+        size = math.prod(units[one[1]] ** float(one[2] or 1.0) for one in powers if one is not None)
+        if isinstance(value, float):
+            changed[name] = value * size
+        elif isinstance(value, tuple) and value and isinstance(value[0], float):
+            changed[name] = tuple(one * size for one in value)
+        else:
+            changed[name] = _scaled(value, units)
+    return type(part)(**changed)
