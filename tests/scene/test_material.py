@@ -18,10 +18,7 @@ from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_tempe
 from validation.reference.creep_compliance import CreepCompliance, creep_compliance
 
 TOLERANCE = 1e-10
-OTHERS = {
-    "indenter": {"shape": "sphere", "radius": 1.0},
-    "loading": {"start": "relaxed", "penetration": 0.0},
-}
+OTHERS = {"indenter": {"shape": "sphere", "radius": 1.0}, "loading": {"start": "relaxed", "penetration": 0.0}}
 
 
 def by_roots(material):

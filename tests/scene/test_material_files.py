@@ -25,10 +25,7 @@ REPTATE = """# Maxwell modes
 
 #end"""
 PAIRS = [(3 * 1.42029e8, 0.0013869), (3 * 1.06538e7, 0.0344828), (0.0, 21.3164)]
-OTHERS = {
-    "indenter": {"shape": "sphere", "radius": 1.0},
-    "loading": {"start": "relaxed", "penetration": 0.0},
-}
+OTHERS = {"indenter": {"shape": "sphere", "radius": 1.0}, "loading": {"start": "relaxed", "penetration": 0.0}}
 KNOWN = Material(1.0, 0.5, (Branch(5.0, 0.01), Branch(2.0, 1.0)))
 TIMES = np.geomspace(1e-3, 30.0, 25)
 COMMAS = "cells are separated by {} and numbers have decimal commas; allowed: points in numbers; semicolons,"
@@ -227,11 +224,7 @@ def test_a_scene_read_from_a_file_is_written_as_branches(tmp_path):
         ("# Columns: t, E, T\n1 2\n2 1\n3 1\n", "relaxation", "line 1: 3 names"),
         ("# g_i tau_i\n0.4 0.01\n0.3 0.1\n0.2 1\n", "branches", "columns: got 'g_i,tau_i'"),
         ("# i; tau_i [s]; g_i\n1;0.01;0.4\n2;0.1;0.3\n", "dynamic", "columns: got 'i,tau_i,g_i'"),
-        (
-            "# Relaxation time (s)\tRelative modulus\n0.01\t0.4\n",
-            "relaxation",
-            "columns: got 'Relaxatio",
-        ),
+        ("# Relaxation time (s)\tRelative modulus\n0.01\t0.4\n", "relaxation", "columns: got 'Relaxatio"),
         ("# Prony\n# gamma, tau\n# -, s\n\n0.4,0.01\n", "relaxation", "columns: got 'gamma,tau'"),
         ("// relaxation time / s, g\n0.01, 0.4\n0.1, 0.3\n0.4, 0.1\n", "relaxation", "columns: got 'relax"),
         ("# sample E\n1 2\n", "relaxation", "columns: got 'sample,E'"),

@@ -7,15 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from contact_scene import (
-    Cone,
-    FlatPunch,
-    PowerLaw,
-    SceneError,
-    Sphere,
-    TabulatedProfile,
-    scene_from_dict,
-)
+from contact_scene import Cone, FlatPunch, PowerLaw, SceneError, Sphere, TabulatedProfile, scene_from_dict
 
 R = np.linspace(0.0, 1.0, 21)
 SHAPES = {

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import errno
 import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -111,28 +110,3 @@ def test_a_full_disk_is_told_with_the_name_of_the_file(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OSError, match=f"No space left on device: '{tmp_path / 'text'}'"):
         write_whole(tmp_path / "text", "new")
-
-
-def test_a_kill_before_the_last_move_keeps_the_old_file(tmp_path, monkeypatch):
-    path = tmp_path / "text"
-    write_whole(path, "old")
-
-    def killed(*args):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Path, "replace", killed)
-    with pytest.raises(KeyboardInterrupt):
-        write_whole(path, "new")
-    assert path.read_text() == "old"
-
-
-def test_outcomes_tell_answers_from_failures():
-    finished = {kind for kind in OutcomeKind if Outcome(kind, "", 0.0).finished}
-    assert finished == {OutcomeKind.COMPLETED, OutcomeKind.DETACHED}
-
-
-def test_floating_point_errors_raise_in_tests():
-    for bad in (lambda x: 1.0 / x, lambda x: np.exp(1e4 + x), lambda x: x / x):
-        with pytest.raises(FloatingPointError):
-            bad(np.zeros(1))
-    assert np.exp(np.full(1, -1e4))[0] == 0.0

@@ -6,10 +6,20 @@ from dataclasses import replace
 
 import pytest
 from support.recorded import hertz_curve
-from support.spring_solver import FunctionSolver, StudiedSolver, fake, named, small_scene, spring
+from support.spring_solver import FunctionSolver, StudiedSolver, named, small_scene, spring
 
 import crosscontact as cc
-from contact_scene import Adhesion, Branch, Loading, Material, Oscillate, Ramp, Scene, Sphere, Table
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Loading,
+    Material,
+    Oscillate,
+    Ramp,
+    Scene,
+    Sphere,
+    Table,
+)
 from contact_scene.run_control import MAX_STEPS
 from crosscontact.cli import main
 from validation import solvers
@@ -52,13 +62,12 @@ def test_a_solver_is_asked_with_the_budget_of_the_loading_or_the_users(monkeypat
     assert asked == [pytest.approx(budget, rel=1e-2), 7]
 
 
-@pytest.mark.parametrize(("resolution", "megabytes"), [(4, 85.0), (10, 167.0), (20, 346.0), (40, 742.0)])
+@pytest.mark.parametrize(("resolution", "megabytes"), [(4, 85.0), (40, 742.0)])
 def test_memory_of_a_mesh_that_follows_the_edge(resolution, megabytes):
     material = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
     loading = Loading("relaxed", 2e-6, (Ramp(-5e-5, 1e-5),))
     pull = Scene(material, Sphere(1e-3), loading, Adhesion(0.05, 1e-6))
-    found = 1e-6 * SOLVERS["fem"].mesh_bytes(pull, resolution)
-    assert megabytes / 1.5 <= found <= 1.5 * megabytes
+    assert megabytes / 1.5 <= 1e-6 * SOLVERS["fem"].mesh_bytes(pull, resolution) <= 1.5 * megabytes
 
 
 def test_fields_have_the_same_budget(monkeypatch):
@@ -69,16 +78,6 @@ def test_fields_have_the_same_budget(monkeypatch):
     for given, budget in ((None, step_budget(LONG["2,000 cycles"])), (7, 7)):
         with pytest.raises(RuntimeError, match=f"^{budget}$"):
             moments.record_fields(LONG["2,000 cycles"], moments.FieldRequest(), 4, max_steps=given)
-
-
-def test_compare_bounds_every_run(tmp_path, monkeypatch):
-    asked = budgets(monkeypatch)
-    monkeypatch.setitem(solvers.SOLVERS, "reference", named("reference", fake()))
-    given = ["compare", small_scene(tmp_path), "--solvers", "reference,bem", "--jobs", "1"]
-    main([*given, "--max-steps", "30000"])
-    main([*given, "--max-steps", "300000"])
-    assert asked[0] == 30_000
-    assert 300_000 in asked
 
 
 def stand_ins(monkeypatch, *names: str) -> list[int | None]:

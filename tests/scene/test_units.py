@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import crosscontact as cc
-from contact_scene.tables import bracketed, kind_of_unit, read_pairs
+from contact_scene.tables import read_pairs
 
 MATERIAL = {"modulus": 1.0, "poisson": 0.3}
 LOADING = {"start": "relaxed", "penetration": 0.01}
@@ -170,21 +170,3 @@ def test_the_time_for_a_line_grows_with_its_length_only(tmp_path, text):
     for read in (of_pairs, of_moduli):
         with pytest.raises(cc.SceneError):
             read(tmp_path / "x.csv")
-
-
-def test_kinds_of_units():
-    of_kind = {
-        "length": ("m", "mm", "µm", "μm", "nm", "km", "in"),
-        "time": ("s", "ms", "sec", "min"),
-        "force": ("N", "mN", "kN", "pN"),
-        "stress": ("Pa", "MPa", "GPa", "bar"),
-        "frequency": ("Hz", "kHz", "rad/s"),
-        "temperature": ("K", "°C", "degC"),
-        "": ("", "-", "t", "h", "F", "N/m", "m/s", "J/m^2", "a.u.", "%", "mmm"),
-    }
-    for kind, units in of_kind.items():
-        for unit in units:
-            assert kind_of_unit(unit) == kind, unit
-    assert bracketed("E(t) [MPa]") == "MPa"
-    assert bracketed("force") == ""
-    assert bracketed("tension (raw)") == "raw"

@@ -73,6 +73,6 @@ scenes = st.builds(
     st.builds(
         Loading, st.sampled_from(["jump-in", "relaxed"]), finite, st.lists(steps, max_size=4).map(tuple)
     ),
-    st.none() | st.builds(Adhesion, not_negative, st.floats(1e-60, 1e59)),
+    st.none() | st.builds(Adhesion, st.just(0.0) | positive, st.floats(1e-60, 1e59)),
     st.text(st.characters(codec="utf-8"), max_size=20),
 )
