@@ -12,7 +12,6 @@ from crosscontact.commands.shared import exit_code, failed, flag, value
 from validation import cases, scenes
 from validation.claims import evidence
 from validation.claims import page as claims_page
-from validation.claims.all import findings
 from validation.compare import page, regression
 from validation.compare.suite import SceneComparison, all_pairs, compare_scenes
 from validation.fields import chapter as fields_chapter
@@ -60,7 +59,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
             writing.phase("drawing and writing")
             if suite != "quick":
                 collected = evidence.collect([*planned, *further], compared.runs)
-                others.append(claims_page.chapter(findings(collected), collected))
+                others.append(claims_page.chapter(claims_page.findings(collected), collected))
             if matrix is not None:
                 others.append(stability_page.chapter(matrix))
             if fields is not None:

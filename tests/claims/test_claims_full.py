@@ -8,11 +8,11 @@ from multiprocessing import get_context
 
 import pytest
 
-from validation.claims.all import CLAIMS, findings
 from validation.claims.claim import Verdict
-from validation.claims.evidence import SOLVER, Evidence, collect, gather, required_runs
+from validation.claims.evidence import SOLVER, Evidence, collect, required_runs
+from validation.claims.page import CLAIMS, findings
 from validation.claims.paper_figures import FIGURES, draw_figure
-from validation.runs.pool import run_of, run_task, run_tasks
+from validation.runs.pool import run_all, run_of, run_task, run_tasks
 from validation.solvers.model_range import cycle_count
 
 MANY = 30.0
@@ -45,7 +45,7 @@ def test_statements_that_need_no_long_run_have_their_recorded_verdicts():
 @pytest.mark.exhaustive
 def test_every_statement_has_its_recorded_verdict():
     with processes() as executor:
-        evidence = gather(required_runs(), executor)
+        evidence = collect(required_runs(), run_all(required_runs(), executor))
     results = findings(evidence)
     assert len(results) == len(CLAIMS)
     assert {one.name: (str(one.verdict), one.shown) for one in results if one.changed} == {}

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from support.synthetic_traces import trace
 
 from validation.cases import load
-from validation.claims.paper_panels import oscillation
+from validation.claims.paper_figures import oscillation
 from validation.drawing.curves import RunCurves, with_differences
 from validation.measure.scaling import unit_sizes
 
@@ -21,7 +21,7 @@ def test_lowest_forces_of_an_oscillation_hold_one_row_a_cycle():
     falling = int(np.argmin(np.diff(force)))
     force[falling + 1] = force[falling] + 1e-12
     figure = Figure()
-    oscillation(figure, SimpleNamespace(trace=lambda scene: trace(time, force)))
+    oscillation(figure.subplots(), SimpleNamespace(trace=lambda scene: trace(time, force)))
     line = next(one for one in figure.axes[0].lines if one.get_label() == r"$\tilde{\omega}$ = 0.35")
     drawn = np.asarray(line.get_xdata()) * unit_sizes(load("oscillation-w0.35").scene)["length"]
     cycles = np.floor(0.35 * drawn / (2.0 * np.pi))

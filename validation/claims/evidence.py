@@ -1,26 +1,24 @@
 """The runs that claims rest on: sweeps around the built-in scenes, and how their results are looked up.
 
 Every sweep varies the loading (or the zone) of a built-in scene, so that whatever the paper fixes is stated
-once, in that scene's file. Runs go through :func:`validation.runs.pool.run_all`, hence through
-any ``concurrent.futures`` executor: a process pool, Dask's ``Client.get_executor()``, an MPI pool.
+once, in that scene's file.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from concurrent.futures import Executor
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
-from contact_scene import Adhesion, Hold, Loading, Ramp, Scene, Trace
+from contact_scene import Adhesion, Hold, Loading, Ramp, Scene, SurfaceProfile, Trace
 from validation.cases import Case, load
 from validation.measure.scaling import unit_sizes
-from validation.runs.pool import TellProgress, run_all
 from validation.runs.run import Run
 from validation.solvers import REFERENCE
 from validation.solvers.boundary_elements import BoundaryElements
 
 SOLVER = BoundaryElements.name
 """The solver whose runs the statements are evaluated on: the paper's own method."""
+BOTH = (SOLVER, REFERENCE)
 
 DEPTH = 0.032
 """Penetration of point B of Fig. 4, over R; also the largest of Fig. 2, which the paper does not state."""
@@ -36,14 +34,18 @@ PRELOAD_SPEEDS = (0.02, 0.1, 1.0, 100.0)
 DWELLS = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 DWELL_SPEEDS = (0.02, 0.1, 1.0)
 """Rests at the largest penetration, over the relaxation time, and speeds."""
-HALF_ZONE_SPEEDS = (1e-3, 3e-3, 1e-2, 5e-2)
-"""Speeds of the cycles with half the process zone."""
+HALF_ZONE, HALF_ZONE_SPEEDS = 0.0065, (1e-3, 3e-3, 1e-2, 5e-2)
+"""Half the process zone, and the speeds of cycles with it."""
 FORCES = (2, 4, 8)
 """Constant tensions, over ``F_JKR`` (Fig. 5)."""
 FREQUENCIES = ("0.35", "1.4")
 """Angular frequencies of the built-in oscillations, times the relaxation time (Fig. 6)."""
 MATCHED = {2: 2.371e-4, 4: 1.175e-3, 8: 6.04e-3}
 """Speed of the retraction whose pull-off force is that many ``F_JKR``."""
+SURFACES = "cycle-v0.002"
+"""Built-in scene whose surface is kept at several times (Fig. 3)."""
+CHECKED_SPEEDS = (2e-4, 10.0)
+"""Speeds of the retractions that the reference does, too."""
 
 
 class MissingRun(LookupError):
@@ -51,21 +53,7 @@ class MissingRun(LookupError):
 
 
 def cycle(speed: float, zone: float = 0.013, dwell: float = 0.0) -> Scene:
-    """Approach and retraction at one speed (Fig. 2), with a rest between them (dwell-time figure).
-
-    Parameters
-    ----------
-    speed : float
-        Length over time.
-    zone : float
-        Length of the process zone.
-    dwell : float
-        Time at the largest penetration.
-
-    Returns
-    -------
-    Scene
-    """
+    """Approach and retraction at one speed (Fig. 2), with a rest between them (dwell-time figure)."""
     scene = load("cycle-v0.02").scene
     assert scene.adhesion is not None
     rest = (Hold(dwell),) if dwell > 0.0 else ()
@@ -89,37 +77,39 @@ def without_title(scene: Scene) -> Scene:
 
 def required_runs() -> list[tuple[Case, str]]:
     """All runs that claims rest on, as scene and solver, each once."""
-    scenes = [cycle(speed) for speed in CYCLE_SPEEDS]
-    scenes += [cycle(speed, zone=0.0065) for speed in HALF_ZONE_SPEEDS]
-    scenes += [cycle(speed, dwell=dwell) for speed in DWELL_SPEEDS for dwell in DWELLS]
-    scenes += [retraction(speed) for speed in RETRACTION_SPEEDS]
-    scenes += [retraction(speed) for speed in MATCHED.values()]
-    scenes += [retraction(speed, depth) for depth in PRELOADS for speed in PRELOAD_SPEEDS]
-    names = ["cycle-v0.002", "sweep", "retraction-steady"]
+    names = [SURFACES, "sweep", "retraction-steady"]
     names += [f"force-{force}" for force in FORCES] + [f"oscillation-w{w}" for w in FREQUENCIES]
+    scenes = [cycle(speed) for speed in CYCLE_SPEEDS]
+    scenes += [cycle(speed, HALF_ZONE) for speed in HALF_ZONE_SPEEDS]
+    scenes += [cycle(speed, dwell=dwell) for speed in DWELL_SPEEDS for dwell in DWELLS]
+    scenes += [retraction(speed) for speed in (*RETRACTION_SPEEDS, *MATCHED.values())]
+    scenes += [retraction(speed, depth) for depth in PRELOADS for speed in PRELOAD_SPEEDS]
     cases: dict[Scene, Case] = {without_title(case.scene): case for case in map(load, names)}
     for scene in scenes:
         cases.setdefault(without_title(scene), Case(scene.title, scene))
-    tasks = [(case, SOLVER) for case in cases.values()]
-    checked = [load("cycle-v0.002"), *(Case(s.title, s) for s in map(retraction, (2e-4, 10.0)))]
-    return tasks + [(case, REFERENCE) for case in checked]
+    checked = [load(SURFACES), *(Case(one.title, one) for one in map(retraction, CHECKED_SPEEDS))]
+    return [(case, SOLVER) for case in cases.values()] + [(case, REFERENCE) for case in checked]
+
+
+def missing_runs(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:
+    """The runs that claims need and that are not among the ``planned``."""
+
+    def question(case: Case, solver: str) -> tuple[Scene, str, tuple[float, ...]]:
+        return without_title(case.scene), solver, case.profile_times
+
+    covered = {question(*task) for task in planned}
+    return [task for task in required_runs() if question(*task) not in covered]
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Runs by scene (without its title) and solver."""
+    """Runs by scene (without its title) and solver; a scene is asked for as such or by a built-in name."""
 
-    runs: dict[tuple[Scene, str], Run]
+    runs: Mapping[tuple[Scene, str], Run]
 
     def run(self, scene: Scene | str, solver: str = SOLVER) -> Run:
-        """A finished run of a scene or a built-in name.
-
-        Raises
-        ------
-        MissingRun
-            If there is none.
-        """
-        scene = load(scene).scene if isinstance(scene, str) else scene
+        """A finished run, or ``MissingRun``."""
+        scene = _scene(scene)
         result = self.runs.get((without_title(scene), solver))
         if result is None or not result.finished:
             why = "not run" if result is None else result.ending
@@ -127,26 +117,13 @@ class Evidence:
         return result
 
     def trace(self, scene: Scene | str, solver: str = SOLVER) -> Trace:
-        """Its time series."""
+        """The rows of a run."""
         trace = self.run(scene, solver).trace
         assert trace is not None
         return trace
 
     def measure(self, scene: Scene | str, name: str, solver: str = SOLVER) -> float:
-        """One of its scalars.
-
-        Parameters
-        ----------
-        scene : Scene or str
-        name : str
-            As of ``Run.measures``.
-        solver : str
-
-        Returns
-        -------
-        float
-            In the scene's units.
-        """
+        """A scalar of a run, as of ``Run.measures``, in the scene's units."""
         result = self.run(scene, solver)
         value = result.measures.get(name)
         if value is None:
@@ -155,28 +132,22 @@ class Evidence:
 
     def pull_off(self, scene: Scene | str, solver: str = SOLVER) -> float:
         """Pull-off force over ``F_JKR``."""
-        scene = load(scene).scene if isinstance(scene, str) else scene
-        return self.measure(scene, "pull_off_force", solver) / unit_sizes(scene)["jkr-force"]
+        return self.measure(scene, "pull_off_force", solver) / unit_sizes(_scene(scene))["jkr-force"]
+
+    def pull_offs(self, scene_of: Callable[[float], Scene], over: Iterable[float]) -> dict[float, float]:
+        """Pull-off force over ``F_JKR`` along a sweep."""
+        return {x: self.pull_off(scene_of(x)) for x in over}
+
+    def profiles(self, solver: str = SOLVER) -> list[SurfaceProfile]:
+        """Surface along the cycle of Fig. 3, at the times the scene names, in order."""
+        recorded = self.trace(SURFACES, solver).profiles
+        if len(recorded) < len(load(SURFACES).profile_times):
+            raise MissingRun(f"{SURFACES} by {solver}: no surface at some of the times it names")
+        return sorted(recorded, key=lambda profile: profile.time)
 
 
-def missing_runs(planned: Iterable[tuple[Case, str]]) -> list[tuple[Case, str]]:
-    """The runs that claims need and that are not among the ``planned``."""
-    covered = {(without_title(case.scene), solver, case.profile_times) for case, solver in planned}
-    return [
-        (case, s)
-        for case, s in required_runs()
-        if (without_title(case.scene), s, case.profile_times) not in covered
-    ]
-
-
-def gather(
-    tasks: Iterable[tuple[Case, str]],
-    executor: Executor | None = None,
-    progress: TellProgress | None = None,
-) -> Evidence:
-    """Run ``tasks``, here or through an executor."""
-    pairs = list(tasks)
-    return collect(pairs, run_all(pairs, executor, progress=progress))
+def _scene(scene: Scene | str) -> Scene:
+    return load(scene).scene if isinstance(scene, str) else scene
 
 
 def collect(tasks: Iterable[tuple[Case, str]], results: Mapping[tuple[str, str], Run]) -> Evidence:

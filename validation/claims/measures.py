@@ -1,42 +1,67 @@
-"""Quantities of traces and profiles that claims need beyond the observables; pure functions.
+"""Quantities that claims need beyond the observables: of traces, profiles, and the elastic limits.
 
 Signs as everywhere: penetration ``D`` downwards, force ``F`` and pressure compressive, gap opening.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from contact_scene import SurfaceProfile, Trace
+from contact_scene import Sphere, SurfaceProfile, Trace
+from contact_scene.trace import Array
+from validation.cases import load
+from validation.claims.claim import RECOVERED, STEADY
+from validation.claims.evidence import Evidence
 from validation.measure.events import end_of_approach
+from validation.measure.observables import CycleLoss, cycle_losses
+from validation.measure.scaling import unit_sizes
+from validation.measure.windows import cycle_times
+from validation.reference.finite_zone import FiniteZone
+from validation.reference.jkr import JKR
 
-Array = NDArray[np.float64]
-
-RECOVERED = 0.05
-"""Relative difference within which two responses count as the same."""
-LARGER = 1.2
-"""Least ratio of two values for the first to count as significantly larger."""
-STEADY = 1e-3
-"""Change, relative to the largest magnitude, below which a quantity counts as constant."""
-_NEAREST = 6
+NEAREST = 6
 """Points inside the edge from which the exponent of the tension there is read."""
+BASE = "cycle-v0.02"
+"""Built-in scene with the material, sphere and adhesion of all claims but the sweep."""
+SOFT, STIFF = False, True
+"""Relaxed and glassy."""
 
 
-def rising(values: ArrayLike, slack: float = STEADY) -> bool:
-    """Whether no value falls below an earlier one by more than ``slack`` of the largest magnitude."""
-    y = np.asarray(values, float)
-    return bool(np.all(y >= np.maximum.accumulate(y) - slack * np.abs(y).max()))
+@cache
+def jkr(glassy: bool, scene: str = BASE) -> JKR:
+    """The elastic limit with a vanishing process zone."""
+    asked = load(scene).scene
+    assert asked.adhesion is not None
+    material = asked.material
+    modulus = material.glassy_plane_modulus if glassy else material.relaxed_plane_modulus
+    return JKR(asked.indenter, modulus, asked.adhesion.work)
 
 
-def bell(values: ArrayLike) -> bool:
-    """Whether the values rise to one inner maximum, significantly larger than both ends, and fall again."""
-    y = np.asarray(values, float)
-    top = int(y.argmax())
-    single = rising(y[: top + 1], 0.01) and rising(y[top:][::-1], 0.01)
-    return single and bool(y[top] >= LARGER * max(y[0], y[-1]))
+@cache
+def elastic(glassy: bool) -> FiniteZone:
+    """The elastic limit of the model: the paper's closure over its process zone."""
+    asked, limit = load(BASE).scene, jkr(glassy)
+    assert asked.adhesion is not None
+    assert isinstance(asked.indenter, Sphere)
+    return FiniteZone(asked.indenter.radius, limit.plane_modulus, limit.work, asked.adhesion.zone)
+
+
+def elastic_pull_off(law: FiniteZone) -> float:
+    """Pull-off force of an elastic sphere over ``F_JKR``."""
+    return -law.pull_off_force_control().force / unit_sizes(load(BASE).scene)["jkr-force"]
+
+
+def crossing(x: ArrayLike, y: ArrayLike, level: float) -> float | None:
+    """Where ``y(x)``, straight lines over ``log x``, first rises through ``level``; ``None`` if nowhere."""
+    at, values = np.log(np.asarray(x, float)), np.asarray(y, float)
+    through = np.flatnonzero((values[:-1] < level) & (level <= values[1:]))
+    if not through.size:
+        return None
+    pair = slice(through[0], through[0] + 2)
+    return float(np.exp(np.interp(level, values[pair], at[pair])))
 
 
 def approach(trace: Trace) -> slice:
@@ -51,6 +76,21 @@ def withdrawal(trace: Trace) -> slice:
     return slice(int(deepest[-1]), int(touching[-1]) + 1)
 
 
+def tension_row(trace: Trace) -> int:
+    """Row of the largest tension."""
+    return int(trace.force.argmin())
+
+
+def approach_row(trace: Trace, depth: float) -> int:
+    """Row of the approach nearest to a penetration."""
+    return int(np.abs(trace.penetration[approach(trace)] - depth).argmin())
+
+
+def sweep_cycles(runs: Evidence) -> tuple[CycleLoss, ...]:
+    """Loss of every cycle of the sweep."""
+    return cycle_losses(runs.trace("sweep"), cycle_times(load("sweep").scene.loading))
+
+
 def hysteresis(trace: Trace) -> float:
     """Area between approach and withdrawal in the plane of ``F`` and ``D``, over ``0 <= D <= D_max``.
 
@@ -60,44 +100,33 @@ def hysteresis(trace: Trace) -> float:
     depth = np.linspace(0.0, float(trace.penetration.max()), 2001)
     pressed = np.interp(depth, trace.penetration[inward], trace.force[inward])
     back = trace.penetration[outward][::-1]
-    pulled = np.interp(depth, back, trace.force[outward][::-1], left=0.0)
-    apart = np.abs(pressed - pulled)
+    apart = np.abs(pressed - np.interp(depth, back, trace.force[outward][::-1], left=0.0))
     return float(np.sum(0.5 * (apart[1:] + apart[:-1]) * np.diff(depth)))
 
 
 def first_slope(trace: Trace, within: float = 0.01) -> float:
     """``dF/dD`` at the start of the withdrawal, over the first row beyond ``within`` of the force's range."""
     rows = withdrawal(trace)
-    force, depth = trace.force[rows], trace.penetration[rows]
+    return _slope(trace.force[rows], trace.penetration[rows], within)
+
+
+def last_slope(trace: Trace, within: float = 0.01) -> float:
+    """``dF/dD`` at the end of the approach, from the last row beyond ``within`` of the force's range."""
+    rows = approach(trace)
+    return _slope(trace.force[rows][::-1], trace.penetration[rows][::-1], within)
+
+
+def _slope(force: Array, depth: Array, within: float) -> float:
+    """Slope from the first row to the nearest one that is farther in force."""
     far = np.flatnonzero(np.abs(force - force[0]) > within * np.ptp(force))
     last = int(far[0]) if far.size else len(force) - 1
     return float((force[last] - force[0]) / (depth[last] - depth[0]))
 
 
-def last_slope(trace: Trace, within: float = 0.01) -> float:
-    """``dF/dD`` at the end of the approach, over the rows within ``within`` of the force's range from it."""
-    rows = approach(trace)
-    force, depth = trace.force[rows], trace.penetration[rows]
-    far = np.flatnonzero(np.abs(force - force[-1]) > within * np.ptp(force))
-    first = int(far[-1]) if far.size else 0
-    return float((force[-1] - force[first]) / (depth[-1] - depth[first]))
-
-
 def on_line(trace: Trace, slope: float) -> float:
-    """Share of the withdrawal up to the largest tension over which ``F = F_B + slope (D - D_B)``.
+    """Share of the withdrawal up to the largest tension over which ``F = F_B + slope (D - D_B)``, 0 to 1.
 
     A deviation of less than ``RECOVERED`` of the change of force so far is none.
-
-    Parameters
-    ----------
-    trace : Trace
-    slope : float
-        Force over length.
-
-    Returns
-    -------
-    float
-        0 to 1.
     """
     rows = withdrawal(trace)
     force, depth = trace.force[rows], trace.penetration[rows]
@@ -105,33 +134,16 @@ def on_line(trace: Trace, slope: float) -> float:
     change = slope * (depth - depth[0])
     off = np.abs(force - force[0] - change) > RECOVERED * np.abs(change) + 1e-12 * np.abs(force).max()
     leaving = np.flatnonzero(off[: top + 1])
-    last = depth[int(leaving[0]) - 1] if leaving.size and leaving[0] > 0 else depth[top]
-    if leaving.size and leaving[0] == 0:
-        return 0.0
-    return float((depth[0] - last) / (depth[0] - depth[top]))
+    last = max(int(leaving[0]) - 1, 0) if leaving.size else top
+    return float((depth[0] - depth[last]) / (depth[0] - depth[top]))
 
 
 def release_rate(trace: Trace, at: int, work: float, window: float = 0.005) -> float:
     """``G = dg - dP/dA`` (Eq. enrelrate2) about row ``at``: what is lost over a window of contact area.
 
-    The window ends between rows, and where the area turns or rests: the mean does not depend on how close the
-    rows are, of which a solver puts many where an edge sets out. At least two rows on either side are taken;
-    ``work`` where the area is constant.
-
-    Parameters
-    ----------
-    trace : Trace
-    at : int
-        Row.
-    work : float
-        Work of adhesion ``dg``.
-    window : float
-        Largest difference in contact area from the row's own, relative to it.
-
-    Returns
-    -------
-    float
-        Energy over area.
+    The window is relative to the row's own area and ends between rows, and where the area turns or rests: the
+    mean does not depend on how close the rows are. At least two rows on either side are taken; ``work``, the
+    work of adhesion ``dg``, where the area is constant.
     """
     area = np.pi * trace.contact_radius**2
     touching = int(np.flatnonzero(area > 0.0)[-1])
@@ -148,16 +160,6 @@ def release_rate(trace: Trace, at: int, work: float, window: float = 0.005) -> f
     ends = np.clip(area[at] * np.array([1.0 - window, 1.0 + window]), around.min(), around.max())
     low, high = np.interp(ends, around[rising_area], lost[rising_area])
     return work - float((high - low) / np.diff(ends)[0])
-
-
-def tension_row(trace: Trace) -> int:
-    """Row of the largest tension."""
-    return int(trace.force.argmin())
-
-
-def approach_row(trace: Trace, depth: float) -> int:
-    """Row of the approach nearest to a penetration."""
-    return int(np.abs(trace.penetration[approach(trace)] - depth).argmin())
 
 
 def annular_peak(profile: SurfaceProfile) -> tuple[float, float] | None:
@@ -177,14 +179,14 @@ def annular_peak(profile: SurfaceProfile) -> tuple[float, float] | None:
 def edge_exponent(profile: SurfaceProfile) -> float:
     """Exponent of the tension towards the edge, ``d ln(-p)/d ln(a - r)``, from the last points inside."""
     inside = profile.radius < profile.contact_radius
-    s = (profile.contact_radius - profile.radius[inside])[-_NEAREST:]
-    tension = -profile.pressure[inside][-_NEAREST:]
+    distance = (profile.contact_radius - profile.radius[inside])[-NEAREST:]
+    tension = -profile.pressure[inside][-NEAREST:]
     if np.any(tension <= 0.0):
         return 0.0
-    return float(np.polyfit(np.log(s), np.log(tension), 1)[0])
+    return float(np.polyfit(np.log(distance), np.log(tension), 1)[0])
 
 
-def gap_exponents(profile: SurfaceProfile, distances: Sequence[float]) -> Array:
+def gap_exponents(profile: SurfaceProfile, distances: ArrayLike) -> Array:
     """``d ln g/d ln(r - a)`` between consecutive distances from the edge, shape (n-1,)."""
     open_ = (profile.radius > profile.contact_radius) & (profile.gap > 0.0)
     s, g = np.log(profile.radius[open_] - profile.contact_radius), np.log(profile.gap[open_])
@@ -192,23 +194,10 @@ def gap_exponents(profile: SurfaceProfile, distances: Sequence[float]) -> Array:
     return np.diff(np.interp(at, s, g)) / np.diff(at)
 
 
-def crossing(x: ArrayLike, y: ArrayLike, level: float) -> float | None:
-    """Where ``y(x)``, straight lines over ``log x``, first rises through ``level``.
-
-    Parameters
-    ----------
-    x, y : array_like, shape (n,)
-        Points of the curve; ``x`` positive and rising.
-    level : float
-
-    Returns
-    -------
-    float or None
-        ``None`` if it does not.
-    """
-    at, values = np.log(np.asarray(x, float)), np.asarray(y, float)
-    for i in range(len(values) - 1):
-        if values[i] < level <= values[i + 1]:
-            share = (level - values[i]) / (values[i + 1] - values[i])
-            return float(np.exp(at[i] + share * (at[i + 1] - at[i])))
-    return None
+def elastic_gap_exponents(law: JKR, a: float, distances: Array) -> Array:
+    """The same of the elastic contact of this radius in equilibrium."""
+    r = a + distances
+    stretch = a**2 - float(law.penetration(a))
+    angle = np.arccos(a / r)
+    gap = (2.0 * stretch * angle + (r**2 - 2.0 * a**2) * angle + a * np.sqrt(r**2 - a**2)) / np.pi
+    return np.diff(np.log(gap)) / np.diff(np.log(distances))

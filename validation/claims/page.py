@@ -1,4 +1,4 @@
-"""The paper's statements with their verdicts, and the paper's figures redrawn."""
+"""All statements of the paper in its order, their verdicts, and the paper's figures redrawn."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from validation.claims.all import checks
-from validation.claims.claim import Finding, Verdict
+from validation.claims import cycles, retractions
+from validation.claims.claim import Claim, Finding, Verdict
 from validation.claims.evidence import Evidence
 from validation.claims.paper_figures import FIGURES, draw_figure
 from validation.drawing import export
@@ -24,6 +24,7 @@ from validation.report.document import (
 )
 from validation.report.report import Chapter
 
+CLAIMS = tuple(one for room in (cycles, retractions) for one in vars(room).values() if isinstance(one, Claim))
 TITLE = "What the paper says"
 COUNTED = dict(zip(Verdict, ("hold", "hold in part", "do not hold", "could not be judged"), strict=True))
 EXPLAINED = (
@@ -35,20 +36,23 @@ EXPLAINED = (
 )
 
 
-def chapter(findings: Sequence[Finding], evidence: Evidence) -> Chapter:
+def findings(evidence: Evidence) -> tuple[Finding, ...]:
+    """Every claim judged on the same runs."""
+    return tuple(one.finding(evidence) for one in CLAIMS)
+
+
+def chapter(found: Sequence[Finding], evidence: Evidence) -> Chapter:
     """Figures and every statement; in short the count, and whatever does not simply hold."""
-    said, figures = Paragraph(in_words(findings)), Figures(tuple(_figures(evidence)))
-    shown = (one for one in findings if one.verdict is not Verdict.HOLDS or one.changed)
-    section = Section(
-        TITLE, (said, Paragraph(EXPLAINED), figures, DataTable.of(map(cells, findings))), "claims"
-    )
+    said, figures = Paragraph(in_words(found)), Figures(tuple(_figures(evidence)))
+    notable = (one for one in found if one.verdict is not Verdict.HOLDS or one.changed)
+    whole = Section(TITLE, (said, Paragraph(EXPLAINED), figures, DataTable.of(map(cells, found))), "claims")
     return Chapter(
         "claims",
-        checks(findings),
-        (section,),
-        (Section(TITLE, (said, DataTable.of(map(cells, shown)))),),
-        {"claims": list(map(data, findings))},
-        outputs=[f"{one.verdict}: {one.wording} Found: {one.shown}" for one in findings],
+        [one.check for one in found],
+        (whole,),
+        (Section(TITLE, (said, DataTable.of(map(cells, notable)))),),
+        {"claims": list(map(data, found))},
+        outputs=[f"{one.verdict}: {one.wording} Found: {one.shown}" for one in found],
     )
 
 
@@ -58,13 +62,13 @@ def data(finding: Finding) -> dict[str, Any]:
     return asdict(finding) | shown
 
 
-def in_words(findings: Sequence[Finding]) -> str:
+def in_words(found: Sequence[Finding]) -> str:
     """How many statements hold, and how many not."""
-    counts = ((sum(one.verdict is verdict for one in findings), text) for verdict, text in COUNTED.items())
+    counts = ((sum(one.verdict is verdict for one in found), text) for verdict, text in COUNTED.items())
     verdicts = ", ".join(f"{count} {text}" for count, text in counts if count)
-    changed = sum(one.changed for one in findings)
+    changed = sum(one.changed for one in found)
     changes = f"{changed or 'no'} verdict{'s' if changed > 1 else ''}"
-    return f"{counted(len(findings), 'statement')}: {verdicts}; {changes} changed."
+    return f"{counted(len(found), 'statement')}: {verdicts}; {changes} changed."
 
 
 def _figures(evidence: Evidence) -> list[Figure]:
