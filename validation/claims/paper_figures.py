@@ -120,8 +120,7 @@ def _sweep(curves: Callable[[Evidence], Curves], line: dict[str, Any] | None = N
         looks = zip(curves(evidence).items(), SERIES, DASHES, MARKERS, strict=False)
         for (label, curve), colour, dash, marker in looks:
             axes.plot(
-                list(curve), list(curve.values()),
-                color=colour, linestyle=dash, marker=marker, **OPEN, label=label,
+                list(curve),
                 list(curve.values()),
                 color=colour,
                 linestyle=dash,
