@@ -15,7 +15,7 @@ from validation.runs.pool import processes
 from validation.runs.progress import Progress
 from validation.solvers import REFERENCE, SOLVERS, solvers
 from validation.studies import page
-from validation.studies.knobs import Poisson, Zones
+from validation.studies.knobs import Poisson, Zones, write
 from validation.studies.study import study
 
 BULK = Range("a number above 2/3, below 1e6", 2.0 / 3.0, 1e6, open=True)
@@ -72,7 +72,8 @@ def _refinement(options: argparse.Namespace, jobs: int) -> int:
 
 def _turned(options: argparse.Namespace, jobs: int) -> int:
     """Turn a knob of the model; zones one after the other, for the time of their runs is measured."""
-    knob, given = (Poisson(), options.poisson) if options.zones is None else (Zones(), options.zones)
+    knob: Zones | Poisson = Poisson() if options.zones is None else Zones()
+    given = options.poisson if options.zones is None else options.zones
     asked = solvers() if options.zones is None else (SOLVERS[REFERENCE],)
     loaded, failures = shared.load_taken(options.scenes, lambda case: asked), list[str]()
     workers = processes(jobs) if options.zones is None else processes(1, isolated=True, tasks_per_process=1)
@@ -84,6 +85,6 @@ def _turned(options: argparse.Namespace, jobs: int) -> int:
                 runs = knob.runs(case, values, *how)
             print(terminal.text(knob.section(case.name, runs)))
             if work.folder is not None:
-                print(f"written to {knob.write(case, runs, work.folder)}")
+                print(f"written to {write(knob, case, runs, work.folder)}")
             failures += knob.failures(runs)
     return shared.failed(failures)

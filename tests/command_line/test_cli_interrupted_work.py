@@ -127,7 +127,7 @@ def by_poisson(case, store, progress=None):
 
 def by_zones(case, store, progress=None):
     runs = Zones(("bem", "reference")).runs(case, (0.05, 0.01), progress, store=store)
-    return [(one.label, one.value, one.steps, Zones().errors(one)) for one in runs]
+    return [(one.label, one.value, one.costs.get("steps"), Zones().errors(one)) for one in runs]
 
 
 @pytest.mark.parametrize("study", [by_poisson, by_zones])

@@ -117,17 +117,6 @@ def test_densities_add_up_to_the_energies_of_the_trace():
         assert (state.dissipation_rate >= 0.0).all()
 
 
-@pytest.mark.slow
-def test_densities_of_separate_relaxation_add_up_too():
-    recording = recorded("quadrature", 0.3, "mixed", "elastic")
-    for state in states("quadrature", 0.3, "mixed", "elastic"):
-        sums = balance(state, recording.trace)
-        assert state.branches == ("shear tau=0.3", "shear tau=5")
-        assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=5e-3)
-        held = recording.surfaces[state.row].interface
-        assert sums.stored == pytest.approx(sums.stored_in_trace - held, rel=5e-3)
-
-
 def test_dissipation_rate_is_the_slope_of_the_loss():
     recording = recorded()
     state, trace = states()[0], recording.trace

@@ -25,7 +25,7 @@ from validation.cases import load
 from validation.fields import chapter, fig3, figures, moments, rendering, section
 from validation.fields.figures import FigureSet
 from validation.fields.quantities import QUANTITIES, SPANNED, ValueKind, colours
-from validation.fields.section import Look, Section, View, look_at
+from validation.fields.section import Look, Section, look_at
 from validation.report import html
 from validation.report.document import Document
 from validation.runs.run import Run
@@ -90,14 +90,6 @@ def test_marks_and_indenter_sit_on_the_deformed_surface(scale):
     assert side[-2:, 0] == pytest.approx(0.3)
     assert side[-1, 1] > side[-2, 1] == -0.03 * scale
     assert Section(state(), dataclasses.replace(SCENE, adhesion=None)).zone.size == 0
-
-
-def test_areas_add_up_and_mirror_images_are_in_view():
-    cut = Section(state(), SCENE)
-    assert cut.areas.sum() == pytest.approx(1.0)
-    right, left = (cut.within(View(*sides, -0.5, 0.5)) for sides in ((0.1, 0.3), (-0.3, -0.1)))
-    assert right.any()
-    np.testing.assert_array_equal(left, right)
 
 
 def test_ranges_of_colours():
@@ -217,10 +209,6 @@ def test_body_of_revolution(can_draw):
     look: Look = look_at([cut.state], SCENE, STRESS)
     ring = rendering.turned(rendering.line([cut.edge]))
     np.testing.assert_allclose(np.hypot(*np.asarray(ring.points)[:, :2].T), cut.edge[0], rtol=1e-6)
-    drawn = figures.body(cut.state, SCENE, look)
-    picture = np.asarray(drawn.axes[0].images[0].get_array())
-    assert picture.shape == (*figures.BODY_PIXELS[::-1], 3)
-    assert 0.2 < (picture.min(axis=2) < 255).mean() < 0.95
     parts = {}
 
     class Plotter:
@@ -300,23 +288,6 @@ def test_a_machine_without_opengl_is_told_so(tmp_path):
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.slow
-def test_key_moments_of_the_papers_cycle_from_the_command_line(tmp_path, capsys, can_draw):
-    arguments = ["fields", "cycle-v0.002", "--resolution", "4", "--strip", "--quantity", "stress_zz"]
-    assert main([*arguments, "--out", str(tmp_path)]) == 0
-    said = capsys.readouterr().out
-    for name in ("jump-in", "end of approach", "start of detachment", "pull-off"):
-        assert name in said
-    assert len(list((tmp_path / "sections").glob("stress_zz_*.png"))) == 4
-    with Image.open(tmp_path / "strip_stress_zz.png") as picture:
-        red = np.asarray(picture.convert("RGB"), int)
-    tension = (red[..., 0] > 90) & (red[..., 1] < 40) & (red[..., 2] < 60)  # deep red: tension, at the edges
-    pressure = (red[..., 0] < 40) & (red[..., 1] < 70) & (red[..., 2] > 80)  # deep blue
-    middle = red.shape[0] // 2, red.shape[1] // 2
-    assert pressure[: middle[0], middle[1] :].sum() > 20 * pressure[middle[0] :, middle[1] : -160].sum()
-    assert tension[middle[0] :, middle[1] : -160].sum() > 3 * tension[: middle[0], middle[1] : -160].sum()
-
-
 def test_fig3_lays_both_solvers_over_each_other():
     drawn = fig3.figure(SCENE, surfaces(), surfaces(), 2.0)
     titled = [axes for axes in drawn.axes if axes.get_title()]
@@ -325,7 +296,6 @@ def test_fig3_lays_both_solvers_over_each_other():
     assert titles[2] == r"(c) retraction, $\Delta/R$ = 0.03"
     assert [title[:3] for title in titles] == ["(a)", "(b)", "(c)", "(d)", "(e)", "(f)", "(g)"]
     lines = {line.get_label(): line for line in titled[0].lines}
-    np.testing.assert_allclose(lines["indenter"].get_ydata(), lines["indenter"].get_xdata() ** 2 / 2 - 0.01)
     inside = lines["bem"].get_xdata() <= 0.199
     flat = lines["bem"].get_xdata()[inside], lines["bem"].get_ydata()[inside]
     np.testing.assert_allclose(flat[1], flat[0] ** 2 / 2 - 0.01, atol=1e-12)

@@ -64,7 +64,7 @@ def observable(ladder: dict, name: str) -> dict:
 
 
 def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
-    out, threads = tmp_path / "out", os.environ["OMP_NUM_THREADS"]
+    out = tmp_path / "out"
     with without_layout():
         assert main(["study", scene_file, "--jobs", "1", "--out", str(out)]) == 0
     data = json.loads((out / "study.json").read_text())
@@ -79,13 +79,7 @@ def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
     assert "is cheapest" in shown
     assert "small reference zone" in progress
     page, text = (out / "index.html").read_text(), (out / "study.md").read_text()
-    for said in (
-        "Observed orders",
-        "Error against run time",
-        "process zone",
-        "At 1e-04",
-        f"OMP_NUM_THREADS {threads}",
-    ):
+    for said in ("Observed orders", "Error against run time", "process zone", "At 1e-04"):
         assert said in page
         assert said in text
     for solver in ("bem", "fem", "reference"):  # the made-up answer does not hang on the zone
@@ -94,7 +88,7 @@ def test_a_study_writes_every_form(capsys, tmp_path, scene_file, fakes):
     pictures = sorted(file.name for file in (out / "figures").iterdir())
     assert len(pictures) == 18
     assert (out / "figures" / "small-order-loop.png").read_bytes().startswith(b"\x89PNG")
-    assert data["environment"]["threads"]["OMP_NUM_THREADS"] == threads
+    assert data["environment"]["threads"]["OMP_NUM_THREADS"] == os.environ["OMP_NUM_THREADS"]
 
 
 def test_orders_come_out_as_they_went_in(scene_file, fakes):
@@ -113,19 +107,6 @@ def test_orders_come_out_as_they_went_in(scene_file, fakes):
     assert doubtful == pytest.approx((40.0**-4 - 80.0**-4) / 3.0, rel=0.01)
 
 
-def test_every_solver_has_four_levels_and_all_its_ladders(scene_file):
-    found = schemes.ladders(load(scene_file).scene)
-    assert {(e.scheme, e.kind) for e in found} >= {
-        ("bem", "together"), ("paper-scheme", "together"), ("fem", "together"), ("reference", "together"),
-        ("bem", "step"), ("bem", "mesh"), ("fem", "step"), ("fem", "mesh"), ("fem", "domain"),
-        ("bem", "zone"), ("fem", "zone"), ("reference", "zone"),
-    }  # fmt: skip
-    for entry in found:
-        assert len(entry.levels) >= 4
-        sizes = [level.size for level in entry.levels]
-        assert sizes == sorted(sizes, reverse=True)
-
-
 def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
     def missing(*arguments, **options):
         raise ModuleNotFoundError("No module named 'bem_solver.paper_scheme.solver'")
@@ -136,6 +117,8 @@ def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
     assert "failed: small: paper-scheme: together 4: ModuleNotFoundError" in err
     assert "Traceback" not in err
     found, data = studied(scene_file)
+    kinds = {(e["scheme"], e["kind"]) for e in data["scenes"][0]["ladders"]}
+    assert {("fem", "domain"), ("bem", "step"), ("fem", "mesh"), ("reference", "zone")} <= kinds
     assert data["scenes"][0]["failed_levels"] == 5
     assert ladder_of(data, "paper-scheme")["levels"][0]["failure"].startswith("ModuleNotFoundError")
     assert "FAILED: ModuleNotFoundError" in page_without_figures(found)

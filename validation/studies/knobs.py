@@ -62,6 +62,13 @@ if TYPE_CHECKING:
 PATIENCE = 300.0
 """Longest processor time (s) of one run of a study of zones; the reference needs seconds at any zone, the
 finite elements a minute or two at the shortest."""
+COSTS = {
+    "steps": ("d", "accepted steps"),
+    "updates": (".0f", "updates of the history in a step"),
+    "seconds": (".2f", "processor time (s)"),
+    "megabytes": (".0f", "memory of the process (MB)"),
+}
+"""Of a run, the updates on average as each solver counts them: form of the number, and words."""
 FULL, SURFACE = "full", "surface"
 """Names of the runs with separate bulk relaxation and with the modulus at the surface."""
 
@@ -90,29 +97,15 @@ class KnobRun:
         return {one.quantity: one for one in found if math.isfinite(one.error)}
 
     @property
-    def steps(self) -> int | None:
-        """Accepted steps; ``None`` without an answer."""
-        return None if self.run is None or self.run.trace is None else self.run.trace.counters.steps
-
-    @property
-    def updates(self) -> float | None:
-        """Updates of the history in a step, on average, as the solver counts them; or ``None``."""
-        if self.run is None or self.run.trace is None:
-            return None
-        counters = self.run.trace.counters
-        return (
-            counters.history_updates / counters.steps if counters.history_updates and counters.steps else None
-        )
-
-    @property
-    def seconds(self) -> float | None:
-        """Processor time; ``None`` without an answer."""
-        return None if self.run is None or self.run.trace is None else self.run.cpu_seconds
-
-    @property
-    def megabytes(self) -> float | None:
-        """Most that the process of this run held, in 1e6 bytes."""
-        return None if self.peak_memory is None else 1e-6 * self.peak_memory
+    def costs(self) -> dict[str, float]:
+        """What the run took (:data:`COSTS`), as far as it is known."""
+        found: dict[str, float] = {}
+        if self.run is not None and self.run.trace is not None:
+            counters = self.run.trace.counters
+            found |= {"steps": counters.steps, "seconds": self.run.cpu_seconds}
+            if counters.history_updates and counters.steps:
+                found["updates"] = counters.history_updates / counters.steps
+        return found if self.peak_memory is None else found | {"megabytes": 1e-6 * self.peak_memory}
 
 
 @dataclass(frozen=True)
@@ -128,39 +121,23 @@ class RunAndMemory:
         return self.run.breakdown
 
 
-class Knob:
-    """What is turned, its ``values`` if none are given, and which ``observed`` numbers are subtracted."""
+def write(knob: Zones | Poisson, case: Case, runs: Sequence[KnobRun], folder: Path) -> Path:
+    """Write ``NAME-SCENE.json``, its tables as ``.md``, returned, and a figure of zones.
 
-    name: ClassVar[str]
-    values: ClassVar[tuple[float, ...]]
-    observed: ClassVar[tuple[str, ...]]
-
-    def data(self, runs: Sequence[KnobRun]) -> dict[str, Any]:
-        """What ``NAME-SCENE.json`` holds beside the scene: a fixed contract with whoever reads it."""
-        raise NotImplementedError
-
-    def section(self, name: str, runs: Sequence[KnobRun]) -> Section:
-        """Tables and what they say."""
-        raise NotImplementedError
-
-    def draw(self, runs: Sequence[KnobRun]) -> Figure | None:
-        """The figure of the study, if it has one."""
-        return None
-
-    def write(self, case: Case, runs: Sequence[KnobRun], folder: Path) -> Path:
-        """Write ``NAME-SCENE.json``, its tables as ``.md``, returned, and a figure if there is one."""
-        shown, path = self.section(case.name, runs), folder / f"{self.name}-{case.name}.json"
-        write_whole(path, to_json({"scene": case.name, "premises": of_case(case)} | self.data(runs)))
-        figure, page = self.draw(runs), path.with_suffix(".md")
-        write_whole(page, markdown.text(Document(shown.title, (), shown.parts)))
-        if figure is not None:
-            write_whole(path.with_suffix(".png"), export.png(figure))
-            write_whole(path.with_suffix(".svg"), export.svg_file(figure))
-        return page
+    The keys of the numbers are a fixed contract with whoever reads them.
+    """
+    shown, path = knob.section(case.name, runs), folder / f"{knob.name}-{case.name}.json"
+    write_whole(path, to_json({"scene": case.name, "premises": of_case(case)} | knob.data(runs)))
+    write_whole(path.with_suffix(".md"), markdown.text(Document(shown.title, (), shown.parts)))
+    if isinstance(knob, Zones):
+        figure = knob.draw(runs)
+        write_whole(path.with_suffix(".png"), export.png(figure))
+        write_whole(path.with_suffix(".svg"), export.svg_file(figure))
+    return path.with_suffix(".md")
 
 
 @dataclass(frozen=True)
-class Zones(Knob):
+class Zones:
     """Process zones over the largest contact radius that the scene reaches with its own zone.
 
     Isolated processes alone can end a run that takes too long, and one task a process has memory of its own.
@@ -168,9 +145,9 @@ class Zones(Knob):
 
     solvers: tuple[str, ...] = ()
     """Names; none: all that are registered."""
-    name = "zones"
-    values = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 5e-9)
-    observed = ("pull_off_force", "loop_energy")
+    name: ClassVar = "zones"
+    values: ClassVar = (5e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 5e-9)
+    observed: ClassVar = ("pull_off_force", "loop_energy")
     notes: ClassVar = """\
 Errors: relative, against the reference at twice its default resolution with the same zone. Updates: of the
 history, in a step on average, as each solver counts them (the reference: points of the surface). Megabytes:
@@ -219,16 +196,16 @@ zone^-p over all zones of a solver; 0 where a shorter zone costs no more than it
         return {"runs": [self._data_of(one) for one in runs]}
 
     def _data_of(self, one: KnobRun) -> dict[str, Any]:
-        adhesion = one.case.scene.adhesion
+        adhesion, costs = one.case.scene.adhesion, one.costs
         return {
             "zone_over_radius": one.value,
             "zone": None if adhesion is None else adhesion.zone,
             "solver": one.label,
             "outcome": None if one.run is None else one.run.ending,
             "skipped": one.skipped or None,
-            "steps": one.steps,
-            "history_updates_per_step": one.updates,
-            "cpu_seconds": one.seconds,
+            "steps": costs.get("steps"),
+            "history_updates_per_step": costs.get("updates"),
+            "cpu_seconds": costs.get("seconds"),
             "peak_memory_bytes": one.peak_memory,
             "errors": self.errors(one),
             "error_estimates": {} if one.run is None else one.run.errors,
@@ -254,10 +231,7 @@ zone^-p over all zones of a solver; 0 where a shorter zone costs no more than it
         return {
             "zone / radius": f"{one.value:.0e}",
             "solver": one.label,
-            "steps": formatted(one.steps, "d"),
-            "updates": formatted(one.updates, ".0f"),
-            "seconds": formatted(one.seconds, ".2f"),
-            "megabytes": formatted(one.megabytes, ".0f"),
+            **{name: formatted(one.costs.get(name), form) for name, (form, _) in COSTS.items()},
             **{f"{plain(name)}: error": formatted(errors.get(name), "+.1e") for name in self.observed},
             "not finished": one.run.ending if one.run and not finished else one.skipped or ABSENT,
         }
@@ -272,23 +246,16 @@ zone^-p over all zones of a solver; 0 where a shorter zone costs no more than it
         """Logarithmic axes, one for each quantity; a solver's curve ends at the last zone it was run with."""
         from matplotlib.figure import Figure
 
-        panels: dict[str, Callable[[KnobRun], float | None]] = {
-            "accepted steps": lambda one: one.steps,
-            "updates of the history in a step": lambda one: one.updates,
-            "processor time (s)": lambda one: one.seconds,
-            "memory of the process (MB)": lambda one: one.megabytes,
-        }
-        for name in self.observed:
-            panels[f"error of {plain(name)} (relative)"] = lambda one, name=name: (  # type: ignore[misc]
-                abs(self.errors(one).get(name, 0.0))
-            )
+        panels = [words for _, words in COSTS.values()]
+        panels += [f"error of {plain(name)} (relative)" for name in self.observed]
+        numbers = [one.costs | {name: abs(error) for name, error in self.errors(one).items()} for one in runs]
         figure = Figure(figsize=(3 * SIZE[0], 2 * SIZE[1]), layout="constrained")
-        for axes, (label, value_of) in zip(figure.subplots(2, 3).flat, panels.items(), strict=True):
+        names = (*COSTS, *self.observed)
+        for axes, name, label in zip(figure.subplots(2, 3).flat, names, panels, strict=True):
             axes.set(xscale="log", yscale="log", xlabel="process zone over contact radius", ylabel=label)
             for solver in _labels(runs):
-                points = [
-                    (one.value, value) for one in runs if one.label == solver and (value := value_of(one))
-                ]
+                own = zip(runs, numbers, strict=True)
+                points = [(one.value, n[name]) for one, n in own if one.label == solver and n.get(name)]
                 if points:
                     axes.plot(*zip(*points, strict=True), label=solver, markersize=4.5, **curve_style(solver))
             axes.invert_xaxis()
@@ -304,7 +271,7 @@ def _labels(runs: Sequence[KnobRun]) -> list[str]:
 
 def growth(runs: Iterable[KnobRun], quantity: str) -> float | None:
     """Fitted exponent ``p`` of a quantity that grows as ``zone**-p``; 0: at most with the logarithm."""
-    pairs = [(one.value, getattr(one, quantity)) for one in runs]
+    pairs = [(one.value, one.costs.get(quantity)) for one in runs]
     slope = fitted_slope([value for value, _ in pairs], [found for _, found in pairs])
     return None if slope is None else -slope
 
@@ -383,13 +350,13 @@ ASSUMPTIONS: dict[str, Callable[[Material], Material]] = {
 
 
 @dataclass(frozen=True)
-class Poisson(Knob):
+class Poisson:
     """``K/G`` of the relaxed solid; ``resolution`` is that of the finite elements."""
 
     resolution: int | None = None
-    name = "poisson"
-    values = (10.0, 30.0, 100.0, 300.0, 1000.0)
-    observed = ("pull_off_force", "loop_energy", "approach_radius", "approach_force")
+    name: ClassVar = "poisson"
+    values: ClassVar = (10.0, 30.0, 100.0, 300.0, 1000.0)
+    observed: ClassVar = ("pull_off_force", "loop_energy", "approach_radius", "approach_force")
     notes: ClassVar = """\
 full − E*(t): ν(t) by the finite elements against the reference on E*(t), the one modulus the surface feels;
 estimates: what these two say of their own errors. The other columns are what a constant ratio costs, against

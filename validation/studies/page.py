@@ -48,7 +48,6 @@ from validation.studies.prices import (
     cheapest,
     cost,
     growth,
-    growth_in_words,
     in_words,
     left_out,
     measures,
@@ -327,10 +326,6 @@ def _stated_prices(studies: list[Convergence], threads: str) -> list[str]:
         "levels they are interpolated on logarithms, never extrapolated.",
         "By the RMS error of F(t) over the run, relative to the largest force: "
         + " ".join(in_words(studies)),
-        "By the pull-off force: " + " ".join(in_words(studies, "pull_off_force")),
-        "By the loop integral: " + " ".join(in_words(studies, "loop_energy")),
-        "Growth of cost (least squares over the ladder, the error that of F(t), RMS): "
-        + " ".join(growth_in_words(studies)),
     ]
     share, skipped = busy(studies), left_out(studies)
     if share > BUSY:

@@ -126,19 +126,6 @@ def busy(studies: Sequence[Convergence]) -> float:
                default=1.0)  # fmt: skip
 
 
-def growth_in_words(studies: Sequence[Convergence]) -> list[str]:
-    """How processor time grows, one sentence for each scheme."""
-    sentences = []
-    for fitted in (growth(study, PRICED) for study in studies):
-        if fitted.with_resolution is None:
-            sentences.append(f"{fitted.scheme}: fewer than three levels to fit a cost to.")
-            continue
-        line = f"{fitted.scheme}: processor time grows as resolution^{fitted.with_resolution:.2f}"
-        beside = "" if fitted.with_error is None else f" and as (1/error)^{fitted.with_error:.2f}"
-        sentences.append(f"{line}{beside}.")
-    return sentences
-
-
 def left_out(studies: Sequence[Convergence]) -> list[str]:
     """Work that the scene did not need, from the counters of the finest level."""
     sentences = []
