@@ -27,7 +27,7 @@ from benchmarks.random_scenes import FAMILIES, RandomScene, random_scene
 from benchmarks.trace_invariants import broken, energy_gained
 from contact_scene import SceneError, Trace
 from contact_scene.scene import write_scene
-from validation.compare.against_reference import check_case
+from validation.compare.checks import check_case
 from validation.measure.curves import CURVES, distance
 from validation.measure.scaling import scale
 from validation.runs.folder import output_folder

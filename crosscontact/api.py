@@ -15,7 +15,7 @@ from crosscontact.arguments import COUNT, RESOLUTION, case_of, given, times
 from crosscontact.result import Result, html_table
 from validation import cases
 from validation import scenes as builtin_scenes
-from validation.compare.against_reference import check_case
+from validation.compare.checks import check_case
 from validation.drawing import run_figures
 from validation.measure.difference import Check
 from validation.report.tables import of_checks

@@ -196,7 +196,7 @@ def gallery(report: SuiteComparison, judged: Sequence[Finding]) -> dict[str, str
     cases = {name: load(name) for name in names()}
     pages = {name: scene_page(case, compared.get(name), note) for name, case in cases.items()}
     pages["statements"] = statements_page(judged)
-    lines = ["# Verification gallery", "", note, "", overview.lead(report, report.checks).text, ""]
+    lines = ["# Verification gallery", "", note, "", overview.lead(report).text, ""]
     lines += ["What the paper says, with verdicts: [statements](statements.md).", ""]
     lines += ["| scene | title | figure | checks passed |", "|---|---|---|---|"]
     for name, case in cases.items():

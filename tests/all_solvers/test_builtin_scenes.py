@@ -12,8 +12,7 @@ from support.spring_solver import fake
 from contact_scene import Loading, Oscillate, OutcomeKind, Ramp, Sweep
 from validation import solvers
 from validation.cases import Expected, load
-from validation.compare.against_reference import against_reference, check_case
-from validation.compare.checks import check_run
+from validation.compare.checks import against_reference, check_case, check_run
 from validation.compare.suite import all_pairs
 from validation.measure.scaling import unit_sizes
 from validation.measure.windows import cycle_times

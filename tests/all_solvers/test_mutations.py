@@ -26,8 +26,7 @@ from support.faults import altered_answers, altered_scenes, bem, fem, reference,
 from support.faults.injection import Fault, seeded, stale, time_limit
 
 from validation import cases, scenes, solvers
-from validation.compare.against_reference import check_case
-from validation.compare.checks import check_run
+from validation.compare.checks import check_case, check_run
 from validation.measure.curves import distance
 from validation.measure.error_estimate import ENERGIES
 from validation.measure.scaling import column_of, scale

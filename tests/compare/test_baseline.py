@@ -18,7 +18,6 @@ from validation.compare import regression
 from validation.report.document import Figures
 
 NAME = "cycle-v0.1"
-WORD = "beyond tolerance"
 
 
 def report_writer(monkeypatch, tmp_path):
@@ -45,102 +44,6 @@ def reported(monkeypatch, tmp_path):
     return report_writer(monkeypatch, tmp_path)
 
 
-def test_nothing_moves_in_a_repeated_report(reported, capsys):
-    _, first = reported("first")
-    code, second = reported("second", "--baseline", str(first / "report.json"))
-    assert code == 0
-    assert "Nothing moved since" in capsys.readouterr().out
-    assert "Nothing moved since" in (second / "summary.md").read_text()
-    assert "Nothing moved since" in (second / "index.html").read_text()
-    assert json.loads((second / "report.json").read_text())["baseline"]["moves"] == []
-    assert "Since the baseline" not in (first / "index.html").read_text()
-
-
-def test_a_move_beyond_tolerance_is_named_and_exits_1(reported, capsys):
-    _, first = reported("first")
-    old = str(first / "report.json")
-    code, second = reported("second", "--baseline", old, bem=fake(1.02))
-    out, err = capsys.readouterr()
-    assert code == 1
-    assert WORD in out
-    assert f"moved: {NAME}: bem: pull_off_force: " in err
-    for form in ("summary.md", "index.html"):
-        text = (second / form).read_text()
-        assert "Since the baseline" in text
-        assert "BEYOND" in text
-        assert "+2.0e-02" in text
-
-
-def test_other_premises_are_said_first(reported, monkeypatch, capsys):
-    _, first = reported("first")
-    old = json.loads((first / "report.json").read_text())
-    old["program"] = "another"
-    old["environment"]["packages"]["numpy"] = "0.1"
-    old["scenes"][0]["premises"]["input"]["adhesion"] = "another"
-    old["scenes"][0]["premises"]["tolerances"]["bem"]["values"] = 0.25
-    del old["scenes"][0]["premises"]["tolerances"]["fem"]
-    (first / "report.json").write_text(json.dumps(old))
-    capsys.readouterr()
-    code, second = reported("second", "--baseline", str(first / "report.json"))
-    assert code == 0
-    lines = capsys.readouterr().out.splitlines()
-    verdict = next(index for index, line in enumerate(lines) if "moved since" in line)
-    said = lines[verdict - 3 : verdict]
-    assert said[0].startswith("changed: another version of the program or its packages: commit ")
-    assert "numpy 0.1 -> " in said[0]
-    assert said[1] == f"changed: {NAME}: another input: adhesion"
-    now = load(NAME).tolerance("bem", "values")
-    assert said[2] == f"changed: {NAME}: other tolerances of bem: values 0.25 -> {now}"
-    changed = json.loads((second / "report.json").read_text())["baseline"]["changes"]
-    assert [f"changed: {line}" for line in changed] == said
-    for form in ("summary.md", "index.html"):
-        text = (second / form).read_text()
-        assert text.index("another input: adhesion") < text.index("Nothing moved since")
-
-
-def test_an_earlier_report_without_premises_is_said(data):
-    old = copy.deepcopy(data)
-    del old["scenes"][0]["premises"], old["program"], old["environment"]
-    changes = regression.compare("old", old, data, [load(NAME)]).changes
-    assert "commit unknown -> " in changes[0]
-    assert changes[1] == f"{NAME}: input and tolerances: the earlier report does not say"
-
-
-def test_junit_holds_the_verdicts(reported):
-    _, first = reported("first")
-    _, second = reported("second", "--baseline", str(first / "report.json"), bem=fake(1.02))
-    root = tree.parse(second / "junit.xml").getroot()
-    (suite,) = [suite for suite in root.iter("testsuite") if suite.get("name") == "baseline"]
-    cases = {(case.get("classname"), case.get("name").split(" ", 1)[1]): case for case in suite}
-    failed = {name for (_, name), case in cases.items() if case.find("failure") is not None}
-    source = f"(baseline {first / 'report.json'})"
-    assert f"pull_off_force {source}" in failed
-    assert {classname for classname, _ in cases} == {f"{NAME}.{name}" for name in arguments.names()}
-    assert (f"{NAME}.reference", f"all values {source}") in cases
-    assert suite.get("failures") == str(len(failed))
-
-
-def test_a_small_move_is_listed_but_harmless(reported, capsys):
-    _, first = reported("first")
-    old = str(first / "report.json")
-    code, second = reported("second", "--baseline", old, bem=fake(1.0 + 1e-5))
-    assert code == 0
-    assert "0 of them beyond tolerance" in capsys.readouterr().out
-    moves = json.loads((second / "report.json").read_text())["baseline"]["moves"]
-    assert {move["solver"] for move in moves} == {"bem"}
-    found = {move["what"]: move for move in moves}["pull_off_force"]
-    assert found["change"] == pytest.approx(1e-5)
-    assert found["tolerance"] == load(NAME).tolerance("bem", "pull_off_force")
-    assert "| BEYOND |" not in (second / "summary.md").read_text()
-
-
-@pytest.mark.slow
-def test_the_baseline_may_be_the_file_that_is_written(reported):
-    _, folder = reported("same")
-    code, _ = reported("same", "--baseline", str(folder / "report.json"), bem=fake(1.02))
-    assert code == 1
-
-
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
     """The numbers of one report, which no test changes."""
@@ -149,101 +52,123 @@ def data(tmp_path_factory):
     return json.loads((folder / "report.json").read_text())
 
 
+def test_a_repeated_report_has_not_moved_and_says_first_that_its_premises_are_others(reported, capsys):
+    _, first = reported("first")
+    file = first / "report.json"
+    old = json.loads(file.read_text())
+    old["environment"]["packages"]["numpy"] = "0.1"
+    old["scenes"][0]["premises"]["input"]["adhesion"] = "another"
+    old["scenes"][0]["premises"]["tolerances"]["bem"]["values"] = 0.25
+    file.write_text(json.dumps(old))
+    capsys.readouterr()
+    code, second = reported("second", "--baseline", str(file))
+    assert code == 0
+    printed = capsys.readouterr().out
+    for text in (printed, (second / "summary.md").read_text(), (second / "index.html").read_text()):
+        places = [
+            text.index(said) for said in ("another input: adhesion", "bem: values 0.25", "Nothing moved")
+        ]
+        assert places == sorted(places)
+    baseline = json.loads((second / "report.json").read_text())["baseline"]
+    assert (baseline["moves"], len(baseline["changes"])) == ([], 2 + ("numpy" in baseline["changes"][0]))
+    assert "Since the baseline" not in (first / "index.html").read_text()
+
+
+@pytest.mark.parametrize(("stiffness", "beyond"), [(1.02, True), (1.0 + 1e-5, False)])
+def test_what_moved_is_named_in_every_form_and_counts_beyond_its_tolerance(
+    reported, capsys, stiffness, beyond
+):
+    old = str(reported("first")[1] / "report.json")
+    code, second = reported("second", "--baseline", old, bem=fake(stiffness))
+    assert code == int(beyond)
+    assert (f"moved: {NAME}: bem: pull_off_force: " in capsys.readouterr().err) is beyond
+    for form in ("summary.md", "index.html"):
+        assert ("BEYOND" in (second / form).read_text()) is beyond
+    moves = json.loads((second / "report.json").read_text())["baseline"]["moves"]
+    assert {move["solver"] for move in moves} == {"bem"}
+    found = {move["what"]: move for move in moves}["pull_off_force"]
+    assert found["change"] == pytest.approx(stiffness - 1.0)
+    assert found["tolerance"] == load(NAME).tolerance("bem", "pull_off_force")
+    root = tree.parse(second / "junit.xml").getroot()
+    (suite,) = [suite for suite in root.iter("testsuite") if suite.get("name") == "baseline"]
+    failed = {case.get("classname") for case in suite if case.find("failure") is not None}
+    assert failed == ({f"{NAME}.bem"} if beyond else set())
+    assert {case.get("classname") for case in suite} == {f"{NAME}.{name}" for name in arguments.names()}
+
+
+def test_the_baseline_may_be_the_file_that_is_written_and_may_not_state_its_premises(data, reported):
+    _, folder = reported("same")
+    assert reported("same", "--baseline", str(folder / "report.json"), bem=fake(1.02))[0] == 1
+    old = copy.deepcopy(data)
+    del old["scenes"][0]["premises"], old["program"], old["environment"]
+    assert any("does not say" in line for line in regression.compare("old", old, data, [load(NAME)]).changes)
+
+
 def moved(old, new):
-    return {(m.solver, m.what): m for m in regression.compare("old", old, new, [load(NAME)]).moves}
+    return {(m.solver, m.what): m.beyond for m in regression.compare("old", old, new, [load(NAME)]).moves}
 
 
-def run_of(data, solver="bem"):
-    return data["scenes"][0]["runs"][solver]
-
-
-@pytest.mark.parametrize(("factor", "beyond"), [(1.05, False), (1.2, True), (0.5, False)])
-def test_more_work_counts_less_does_not(data, factor, beyond):
+def changed(data, solver="bem", **values):
+    """The report with other values of a run; a callable takes the value that stands there."""
     new = copy.deepcopy(data)
-    run_of(new)["counters"]["steps"] = round(factor * run_of(data)["counters"]["steps"])
-    assert moved(data, new)["bem", "counters.steps"].beyond is beyond
+    run = new["scenes"][0]["runs"][solver]
+    for name, value in values.items():
+        run[name] = value(run[name]) if callable(value) else value
+    return new
 
 
-def test_run_time_is_no_move(data):
-    new = copy.deepcopy(data)
-    run_of(new)["wall_seconds"] = 1e3
-    assert moved(data, new) == {}
-
-
-def test_a_lost_value_counts_a_new_one_does_not(data):
-    new = copy.deepcopy(data)
-    run_of(new)["pull_off_force"] = None
-    assert moved(data, new)["bem", "pull_off_force"].beyond
-    assert not moved(new, data)["bem", "pull_off_force"].beyond
-
-
-@pytest.mark.parametrize("solver", ["bem", "reference"])
-@pytest.mark.parametrize(("share", "beyond"), [(-2.0, True), (-0.5, False), (0.5, False), (2.0, True)])
-def test_a_value_that_falls_counts_like_one_that_rises(data, solver, share, beyond):
-    new = copy.deepcopy(data)
-    move = share * load(NAME).tolerance(solver, "pull_off_force")
-    run_of(new, solver)["pull_off_force"] *= 1.0 + move
-    found = moved(data, new)[solver, "pull_off_force"]
-    assert found.change == pytest.approx(move)
-    assert found.beyond is beyond
-
-
-def test_another_ending_counts(data):
-    new = copy.deepcopy(data)
-    run_of(new)["outcome"] = "step budget exhausted"
-    assert moved(data, new)["bem", "outcome"].beyond
-
-
-def test_verdicts_lost_and_mended(data):
-    new = copy.deepcopy(data)
-    good = next(check for check in new["scenes"][0]["checks"] if check["passed"])
-    good["passed"] = False
-    what = f"check of {good['quantity']} ({good['source']})"
-    assert moved(data, new)[good["solver"], what].beyond
-    assert not moved(new, data)[good["solver"], what].beyond
-
-
-def test_missing_scenes_and_solvers_count_in_the_same_suite_only(data):
-    new = copy.deepcopy(data)
-    del new["scenes"][0]["runs"]["fem"]
-    assert moved(data, new)["fem", "run"].beyond
-    assert not moved(new, data)["fem", "run"].beyond
-    new["scenes"] = []
-    assert moved(data, new)["", "scene"].beyond
-    assert not moved(new, data)["", "scene"].beyond
-    new["suite"] = "full"
-    assert moved(data, new) == {}
+def within(share, solver="bem"):
+    tolerance = load(NAME).tolerance(solver, "pull_off_force")
+    return lambda value: value * (1.0 + share * tolerance)
 
 
 @pytest.mark.parametrize(
-    "content", ["", "[]", "{}", '{"scenes": [1]}', '{"scenes": [{"name": "x"}]}', "\xff"]
+    ("values", "what", "beyond", "back"),
+    [
+        ({"pull_off_force": within(-2.0)}, "pull_off_force", True, True),
+        ({"pull_off_force": within(2.0)}, "pull_off_force", True, True),
+        ({"pull_off_force": within(-0.5)}, "pull_off_force", False, False),
+        ({"pull_off_force": within(0.5)}, "pull_off_force", False, False),
+        ({"pull_off_force": None}, "pull_off_force", True, False),
+        ({"counters": lambda c: c | {"steps": round(1.05 * c["steps"])}}, "counters.steps", False, False),
+        ({"counters": lambda c: c | {"steps": round(1.2 * c["steps"])}}, "counters.steps", True, False),
+        ({"outcome": "step budget exhausted"}, "outcome", True, True),
+        ({"wall_seconds": 1e3}, None, None, None),
+    ],
 )
-def test_a_file_that_is_no_report_is_bad_input(tmp_path, capsys, content):
-    file = tmp_path / "old.json"
-    file.write_bytes(content.encode("latin-1"))
-    assert main(["report", "--baseline", str(file), "--out", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert "--baseline" in said
-    assert not (tmp_path / "out").exists()
+def test_each_kind_of_move(data, values, what, beyond, back):
+    new = changed(data, **values)
+    assert moved(data, new) == ({} if what is None else {("bem", what): beyond})
+    assert moved(new, data) == ({} if what is None else {("bem", what): back})
 
 
-def test_a_missing_baseline_is_bad_input(tmp_path, capsys):
-    assert main(["report", "--baseline", str(tmp_path / "none.json"), "--out", str(tmp_path / "out")]) == 2
-    assert "--baseline" in capsys.readouterr().err
+def test_verdicts_scenes_and_solvers_lost_count_and_new_ones_do_not(data):
+    new = copy.deepcopy(data)
+    good = next(check for check in new["scenes"][0]["checks"] if check["passed"])
+    good["passed"] = False
+    check = good["solver"], f"check of {good['quantity']} ({good['source']})"
+    del new["scenes"][0]["runs"]["fem"]
+    lost, found = moved(data, new), moved(new, data)
+    assert lost[check]
+    assert lost["fem", "run"]
+    assert not found[check]
+    assert not found["fem", "run"]
+    new["scenes"] = []
+    assert (moved(data, new), moved(new, data)) == ({("", "scene"): True}, {("", "scene"): False})
+    assert moved(data, new | {"suite": "full"}) == {}
 
 
-def test_what_cannot_be_read_to_its_end_is_no_baseline(tmp_path, capsys, monkeypatch):
-    fifo, large = tmp_path / "fifo", tmp_path / "large.json"
+def test_a_file_that_is_no_report_is_bad_input(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(regression, "LARGEST_REPORT", 200)
+    fifo, file = tmp_path / "fifo", tmp_path / "old.json"
     os.mkfifo(fifo)
-    large.write_text("[1, 2, 3]")
-    monkeypatch.setattr(regression, "LARGEST_REPORT", 5)
-    for file, reason in (
-        (fifo, "not a regular file"),
-        ("/dev/zero", "not a regular file"),
-        (large, "larger"),
-    ):
-        assert main(["report", "--baseline", str(file), "--out", str(tmp_path / "out")]) == 2
+    contents = [b"", b"[]", b"{}", b'{"scenes": [1]}', b'{"scenes": [{"name": "x"}]}', b"\xff", b" " * 201]
+    for content in (*contents, fifo, tmp_path / "none.json"):
+        given = content
+        if isinstance(content, bytes):
+            file.write_bytes(content)
+            given = file
+        assert main(["report", "--baseline", str(given), "--out", str(tmp_path / "out")]) == 2
         (said,) = capsys.readouterr().err.splitlines()
         assert "--baseline" in said
-        assert reason in said
+        assert not (tmp_path / "out").exists()

@@ -9,7 +9,7 @@ import crosscontact as cc
 from contact_scene import Counters
 from crosscontact.cli import main
 from validation.cases import Case
-from validation.compare.against_reference import against_reference
+from validation.compare.checks import against_reference
 from validation.measure.observables import measure
 from validation.runs.run import Run
 

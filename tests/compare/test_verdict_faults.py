@@ -12,8 +12,7 @@ from support.faults.verdicts import FAULTS
 from contact_scene import Counters, Loading, Material, Outcome, OutcomeKind, Ramp, Scene, Sphere, Trace
 from meshes import EdgeMeshes, surface
 from validation.cases import Case, Expected
-from validation.compare.against_reference import against_reference
-from validation.compare.checks import check_run
+from validation.compare.checks import against_reference, check_run
 from validation.measure import curves, difference
 from validation.runs.run import Run
 

@@ -24,8 +24,7 @@ from contact_scene import (
     Trace,
 )
 from validation.cases import Case, Expected
-from validation.compare.against_reference import SCALARS, against_reference, check_case
-from validation.compare.checks import check_run
+from validation.compare.checks import SCALARS, against_reference, check_case, check_run
 from validation.measure.difference import agreement_limit, disagreement
 from validation.measure.error_estimate import from_two_runs
 from validation.measure.observables import Observables

@@ -13,7 +13,7 @@ from contact_scene import Counters, Event, Force, ForceRamp, Hold, Loading, Outc
 from crosscontact import arguments
 from validation import solvers
 from validation.cases import load
-from validation.compare.against_reference import against_reference, check_case
+from validation.compare.checks import against_reference, check_case
 from validation.measure.curves import distance, interpolation_error
 from validation.measure.error_estimate import SAFETY, from_own, from_two_runs
 from validation.measure.observables import measure

@@ -8,7 +8,7 @@ from support.synthetic_traces import trace
 
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
 from validation.cases import Case, load
-from validation.compare.against_reference import check_case
+from validation.compare.checks import check_case
 from validation.measure.observables import largest_fall, measure
 from validation.measure.warnings import fall_warnings
 from validation.reference.starting_edge import closing

@@ -75,11 +75,6 @@ def test_terminal_aligns_columns():
     assert lines[-3:] == ["More", "- one", "- two"]
 
 
-def test_figures_are_found_at_any_depth():
-    nested = (Section("a", (Fold("b", (Figures((IMAGE,)),)),)),)
-    assert list(figures_of(nested)) == [IMAGE]
-
-
 def test_contents_lead_to_every_section_and_fold():
     parts = (
         Section(
@@ -119,16 +114,11 @@ def test_folded_sections_of_a_large_document_have_pages_of_their_own(monkeypatch
     assert html.ON_PAGES in first
 
 
-def test_rules_of_pictures_are_stated_once():
+def test_pictures_are_found_at_any_depth_and_their_rules_stated_once():
+    nested = (Section("a", (Fold("b", (Figures((IMAGE,)),)),)),)
+    assert list(figures_of(nested)) == [IMAGE]
     picture = '<svg><defs><style type="text/css">.a{fill: none}.b{fill: red}</style></defs></svg>'
     other = '<svg><defs><style type="text/css">.a{fill: none}</style></defs></svg>'
     page = html.text(Document("T", (), (Figures((Figure("f", "", picture), Figure("g", "", other))),)))
     assert page.count(".a{fill: none}") == page.count(".b{fill: red}") == 1
     assert page.count('<style type="text/css">') == 1
-
-
-def test_fragment_has_the_parts_and_no_page():
-    piece = html.fragment(PARTS, 3)
-    assert "<h3>Runs" in piece
-    assert "<h4>" in piece
-    assert "<html" not in piece

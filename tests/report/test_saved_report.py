@@ -9,13 +9,11 @@ from dataclasses import asdict
 from pathlib import Path
 
 import pytest
-from support.unlaid_figures import without_layout
 
 from benchmarks import saved_report as saved
 from contact_scene import SceneError
 from validation.claims import page as claims_page
 from validation.claims.claim import Finding, Part, Verdict
-from validation.compare import scene_page as scene_section
 from validation.stability import page as stability_page
 from validation.stability.runner import StabilityMatrix
 from validation.stability.verdict import Cell, CellVerdict
@@ -56,13 +54,6 @@ def test_a_packed_report_is_the_same_report(report, tmp_path):
         assert "report.json" in names
         assert few.namelist() == names
         assert [few.read(name) for name in names] == [whole.read(name) for name in names]
-
-
-def test_figures_are_drawn_from_the_saved_rows(report):
-    scene = next(one for one in report.scenes if one.case.name == "relaxed-equilibrium")
-    with without_layout():
-        figures = scene_section.figures(scene).figures
-    assert [figure.picture.startswith("<svg") for figure in figures] == [True] * 5
 
 
 def test_findings_and_cells_survive():

@@ -5,16 +5,18 @@ The keys of ``report.json`` are a fixed contract with whoever reads it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from validation.compare import overview_figures, scene_page
-from validation.compare.regression import Move, ReportComparison
+from validation.compare import scene_page
+from validation.compare.regression import ReportComparison
 from validation.compare.scene_page import anchor, skipped_work
 from validation.compare.suite import SceneComparison, SuiteComparison
+from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.styles import INK, curve_style
 from validation.measure.difference import Check
 from validation.report import html, junit, markdown
 from validation.report import report as folders
@@ -31,12 +33,11 @@ from validation.report.document import (
     Part,
     Record,
     Section,
-    VerdictCell,
     counted,
-    formatted,
     number,
     passed_or_not,
     plain,
+    with_drawing,
 )
 from validation.report.report import Chapter
 from validation.report.tables import costs, environment, of_checks, spent
@@ -44,20 +45,20 @@ from validation.runs.folder import to_json
 from validation.runs.provenance import of_case, version
 from validation.runs.run import summary as summary_of_run
 from validation.runs.run import write_run
-from validation.solvers import SOLVERS
+from validation.solvers import REFERENCE, SOLVERS
 from validation.solvers.base import QUICK_DIVISIONS
 
 FORMAT = 1
-MOST = 20
-"""Moves since an earlier report that a summary lists, unless more are beyond tolerance."""
+LEAST = 1e-9
+"""Error at which smaller ones, those of rounding, are drawn."""
+CURVE_ERROR = "F(t), RMS"
+"""The check whose difference stands for the error of a run in the chart."""
 EXPLAINED = (
     "Differences are relative; each stands beside the error estimates of solver and reference and beside the "
     "scene's tolerance. Two runs agree where they differ by no more than both estimates together, at most by "
     "the tolerance; where an estimate is missing, by the tolerance. A coarse or failed run stays in the "
     "tables and figures."
 )
-
-
 PICTURES = (
     "Force against penetration of each scene, all solvers laid over each other, in the colours of the chart "
     "below; a click leads to the scene."
@@ -129,51 +130,36 @@ def write(
     for one in compared.scenes:  # while the others draw
         for solver, run in one.runs.items():
             write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
-    drawn: list[tuple[Section, Figure]] = []
-    for pair in drawing:
-        drawn.append(pair)
+    scenes, pictures = [], []
+    for one, (section, picture) in zip(compared.scenes, drawing, strict=True):
+        seconds = {name: run.wall_seconds for name, run in one.runs.items()}
+        scenes.append(Chapter(one.case.name, one.checks, (section,), seconds=seconds))
+        pictures.append(picture)
         if progress is not None:
-            progress(len(drawn) / len(compared.scenes))
-    scenes = [
-        Chapter(
-            one.case.name,
-            one.checks,
-            (section,),
-            seconds={name: run.wall_seconds for name, run in one.runs.items()},
-        )
-        for one, (section, _) in zip(compared.scenes, drawn, strict=True)
-    ]
-    judged = checks(compared, others)
-    failures = [check for check in judged if not check.passed]
-    earlier = [] if moved is None else [since(moved)]
-    beside = [*earlier, *others]
-    title = f"crosscontact report, suite {compared.suite}"
-    opening = (lead(compared, judged),)
+            progress(len(scenes) / len(compared.scenes))
+    failures = [check for check in checks(compared, others) if not check.passed]
+    beside = [*([] if moved is None else [moved.chapter()]), *others]
+    title, opening = f"crosscontact report, suite {compared.suite}", (lead(compared, others),)
     parts = (
-        overview(compared, failures, [small for _, small in drawn]),
+        overview(compared, failures, pictures),
         *(section for chapter in (*beside, *scenes) for section in chapter.sections),
         costs(list(compared.runs.values())),
         environment(compared.environment, compared.wall_seconds),
     )
     short = (*summary(compared, failures), *(part for chapter in beside for part in chapter.summary))
-    whole = data(compared, others)
-    for chapter in earlier:
-        whole |= chapter.data
-    folders.write(
-        folder,
-        Document(title, opening, parts),
-        {
-            "report.json": to_json(whole),
-            "junit.xml": junit.text(
-                f"crosscontact {compared.suite}", [*scenes, *beside], compared.wall_seconds
-            ),
-            "summary.md": markdown.text(Document(title, opening, short)),
-        },
-    )
+    whole = data(compared, others) | dict(beside[0].data if moved is not None else {})
+    cases = junit.text(f"crosscontact {compared.suite}", [*scenes, *beside], compared.wall_seconds)
+    files = {
+        "report.json": to_json(whole),
+        "junit.xml": cases,
+        "summary.md": markdown.text(Document(title, opening, short)),
+    }
+    folders.write(folder, Document(title, opening, parts), files)
 
 
-def lead(compared: SuiteComparison, judged: Sequence[Check]) -> Paragraph:
+def lead(compared: SuiteComparison, others: Sequence[Chapter] = ()) -> Paragraph:
     """How many checks, and how many not passed."""
+    judged = checks(compared, others)
     failed = sum(not check.passed for check in judged)
     verdict = f"{failed} not passed" if failed else "all passed"
     return Paragraph(
@@ -194,61 +180,38 @@ def overview(compared: SuiteComparison, failures: Sequence[Check], small: Sequen
         }
         for scene in compared.scenes
     )
-    resolution = (Paragraph(QUICK),) if compared.suite == "quick" else ()
-    pictures: tuple[Part, ...] = (Paragraph(PICTURES), Figures(tuple(small), small=True))
-    pictures = (*pictures, Figures((overview_figures.cost(compared.scenes),))) if small else ()
-    lines = Section("Scene by scene", (DataTable.of(rows), Paragraph(EXPLAINED), *resolution))
-    parts: tuple[Part, ...] = (*pictures, lines, *solvers(compared))
+    parts: list[Part] = []
     if failures:
-        parts = (Section("Not passed", (_failures(compared, failures),), "not-passed"), *parts)
-    return Section("Overview", parts, "overview")
-
-
-def solvers(compared: SuiteComparison) -> tuple[Part, ...]:
-    """The solvers of the runs, with their methods in words; nothing without a run."""
+        anchors = {scene.case.name: anchor(scene) for scene in compared.scenes}
+        parts.append(Section("Not passed", (of_checks(failures, anchors),), "not-passed"))
+    if small:
+        parts += [Paragraph(PICTURES), Figures(tuple(small), small=True), Figures((_cost(compared.scenes),))]
+    resolution = (Paragraph(QUICK),) if compared.suite == "quick" else ()
+    parts.append(Section("Scene by scene", (DataTable.of(rows), Paragraph(EXPLAINED), *resolution)))
     names = dict.fromkeys(name for scene in compared.scenes for name in scene.runs)
-    known = [SOLVERS[name] for name in names if name in SOLVERS]
-    rows: Iterator[Record] = (
-        {"solver": one.name, "method": one.title, "how it works": one.description} for one in known
+    solvers = DataTable.of(
+        {"solver": name, "method": SOLVERS[name].title, "how it works": SOLVERS[name].description}
+        for name in names
+        if name in SOLVERS
     )
-    return (Section("The solvers", (DataTable.of(rows),)),) if known else ()
-
-
-def _failures(compared: SuiteComparison, failures: Sequence[Check]) -> DataTable:
-    """Every check that did not pass, in the order of the scenes; details are in their sections."""
-    anchors = {scene.case.name: anchor(scene) for scene in compared.scenes}
-    rows: Iterator[Record] = (
-        {
-            "scene": LinkCell(one.scene, anchors[one.scene]) if one.scene in anchors else one.scene,
-            "solver": one.solver,
-            "quantity": plain(one.quantity),
-            "found": number(one.found),
-            "expected": number(one.expected),
-            "difference": formatted(one.difference, "+.1e"),
-            "allowed": formatted(one.limit, ".1e"),
-            "why": one.note or one.source,
-        }
-        for one in failures
-    )
-    return DataTable.of(rows)
+    if solvers.rows:
+        parts.append(Section("The solvers", (solvers,)))
+    return Section("Overview", tuple(parts), "overview")
 
 
 def summary(compared: SuiteComparison, failures: Sequence[Check]) -> tuple[Part, ...]:
     """The same for a summary: pull-off forces and outcomes, work left out, and what did not pass."""
     solvers = tuple(dict.fromkeys(name for scene in compared.scenes for name in scene.runs))
-    left_out = tuple(f"{scene.case.name}: {skipped_work(scene)}" for scene in compared.scenes)
     parts: tuple[Part, ...] = (
         Paragraph(f"{compared.wall_seconds:.0f} s on {compared.environment['processor']}."),
         DataTable.of(_line(scene, solvers) for scene in compared.scenes),
         Paragraph("Left out, by the counters of work:"),
-        Bullets(left_out),
+        Bullets(tuple(f"{scene.case.name}: {skipped_work(scene)}" for scene in compared.scenes)),
     )
-    if failures:
-        parts += (Section("Not passed", (of_checks(failures, with_scene=True),)),)
-    return parts
+    return (*parts, Section("Not passed", (of_checks(failures, {}),))) if failures else parts
 
 
-def _line(scene: SceneComparison, solvers: Iterable[str]) -> Record:
+def _line(scene: SceneComparison, solvers: Sequence[str]) -> Record:
     """What the solvers have to say of a scene; some of them may not have been asked."""
     forces = (run.measures.get("pull_off_force") for run in scene.runs.values())
     cells: dict[str, Cell] = {
@@ -272,46 +235,44 @@ def _counted(scene: SceneComparison) -> str:
 
 def _closest(scene: SceneComparison) -> str:
     """The check that uses the largest share of its limit."""
-    shares = [
-        (abs(check.difference) / check.limit, check)
+    shares = {
+        f"{plain(check.quantity)}, {check.solver}": abs(check.difference) / check.limit
         for check in scene.checks
         if check.difference is not None and check.limit
-    ]
+    }
     if not shares:
         return ABSENT
-    share, check = max(shares, key=lambda pair: pair[0])
-    return f"{100 * share:.0f} %: {plain(check.quantity)}, {check.solver}"
+    closest = max(shares, key=lambda name: shares[name])
+    return f"{100 * shares[closest]:.0f} %: {closest}"
 
 
-def since(moved: ReportComparison) -> Chapter:
-    """All moves since an earlier report; in short all that count and the largest of the rest."""
-    changes = (Bullets(moved.changes),) if moved.changes else ()
-    heading: tuple[Part, ...] = (*changes, Paragraph(moved.verdict))
-    shown = moved.moves[: max(len(moved.beyond), MOST)]
-    more = len(moved.moves) - len(shown)
-    rest = (Paragraph(f"{more} smaller moves are in report.json."),) if more else ()
-    title, moves = "Since the baseline", [asdict(move) for move in moved.moves]
-    return Chapter(
-        "baseline",
-        moved.checks,
-        (Section(title, (*heading, *_listed(moved.moves))),),
-        (Section(title, (*heading, *_listed(shown), *rest)),),
-        {"baseline": {"path": moved.path, "changes": list(moved.changes), "moves": moves}},
+def _cost(scenes: Sequence[SceneComparison]) -> Figure:
+    """Error of the force over the run against processor time, a mark for each run of each solver."""
+    from matplotlib.figure import Figure as Drawing
+
+    points: dict[str, list[tuple[float, float]]] = {}
+    for scene in scenes:
+        found = {check.solver: check.difference for check in scene.checks if check.quantity == CURVE_ERROR}
+        for solver, run in scene.runs.items():
+            error = run.errors.get("force") if solver == REFERENCE else found.get(solver)
+            if error and run.cpu_seconds > 0.0:
+                points.setdefault(solver, []).append((run.cpu_seconds, max(abs(error), LEAST)))
+    figure = Figure(
+        "error-over-time",
+        "Error of the force over the whole run, relative to its largest, against processor time: all scenes. "
+        f"Difference from the reference; of the reference, its own error estimate; {LEAST:g} at least.",
+        missing="No figure: no run has an error.",
     )
-
-
-def _listed(moves: tuple[Move, ...]) -> tuple[DataTable, ...]:
-    return (DataTable.of(map(_move, moves)),) if moves else ()
-
-
-def _move(move: Move) -> Record:
-    return {
-        "scene": move.scene,
-        "solver": move.solver or ABSENT,
-        "what": plain(move.what),
-        "before": number(move.before, 8),
-        "after": number(move.after, 8),
-        "change": formatted(move.change, "+.1e"),
-        "tolerance": formatted(move.tolerance, ".0e"),
-        "beyond": VerdictCell("BEYOND" if move.beyond else "no", not move.beyond),
-    }
+    if not points:
+        return with_drawing(figure, None)
+    drawing = Drawing(figsize=(1.6 * SIZE[0], SIZE[1]), layout="constrained")
+    axes = drawing.add_subplot()
+    axes.set(xscale="log", yscale="log", xlabel="processor time (s)", ylabel="error of F(t), RMS")
+    for solver, found_points in points.items():
+        style = curve_style(solver)
+        seconds, errors = zip(*found_points, strict=True)
+        marker = {"marker": style["marker"] or "D", "color": style["color"], "fillstyle": "none"}
+        axes.plot(seconds, errors, linestyle="none", markersize=5, label=solver, **marker)
+    format_axes(axes)
+    axes.legend(frameon=False, labelcolor=INK, fontsize="small")
+    return with_drawing(figure, drawing)

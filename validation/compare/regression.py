@@ -9,26 +9,38 @@ than round-off, and it moved *beyond tolerance* if
 - a run ends in another way, a check that passed no longer does or is missing;
 - a scene or a solver is missing from a report of the same suite.
 
-Changes of input, tolerances or version are said first (see
-:mod:`validation.runs.provenance`); by themselves they move nothing.
-
-Exit code rule of ``crosscontact report --baseline``: 1 if anything moved beyond tolerance or a check fails.
-Run times are not compared: they belong to the machine.
+Changes of input, tolerances or version are said first (:mod:`validation.runs.provenance`); by themselves they
+move nothing. Run times are not compared: they belong to the machine. Exit code rule of ``crosscontact report
+--baseline``: 1 if anything moved beyond tolerance or a check fails.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any
 
 from contact_scene.errors import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
-from validation.measure.difference import Check, relative
-from validation.measure.scaling import Magnitudes
+from validation.measure.difference import Check, of_numbers, relative
+from validation.report.document import (
+    ABSENT,
+    Bullets,
+    DataTable,
+    Paragraph,
+    Part,
+    Record,
+    Section,
+    VerdictCell,
+    counted,
+    formatted,
+    number,
+    plain,
+)
+from validation.report.report import Chapter
 from validation.runs.folder import from_json
 from validation.runs.provenance import changes
 
@@ -38,27 +50,17 @@ MORE_WORK = 0.1
 """Relative growth of a work counter beyond which it counts as moved beyond tolerance."""
 LARGEST_REPORT = 100_000_000
 """Bytes of a file that may be an earlier report; the full suite writes a few million."""
+MOST = 20
+"""Moves that a summary lists, unless more are beyond tolerance."""
 _NOT_COMPARED = ("wall_seconds", "cpu_seconds", "estimate_seconds")
-"""Run times, which belong to the machine."""
+_NAMED_BY = ("solver", "quantity", "source")
 _ALLOWED = "a report.json written by `crosscontact report`"
-Run = Mapping[str, Any]
+Data = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Move:
-    """One difference between two reports.
-
-    Parameters
-    ----------
-    scene, solver, what : str
-        Where, and which number, ending or check.
-    before, after : float or str or None
-    change : float or None
-        Relative, where both are numbers.
-    tolerance : float or None
-    beyond : bool
-        Whether it counts.
-    """
+    """One difference between two reports: where, which number, ending or check, and whether it counts."""
 
     scene: str
     solver: str
@@ -72,18 +74,9 @@ class Move:
 
 @dataclass(frozen=True)
 class ReportComparison:
-    """All differences from an earlier report.
+    """All differences from the earlier report at a ``path``, those that count first.
 
-    Parameters
-    ----------
-    path : str
-        Of the earlier report.
-    moves : tuple of Move
-        Those that count first.
-    compared : tuple of (str, str)
-        Scenes and solvers that both reports hold.
-    changes : tuple of str
-        Other input, tolerances or version, one line each.
+    ``compared`` are scenes and solvers that both reports hold; ``changes`` other premises, one line each.
     """
 
     path: str
@@ -99,156 +92,162 @@ class ReportComparison:
     @property
     def checks(self) -> list[Check]:
         """A failed check for each difference that counts; a passed one for each run without."""
-        source = f"baseline {self.path}"
-        failed = [
+        source, within = f"baseline {self.path}", "within tolerance"
+        moved = {(move.scene, move.solver) for move in self.beyond}
+        return [
             Check(move.scene, move.solver, move.what, source, move.before, move.after, False)
             for move in self.beyond
+        ] + [
+            Check(*run, "all values", source, within, within, True)
+            for run in self.compared
+            if run not in moved
         ]
-        moved = {(move.scene, move.solver) for move in self.beyond}
-        passed = [
-            Check(scene, solver, "all values", source, "within tolerance", "within tolerance", True)
-            for scene, solver in self.compared
-            if (scene, solver) not in moved
-        ]
-        return failed + passed
 
     @property
     def verdict(self) -> str:
         """In one sentence."""
         if not self.moves:
             return f"Nothing moved since {self.path}."
-        return (
-            f"{len(self.moves)} value{'' if len(self.moves) == 1 else 's'} moved since {self.path}, "
-            f"{len(self.beyond)} of them beyond tolerance."
+        moved = counted(len(self.moves), "value")
+        return f"{moved} moved since {self.path}, {len(self.beyond)} of them beyond tolerance."
+
+    def chapter(self) -> Chapter:
+        """All moves for a report; in short all that count and the largest of the rest."""
+        heading: tuple[Part, ...] = (
+            *((Bullets(self.changes),) if self.changes else ()),
+            Paragraph(self.verdict),
+        )
+        shown = self.moves[: max(len(self.beyond), MOST)]
+        more = len(self.moves) - len(shown)
+        rest = (Paragraph(f"{more} smaller moves are in report.json."),) if more else ()
+        title, moves = "Since the baseline", [asdict(move) for move in self.moves]
+        return Chapter(
+            "baseline",
+            self.checks,
+            (Section(title, (*heading, *_listed(self.moves))),),
+            (Section(title, (*heading, *_listed(shown), *rest)),),
+            {"baseline": {"path": self.path, "changes": list(self.changes), "moves": moves}},
         )
 
 
-def read(path: str) -> dict[str, Any]:
-    """An earlier ``report.json``.
+@dataclass(frozen=True)
+class _ReportedRun:
+    """The numbers of a run in a report, as far as it is compared."""
 
-    Raises
-    ------
-    SceneError
-        If it is none.
-    """
+    measures: Mapping[str, float | None]
+    errors: Mapping[str, float] = field(default_factory=dict)
+    curves: None = None
+
+
+def read(path: str) -> dict[str, Any]:
+    """An earlier ``report.json``; a SceneError if it is none."""
     try:
         data = from_json(read_text(Path(path), LARGEST_REPORT))
     except SceneError as error:
         raise SceneError("--baseline", f"{path} {error.problem}", _ALLOWED) from None
     except ValueError as error:
         raise SceneError("--baseline", f"{path} cannot be read: {error}", _ALLOWED) from None
-    scenes = data.get("scenes") if isinstance(data, dict) else None
-    whole = isinstance(scenes, list) and all(
-        isinstance(scene, dict)
-        and isinstance(scene.get("name"), str)
-        and isinstance(scene.get("runs"), dict)
-        and all(isinstance(run, dict) for run in scene["runs"].values())
-        and isinstance(scene.get("checks"), list)
-        and all(isinstance(check, dict) and "passed" in check for check in scene["checks"])
-        for scene in scenes
-    )
+    try:
+        whole = all(
+            isinstance(scene["name"], str)
+            and all(isinstance(run, dict) for run in scene["runs"].values())
+            and all(isinstance(check["passed"], bool) for check in scene["checks"])
+            for scene in data["scenes"]
+        )
+    except (TypeError, KeyError, AttributeError):
+        whole = False
     if not whole:
         raise SceneError("--baseline", f"{path} is no report", _ALLOWED)
     return data
 
 
-def compare(path: str, old: Mapping[str, Any], new: Mapping[str, Any], cases: list[Case]) -> ReportComparison:
-    """Differences of one report from an earlier one.
+def compare(path: str, old: Data, new: Data, cases: list[Case]) -> ReportComparison:
+    """Differences of a report from an earlier one at a path, both as in ``report.json``.
 
-    Parameters
-    ----------
-    path : str
-        Of the earlier report, for its name.
-    old, new : mapping
-        Earlier and present report, both as in ``report.json``.
-    cases : list of Case
-        All scenes of ``new``.
-
-    Returns
-    -------
-    ReportComparison
+    ``cases`` are all scenes of the new one.
     """
     by_name = {case.name: case for case in cases}
     before = {scene["name"]: scene for scene in old["scenes"]}
     after = {scene["name"]: scene for scene in new["scenes"]}
-    moves: list[Move] = []
+    same_suite = old.get("suite") == new.get("suite")
+    moves = [Move(name, "", "scene", "there", None) for name in before if same_suite and name not in after]
+    compared = []
     for name, scene in after.items():
         if name not in before:
             moves.append(Move(name, "", "scene", None, "new", beyond=False))
             continue
-        moves += _runs(by_name[name], before[name]["runs"], scene["runs"])
+        runs, earlier = scene["runs"], before[name]["runs"]
+        for solver in {**earlier, **runs}:
+            if solver in runs and solver in earlier:
+                compared.append((name, solver))
+                moves += _run(by_name[name], solver, earlier[solver], runs[solver])
+            else:
+                gone = solver in earlier
+                words = ("there", None) if gone else (None, "new")
+                moves.append(Move(name, solver, "run", words[0], words[1], beyond=gone))
         moves += _verdicts(name, before[name]["checks"], scene["checks"])
-    if old.get("suite") == new.get("suite"):
-        moves += [Move(name, "", "scene", "there", None) for name in before if name not in after]
-    compared = [
-        (name, solver)
-        for name, scene in after.items()
-        if name in before
-        for solver in scene["runs"]
-        if solver in before[name]["runs"]
-    ]
-    size = {id(move): abs(move.change) if move.change is not None else math.inf for move in moves}
-    ordered = sorted(moves, key=lambda move: (not move.beyond, -size[id(move)]))
+    ordered = sorted(moves, key=lambda m: (not m.beyond, -math.inf if m.change is None else -abs(m.change)))
     return ReportComparison(path, tuple(ordered), tuple(compared), changes(old, new))
 
 
-def _runs(case: Case, before: Mapping[str, Run], after: Mapping[str, Run]) -> Iterator[Move]:
-    for solver in {**before, **after}:
-        if solver not in after:
-            yield Move(case.name, solver, "run", "there", None)
-        elif solver not in before:
-            yield Move(case.name, solver, "run", None, "new", beyond=False)
-        else:
-            old, new = before[solver], after[solver]
-            if old.get("outcome") != new.get("outcome"):
-                yield Move(case.name, solver, "outcome", old.get("outcome"), new.get("outcome"))
-            yield from _observables(case, solver, old, new)
-            yield from _counters(case.name, solver, old, new)
-
-
-def _observables(case: Case, solver: str, old: Run, new: Run) -> Iterator[Move]:
-    largest = Magnitudes.of_measures(old)
-    for name in {**old, **new}:
-        first, second = old.get(name), new.get(name)
-        if name in _NOT_COMPARED or not (_is_number(first) or _is_number(second)):
-            continue
-        tolerance = case.tolerance(solver, name)
-        if not (_is_number(first) and _is_number(second)):
+def _run(case: Case, solver: str, old: Data, new: Data) -> Iterator[Move]:
+    if old.get("outcome") != new.get("outcome"):
+        yield Move(case.name, solver, "outcome", old.get("outcome"), new.get("outcome"))
+    before, after = _numbers(old), _numbers(new)
+    for one in of_numbers(_ReportedRun(after), _ReportedRun(before), dict.fromkeys((*before, *after))):
+        name = one.quantity
+        first, second, tolerance = before.get(name), after.get(name), case.tolerance(solver, name)
+        if one.missing:
             yield Move(case.name, solver, name, first, second, None, tolerance, beyond=second is None)
-            continue
-        change = relative(second - first, largest.scale(name, first))
-        if first != second and abs(change) > ROUND_OFF:
-            beyond = tolerance is not None and abs(change) > tolerance
-            yield Move(case.name, solver, name, first, second, change, tolerance, beyond)
+        elif first != second and abs(one.error) > ROUND_OFF:
+            beyond = tolerance is not None and abs(one.error) > tolerance
+            yield Move(case.name, solver, name, first, second, one.error, tolerance, beyond)
+    counts, now = old.get("counters") or {}, new.get("counters") or {}
+    for name in {**counts, **now}:
+        first, second = counts.get(name, 0), now.get(name, 0)
+        more = relative(second - first, first)
+        if more:
+            what = f"counters.{name}"
+            yield Move(case.name, solver, what, first, second, more, MORE_WORK, beyond=more > MORE_WORK)
 
 
-def _counters(scene: str, solver: str, old: Run, new: Run) -> Iterator[Move]:
-    first, second = old.get("counters") or {}, new.get("counters") or {}
-    for name in {**first, **second}:
-        before, after = first.get(name, 0), second.get(name, 0)
-        if before == after:
-            continue
-        change = (after - before) / before if before else math.inf
-        yield Move(
-            scene, solver, f"counters.{name}", before, after, change, MORE_WORK, beyond=change > MORE_WORK
-        )
+def _numbers(run: Data) -> dict[str, float | None]:
+    """What is compared of a run in a report, by name."""
+    return {
+        name: value
+        for name, value in run.items()
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and name not in _NOT_COMPARED
+    }
 
 
-def _verdicts(scene: str, old: list[Run], new: list[Run]) -> Iterator[Move]:
+def _verdicts(scene: str, old: list[Data], new: list[Data]) -> Iterator[Move]:
     words = {True: "passed", False: "failed", None: None}
-    before = {_key(check): bool(check["passed"]) for check in old}
-    after = {_key(check): bool(check["passed"]) for check in new}
+    before, after = (
+        {
+            tuple(str(c.get(key)) for key in ("solver", "quantity", "source")): bool(c["passed"])
+            for c in checks
+        }
+        for checks in (old, new)
+    )
     for key in {**before, **after}:
         first, second = before.get(key), after.get(key)
-        if first == second:
-            continue
-        what = f"check of {key[1]} ({key[2]})"
-        yield Move(scene, key[0], what, words[first], words[second], beyond=second is not True)
+        if first != second:
+            what = f"check of {key[1]} ({key[2]})"
+            yield Move(scene, key[0], what, words[first], words[second], beyond=second is not True)
 
 
-def _key(check: Run) -> tuple[str, str, str]:
-    return str(check.get("solver")), str(check.get("quantity")), str(check.get("source"))
-
-
-def _is_number(value: object) -> TypeGuard[float]:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+def _listed(moves: tuple[Move, ...]) -> tuple[DataTable, ...]:
+    rows: Iterator[Record] = (
+        {
+            "scene": move.scene,
+            "solver": move.solver or ABSENT,
+            "what": plain(move.what),
+            "before": number(move.before, 8),
+            "after": number(move.after, 8),
+            "change": formatted(move.change, "+.1e"),
+            "tolerance": formatted(move.tolerance, ".0e"),
+            "beyond": VerdictCell("BEYOND" if move.beyond else "no", not move.beyond),
+        }
+        for move in moves
+    )
+    return (DataTable.of(rows),) if moves else ()

@@ -1,14 +1,16 @@
-"""One scene: its parameters, curves, runs and checks."""
+"""One scene in a report: its small picture, parameters, curves, runs and checks."""
 
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from contact_scene import Adhesion, PowerRate
-from validation.compare import overview_figures
 from validation.compare.suite import SceneComparison
 from validation.drawing import run_figures
+from validation.drawing.axes import format_axes
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
+from validation.drawing.styles import INK, curve_style
 from validation.measure.warnings import left_out_by_all
 from validation.report.document import (
     Bullets,
@@ -16,6 +18,7 @@ from validation.report.document import (
     Figure,
     Figures,
     Fold,
+    LinkCell,
     Paragraph,
     Part,
     Section,
@@ -27,24 +30,31 @@ from validation.report.document import (
 from validation.report.tables import COUNTERS, of_checks
 from validation.solvers import REFERENCE
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
-def section(scene: SceneComparison) -> Section:
-    """All about one scene."""
-    case = scene.case
+SMALL = (2.3, 1.7)
+"""Inches of a small figure: six beside each other on a wide screen, two on a telephone."""
+FLAT = 0.05
+"""Half of the least height of a small figure, relative to the force: what differs by less is not seen."""
+
+
+def drawn(scene: SceneComparison) -> tuple[Section, Figure]:
+    """All about one scene, and the small figure that leads there."""
+    case, verdict = scene.case, passed_or_not(scene.passed)
+    said = tuple(f"{solver}: {text}" for solver, run in scene.runs.items() for text in run.warnings)
+    warned = (Bullets(said),) if said else ()
     parts: tuple[Part, ...] = (
         *((Paragraph(case.statement),) if case.statement else ()),
         Fold("Parameters (scene units)", (parameters(scene),)),
         figures(scene),
-        Section("Runs", (runs(scene), *_warnings(scene), Paragraph(skipped_work(scene)))),
+        Section("Runs", (runs(scene), *warned, Paragraph(skipped_work(scene)))),
         Section("Checks", (of_checks(scene.checks),)),
     )
-    verdict = passed_or_not(scene.passed)
-    return Section(case.scene.title or case.name, parts, anchor(scene), verdict, folded=scene.passed)
-
-
-def drawn(scene: SceneComparison) -> tuple[Section, Figure]:
-    """The section of a scene, and the small figure that leads to it."""
-    return section(scene), overview_figures.small(scene, anchor(scene))
+    section = Section(case.scene.title or case.name, parts, anchor(scene), verdict, folded=scene.passed)
+    link = LinkCell(case.name, anchor(scene))
+    small = Figure(f"small-{anchor(scene)}", case.name, link=link, verdict=verdict)
+    return section, with_drawing(small, _small(scene), f"Force against penetration, {case.name}")
 
 
 def verdicts(scene: SceneComparison) -> Section:
@@ -84,12 +94,6 @@ def runs(scene: SceneComparison) -> DataTable:
     )
 
 
-def _warnings(scene: SceneComparison) -> tuple[Bullets, ...]:
-    """What makes the answers doubtful, by solver."""
-    said = tuple(f"{solver}: {text}" for solver, run in scene.runs.items() for text in run.warnings)
-    return (Bullets(said),) if said else ()
-
-
 def skipped_work(scene: SceneComparison) -> str:
     """What the solvers left out because the scene did not need it."""
     traces = {solver: run.trace for solver, run in scene.runs.items() if run.trace is not None}
@@ -100,29 +104,22 @@ def skipped_work(scene: SceneComparison) -> str:
 def parameters(scene: SceneComparison) -> DataTable:
     """What the scene consists of, as name and value."""
     question = scene.case.scene
-    material, adhesion = question.material, question.adhesion
+    material, adhesion, loading = question.material, question.adhesion, question.loading
     branches = ", ".join(f"{b.modulus:g} (τ = {b.time:g})" for b in material.branches) or "none: elastic"
-    steps = "; ".join(f"{step.kind} {_numbers(step)}" for step in question.loading.steps)
     rows = [
         ("relaxed modulus E₀", f"{material.modulus:g}"),
         ("branches", branches if len(material.branches) <= 8 else f"{len(material.branches)} branches"),
         ("Poisson's ratio", f"{material.poisson:g}"),
         ("indenter", ", ".join(filter(None, (question.indenter.shape, _numbers(question.indenter))))),
-        ("start", f"{question.loading.start} at penetration {question.loading.penetration:g}"),
-        ("loading", steps or "none"),
+        *(_of_adhesion(adhesion) if adhesion is not None else ()),
+        ("start", f"{loading.start} at penetration {loading.penetration:g}"),
+        ("loading", "; ".join(f"{step.kind} {_numbers(step)}" for step in loading.steps) or "none"),
     ]
-    if adhesion is not None:
-        rows[4:4] = [
-            ("work of adhesion", f"{adhesion.work:g}"),
-            ("process zone", f"{adhesion.zone:g}"),
-            *_laws(adhesion),
-        ]
     return DataTable(("", ""), tuple(rows), numeric=False)
 
 
-def _laws(adhesion: Adhesion) -> list[tuple[str, str]]:
-    """What an adhesion tells beyond work and zone."""
-    rows = []
+def _of_adhesion(adhesion: Adhesion) -> list[tuple[str, str]]:
+    rows = [("work of adhesion", f"{adhesion.work:g}"), ("process zone", f"{adhesion.zone:g}")]
     if adhesion.stress is not None:
         rows.append(("cohesive stress, the zone above being that at rest", f"{adhesion.stress:g}"))
     if adhesion.work_closing is not None:
@@ -141,3 +138,31 @@ def _numbers(stated: object) -> str:
     return ", ".join(
         f"{name.replace('_', ' ')} {value:g}" for name, value in facts if isinstance(value, float)
     )
+
+
+def _small(scene: SceneComparison) -> Drawing | None:
+    """Force against penetration of all solvers."""
+    from matplotlib.figure import Figure as Drawing
+
+    traces = [run.curves for run in scene.runs.values() if run.curves is not None]
+    curves = [of_trace(trace, scene.case.scene) for trace in traces]
+    if not curves:
+        return None
+    drawing = Drawing(figsize=SMALL)
+    axes = drawing.add_axes((0.14, 0.15, 0.84, 0.83))
+    for curve in sorted(curves, key=lambda one: -curve_style(one.style)["linewidth"]):
+        x, y = curve.columns["penetration"], curve.columns["force"]
+        single = {"marker": "o" if x.size == 1 else None, "markersize": 4}
+        axes.plot(x, y, **curve_style(curve.style) | single)
+    axes.set_xlabel("penetration", fontsize=8, color=INK, labelpad=3)
+    axes.set_ylabel("force", fontsize=8, color=INK, labelpad=3)
+    format_axes(axes)
+    axes.grid(False)
+    low, high = axes.get_ylim()
+    spare = FLAT * max(abs(low), abs(high)) - 0.5 * (high - low)
+    if spare > 0.0:
+        axes.set_ylim(low - spare, high + spare)
+    if low < 0.0 < high:
+        axes.axhline(0.0, color=INK, linewidth=0.5)
+    axes.set(xticks=[], yticks=[])
+    return drawing

@@ -7,7 +7,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field
 
 from validation.cases import Case
-from validation.compare.against_reference import check_case
+from validation.compare.checks import check_case
 from validation.measure.difference import Check
 from validation.runs.pool import run_all
 from validation.runs.progress import Progress
@@ -75,29 +75,10 @@ def compare_scenes(
 ) -> SuiteComparison:
     """Run every solver on every scene and check the runs.
 
-    Parameters
-    ----------
-    suite : str
-        Name, for the title; ``quick`` has a resolution of its own (``Solver.quick_resolution``).
-    cases : sequence of Case
-    executor : Executor or None
-        ``None``: in this process.
-    progress : Progress
-        Closed at the end.
-    estimate : bool
-        Whether errors of these runs are estimated, and bound the differences that count as agreement.
-    store : Store or None
-        Runs of an earlier attempt are taken over.
-    further : sequence of (Case, str)
-        Cases and solvers to be run at the same time, for other evidence.
-    solvers : sequence of str or None
-        Names; ``None``: all for which the scene does not take too long.
-    max_steps : int or None
-        Of every run; ``None``: the solver's own bound.
-
-    Returns
-    -------
-    SuiteComparison
+    The ``quick`` suite has a resolution of its own. Without an executor it is done in this process; the
+    progress is closed at the end. ``estimate``: errors of these runs are estimated, and bound the differences
+    that count as agreement. ``further`` cases and solvers are run at the same time, for other evidence.
+    ``solvers``, by default, are all for which the scene does not take too long.
     """
     store = store or Store()
     pairs = [*all_pairs(cases, solvers), *further]

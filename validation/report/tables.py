@@ -9,6 +9,7 @@ from validation.measure.scaling import SYMBOLS
 from validation.report.document import (
     ABSENT,
     DataTable,
+    LinkCell,
     Record,
     Section,
     VerdictCell,
@@ -31,10 +32,16 @@ LONGEST = 10
 """Runs whose costs are listed one by one, those that took longest."""
 
 
-def of_checks(checks: Iterable[Check], with_scene: bool = False) -> DataTable:
-    """A row for each check; ``with_scene`` adds a column for its scene."""
-    rows = ({**({"scene": check.scene} if with_scene else {}), **cells(check)} for check in checks)
+def of_checks(checks: Iterable[Check], anchors: Mapping[str, str] | None = None) -> DataTable:
+    """A row for each check; given ``anchors`` of scenes, with a column for its scene that leads there."""
+    rows = ({**_scene(check.scene, anchors), **cells(check)} for check in checks)
     return DataTable.of(rows, unbroken=("estimates",))
+
+
+def _scene(name: str, anchors: Mapping[str, str] | None) -> Record:
+    if anchors is None:
+        return {}
+    return {"scene": LinkCell(name, anchors[name]) if name in anchors else name}
 
 
 def cells(check: Check) -> Record:

@@ -43,7 +43,7 @@ FAULTS = [
     Fault("reference", "verdict of one side", "validation.measure.difference:disagreement",
           lambda true: lambda difference, *limits: true(difference and max(difference, 0.0), *limits),
           ("sides",), True),
-    Fault("reference", "check values of one side", f"{COMPARE}.checks:_value",
+    Fault("reference", "check values of one side", f"{COMPARE}.checks:_stated",
           lambda true: lambda *given: replace(true(*given), passed=true(*given).difference < 0.01),
           ("sides",), True),
     Fault("reference", "estimates three times too generous", "validation.measure.difference:agreement_limit",
