@@ -6,14 +6,17 @@ import ast
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
-from support.import_graph import COMPUTED, ImportGraph, Source, imports, source_at
 
 ROOT = Path(__file__).parents[1]
 TESTS = ROOT / "tests"
+COMPUTED = "a computed module name"
 
 # The solvers share the question, never the method: a common helper would be a common error.
 PACKAGES = {
@@ -71,9 +74,66 @@ EXECUTING = {"pickle", "_pickle", "cPickle", "marshal", "shelve", "dill", "cloud
 BETWEEN_PROCESSES = {("validation.runs.pool", "pickle")}
 
 
-def project() -> ImportGraph:
-    """The imports of all packages."""
-    return ImportGraph.of(ROOT, tuple(PACKAGES))
+@dataclass(frozen=True)
+class Import:
+    """One imported module, by its full name; ``name`` is what is imported from it, if that is no module.
+
+    ``deferred``: a bare import of the importing module does not carry it out, for it stands in a function or
+    under ``TYPE_CHECKING``.
+    """
+
+    importer: str
+    module: str
+    name: str
+    line: int
+    deferred: bool
+
+    def __str__(self) -> str:
+        return f"{self.importer}:{self.line} imports {self.module}{':' + self.name if self.name else ''}"
+
+
+@cache
+def sources() -> dict[str, ast.Module]:
+    """Every module of the packages by its full name, parsed."""
+    found = {}
+    for path in sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py")):
+        parts = path.relative_to(ROOT).with_suffix("").parts
+        name = ".".join(parts[:-1] if path.stem == "__init__" else parts)
+        found[name] = ast.parse(path.read_text(encoding="utf-8"))
+    return found
+
+
+def imports(module: str, tree: ast.Module) -> Iterator[Import]:
+    """All imports of a module."""
+
+    def walk(node: ast.AST, deferred: bool) -> Iterator[tuple[ast.AST, bool]]:
+        yield node, deferred
+        typing = isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
+        inside = deferred or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
+        for child in ast.iter_child_nodes(node):
+            yield from walk(child, inside or (typing and child in node.body))
+
+    for node, deferred in walk(tree, False):
+        match node:
+            case ast.Import(names):
+                yield from (Import(module, one.name, "", node.lineno, deferred) for one in names)
+            case ast.ImportFrom(str(target), names, 0):
+                for one in names:
+                    inner = f"{target}.{one.name}"
+                    found = (inner, "") if inner in sources() else (target, one.name)
+                    yield Import(module, *found, node.lineno, deferred)
+            case ast.ImportFrom():
+                raise AssertionError(f"{module}: imports are absolute")
+            case ast.Call(ast.Name("import_module" | "__import__") | ast.Attribute(attr="import_module")):
+                stated = node.args[0] if node.args else None
+                target = str(stated.value) if isinstance(stated, ast.Constant) else COMPUTED
+                yield Import(module, target, "", node.lineno, deferred)
+
+
+@cache
+def all_imports() -> list[Import]:
+    """Those of all packages."""
+    return [one for module, tree in sources().items() for one in imports(module, tree)]
 
 
 def room(module: str) -> str:
@@ -81,126 +141,85 @@ def room(module: str) -> str:
     return module.split(".")[1] if module.startswith("validation.") else ""
 
 
-def against_the_table(graph: ImportGraph) -> list[str]:
-    """Imports of a package of ours, of tests, or of a computed name, that ``PACKAGES`` does not allow."""
-    ours = set(PACKAGES) | {"tests", "support", COMPUTED}
-    found = []
-    for one in graph.imports:
-        importer, target = one.importer.split(".")[0], one.module.split(".")[0]
-        if target in ours - PACKAGES[importer] - {importer}:
-            found.append(str(one))
-    return found
+def top(module: str) -> str:
+    return module.split(".")[0]
 
 
-def against_the_layers(graph: ImportGraph) -> list[str]:
-    """Imports inside ``validation`` that run down again or across the evidence, and rooms without a layer."""
-    found = [
-        f"{module}: no layer for it"
-        for module in sorted(graph.modules)
-        if room(module) and room(module) not in ROOMS
-    ]
-    for one in graph.imports:
-        if not one.module.startswith("validation") or not one.importer.startswith("validation"):
-            continue
-        importer, target = room(one.importer), room(one.module)
-        if target in {"", importer}:
-            continue
-        if target not in ROOMS.get(importer, set()):
-            found.append(str(one))
-    return found
+def packages(module: str) -> set[str]:
+    """A module and the packages around it, which are loaded with it."""
+    parts = module.split(".")
+    return {".".join(parts[: n + 1]) for n in range(len(parts))}
 
 
-def deferred_without_need(graph: ImportGraph) -> list[str]:
-    """Imports in functions or under ``TYPE_CHECKING`` that do not keep a heavy package unloaded."""
-    loading = graph.loads(HEAVY)
-    return [
-        str(one)
-        for one in graph.imports
-        if one.deferred
-        and one.importer not in LOADED_AT_FIRST_USE
-        and one.module.split(".")[0] not in HEAVY | LARGE
-        and one.module not in loading
-    ]
-
-
-def executing_readers(graph: ImportGraph) -> list[str]:
-    """Imports of what executes the files that it reads, and calls that let NumPy or pandas do so."""
-    found = [
-        str(one)
-        for one in graph.imports
-        if EXECUTING & {one.module.split(".")[0], one.name}
-        and (one.importer, one.module) not in BETWEEN_PROCESSES
-    ]
-    for name, source in graph.sources.items():
-        for node in ast.walk(source.tree) if "pickle" in source.text else ():
-            called = getattr(node, "attr", getattr(node, "id", ""))
-            never = isinstance(node, ast.keyword) and getattr(node.value, "value", None) is False
-            if called == "read_pickle" or (getattr(node, "arg", "") == "allow_pickle" and not never):
-                found.append(f"{name} reads pickles")
-    return found
-
-
-def report(found: list[str]) -> str:
-    return "\n" + "\n".join(found)
+def none(found: list[str]) -> None:
+    assert not found, "\n" + "\n".join(found)
 
 
 def test_imports_keep_to_the_table():
-    assert {module.split(".")[0] for module in project().modules} == set(PACKAGES)
-    found = against_the_table(project())
-    assert not found, report(found)
+    ours = set(PACKAGES) | {"tests", "support", COMPUTED}
+    assert {top(module) for module in sources()} == set(PACKAGES)
+    none(
+        [
+            str(i)
+            for i in all_imports()
+            if top(i.module) in ours - PACKAGES[top(i.importer)] - {top(i.importer)}
+        ]
+    )
 
 
 def test_imports_inside_validation_run_upwards():
-    found = against_the_layers(project())
-    assert not found, report(found)
-
-
-def test_every_layer_and_every_deferred_import_exists():
-    assert {room(module) for module in project().modules} - {""} == set(ROOMS)
-    assert project().modules >= LOADED_AT_FIRST_USE
-
-
-def test_no_module_executes_what_it_reads():
-    found = executing_readers(project())
-    assert not found, report(found)
-    assert {(one.importer, one.module) for one in project().imports} >= BETWEEN_PROCESSES
-
-
-@pytest.mark.parametrize(
-    "line",
-    [
-        "import pickle",
-        "def f():\n    from shelve import open",
-        "from multiprocessing.reduction import pickle",
-        "import numpy as np\nnp.load('a.npz', allow_pickle=True)",
-        "import numpy as np\nnp.load('a.npz', allow_pickle=trusted)",
-        "import pandas\npandas.read_pickle('a')",
-        "from pandas import read_pickle\nread_pickle('a')",
-    ],
-)
-def test_a_reader_that_executes_is_seen(line):
-    assert executing_readers(made_up(validation__store=line))
-    assert not executing_readers(made_up(validation__store="import numpy\nnumpy.load(f, allow_pickle=False)"))
+    assert {room(module) for module in sources()} - {""} == set(ROOMS)
+    inside = [i for i in all_imports() if i.importer.startswith("validation") and room(i.module)]
+    none(
+        [str(i) for i in inside if room(i.module) not in {room(i.importer), *ROOMS.get(room(i.importer), ())}]
+    )
 
 
 def test_there_is_no_cycle_of_imports():
-    found = [" <-> ".join(group) for group in project().cycles()]
-    assert not found, report(found)
+    edges: dict[str, set[str]] = {module: set() for module in sources()}
+    for one in all_imports():
+        if one.module in sources() and one.module != one.importer:
+            edges[one.importer].add(one.module)
+    try:
+        TopologicalSorter(edges).prepare()
+    except CycleError as error:
+        pytest.fail(" <- ".join(error.args[1]))
 
 
 def test_functions_import_only_what_is_heavy():
-    found = deferred_without_need(project())
-    assert not found, report(found)
-
-
-def made_up(**texts: str) -> ImportGraph:
-    """A project of the given modules (``__`` for the dot); names without a dot are packages."""
-    return ImportGraph(
-        {
-            name.replace("__", "."): Source(text, is_package="__" not in name)
-            for name, text in {"validation": "", "bem_solver": "", **texts}.items()
-        }
+    """Or what loads it."""
+    assert sources().keys() >= LOADED_AT_FIRST_USE
+    loading = {i.importer for i in all_imports() if not i.deferred and top(i.module) in HEAVY}
+    while (
+        more := {i.importer for i in all_imports() if not i.deferred and loading & packages(i.module)}
+        - loading
+    ):
+        loading |= more
+    none(
+        [
+            str(i)
+            for i in all_imports()
+            if i.deferred
+            and i.importer not in LOADED_AT_FIRST_USE
+            and top(i.module) not in HEAVY | LARGE
+            and not loading & packages(i.module)
+        ]
     )
+
+
+def test_no_module_executes_what_it_reads():
+    """Nor lets NumPy or pandas do so."""
+    executing = [i for i in all_imports() if EXECUTING & {top(i.module), i.name}]
+    assert {(i.importer, i.module) for i in executing} == BETWEEN_PROCESSES
+    for name, tree in sources().items():
+        for node in ast.walk(tree):
+            match node:
+                case ast.keyword("allow_pickle", ast.Constant(False)):
+                    pass
+                case (
+                    ast.keyword("allow_pickle") | ast.Attribute(attr="read_pickle") | ast.Name("read_pickle")
+                ):
+                    pytest.fail(f"{name} reads pickles")
 
 
 LIGHT = ("contact_scene", "bem_solver", "validation.solvers", "crosscontact")
@@ -221,12 +240,11 @@ def loaded_by_light_packages() -> list[set[str]]:
 @pytest.mark.parametrize("package", LIGHT)
 def test_light_packages_load_nothing_heavy(package):
     loaded = loaded_by_light_packages()[LIGHT.index(package)]
-    top = package.partition(".")[0]
     before = [name.partition(".")[0] for name in LIGHT[: LIGHT.index(package)]]
-    assert PACKAGES[top] >= {one for name in before for one in (name, *PACKAGES[name])}
-    assert top in loaded
+    assert PACKAGES[top(package)] >= {one for name in before for one in (name, *PACKAGES[name])}
+    assert top(package) in loaded
     assert not loaded & HEAVY
-    assert not loaded & (set(PACKAGES) - PACKAGES[top] - {top})
+    assert not loaded & (set(PACKAGES) - PACKAGES[top(package)] - {top(package)})
 
 
 OWN_EVIDENCE = {
@@ -257,12 +275,13 @@ def test_a_command_loads_its_own_evidence_alone():
 
 def test_no_test_imports_another_and_no_folder_of_tests_shadows_a_package():
     files = {path.stem: path for path in TESTS.rglob("test_*.py")}
-    found = [
-        f"{path.relative_to(ROOT)} imports {one.module}"
-        for path in TESTS.rglob("*.py")
-        for one in imports(path.stem, source_at(path))
-        if one.module.split(".")[0] in files or (one.module.split(".")[0] == "tests")
-    ]
-    assert not found, report(found)
+    none(
+        [
+            f"{path.relative_to(ROOT)} imports {one.module}"
+            for path in TESTS.rglob("*.py")
+            for one in imports(path.stem, ast.parse(path.read_text(encoding="utf-8")))
+            if top(one.module) in {*files, "tests"}
+        ]
+    )
     folders = {path.name for path in TESTS.rglob("*") if path.is_dir()}
     assert not folders & set(PACKAGES)
