@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import sqlite3
 import subprocess
 import sys
 import time
-from contextlib import closing, suppress
+from contextlib import closing
 from functools import cache
 from pathlib import Path
 
@@ -148,9 +149,8 @@ class Counting:
 
 def kept_runs(folder: Path) -> list[Run]:
     """The runs that a stopped command has kept, read past its store."""
-    with suppress(sqlite3.OperationalError), closing(sqlite3.connect(folder / UNFINISHED)) as connection:
+    with closing(sqlite3.connect(folder / UNFINISHED)) as connection:
         return [loads(text, Run) for (text,) in connection.execute("SELECT answer FROM answers")]
-    return []
 
 
 def report_of(folder: Path):
@@ -251,14 +251,21 @@ def test_a_report_killed_again_and_again(tmp_path):
     subprocess.run([*given, str(once)], check=True, capture_output=True, env=ENVIRONMENT)
     for wanted in (1, 2):
         work = subprocess.Popen(
-            [*given, str(twice)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=ENVIRONMENT
+            [*given, str(twice)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=ENVIRONMENT,
         )
-        wait_for(lambda wanted=wanted: len(kept_runs(twice)) >= wanted, "finished runs")
+        assert work.stderr is not None
+        assert any(re.search(r"\d/3 relaxed-equilibrium", line) for line in work.stderr)  # one has finished
         threads = Path(f"/proc/{work.pid}/task").glob("*/children")
         children = [child for thread in threads for child in thread.read_text().split()]
         work.kill()
         assert work.wait() == -signal.SIGKILL  # it had not finished; its workers may have
+        work.stderr.close()
         wait_for(lambda children=children: not any(alive(int(child)) for child in children), "the workers")
+        assert len(kept_runs(twice)) >= wanted
     said = subprocess.run([*given, str(twice)], capture_output=True, text=True, env=ENVIRONMENT)
     assert said.returncode == 0, said.stderr
     assert "taken over from an earlier attempt" in said.stderr
