@@ -125,7 +125,7 @@ def _outermost(residual: Callable[[float], float], lowest: float, highest: float
     to its lowest point.
     """
     even = np.linspace(highest, lowest, min(int(highest / lowest) + 2, MOST_RADII))
-    radii = np.unique(np.concatenate((np.geomspace(highest, lowest, 200), even)))[::-1].tolist()
+    radii = sorted({*np.geomspace(highest, lowest, 200).tolist(), *even.tolist()}, reverse=True)
     before = above = radii[0]
     at_before = at_above = residual(above)
     for radius in radii[1:]:

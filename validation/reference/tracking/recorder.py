@@ -207,7 +207,7 @@ class Recorder:
         stands = np.diff(rows[:, 0]) <= 0.0
         turns = np.flatnonzero(stands[1:] != stands[:-1]) + 1
         given = np.array([0, *self.recorded.kinks, max(len(rows) - 1, 0)], dtype=int)
-        ends = np.unique(np.concatenate((given, turns)))
+        ends = np.array(sorted({*given.tolist(), *turns.tolist()}))
         if self.irreversible is not None and self.irreversible.rated:
             area, closure = math.pi * rows[:, RADIUS_OF_ROW] ** 2, rows[:, SEPARATION]
             parts = interface_work(self.irreversible.adhesion, rows[:, 0], area, closure, ends.tolist())

@@ -14,6 +14,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.tracking.hermite import each_once
+
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
@@ -77,7 +79,7 @@ def _panels(inside: Array, outside: Array, radius: float, zone: float) -> tuple[
     geometric = last * 0.5 ** np.arange(1, _HALVINGS)
     nodes = np.concatenate((inside, outside - zone))
     nodes = np.sqrt(nodes[(nodes > start) & (nodes < radius)])
-    breaks = np.unique(np.concatenate((even, geometric[geometric > first], nodes)))
+    breaks = each_once(even, geometric[geometric > first], nodes)
     return breaks[:-1], np.diff(breaks)
 
 

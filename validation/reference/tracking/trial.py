@@ -16,6 +16,7 @@ from validation.reference.tracking.edge_path import (
     path_family,
     path_over_radius,
 )
+from validation.reference.tracking.hermite import each_once
 from validation.reference.tracking.law import EdgeCondition
 from validation.reference.tracking.node_placement import NodePlacement
 from validation.reference.tracking.root import bracketed, rising_root
@@ -169,10 +170,10 @@ class Trial:
             self._fractions[duration] = self.nodes.fractions(duration)
         fractions = self._fractions[duration]
         if self.surface.radius == 0.0 < travel:  # centre and edge alone do not resolve a new contact
-            fractions = np.union1d(fractions, FIRST_CONTACT_NODES)
+            fractions = each_once(fractions, FIRST_CONTACT_NODES)
         if abs(travel) > 2.0 * self.spacing:  # an unstable edge leaves nodes all along its travel
             count = min(int(abs(travel) / self.spacing), MOST_NODES)
-            fractions = np.union1d(fractions, np.arange(1, count + 1) / (count + 1))
+            fractions = each_once(fractions, np.arange(1, count + 1) / (count + 1))
         return fractions
 
     def residual(self, duration: float, radius: float, outward: bool | None = None) -> float:
