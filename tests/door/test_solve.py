@@ -105,55 +105,6 @@ def test_compare_finds_agreement_and_names_what_failed():
     assert set(refused.failures) == {"bem", "reference"}
 
 
-@pytest.mark.parametrize(
-    ("call", "text"),
-    [
-        (lambda: cc.solve("cycle-v0.3"), "nearest: cycle"),
-        (lambda: cc.solve("nowhere.toml"), "nowhere.toml"),
-        (lambda: cc.solve(3), "a Scene, the name of a built-in scene, or a scene file"),
-        (lambda: cc.solve(SPHERE, "magic"), "one of bem, fem, reference"),
-        (lambda: cc.solve(SPHERE, None), "one of bem, fem, reference"),
-        (lambda: cc.solve(SPHERE, resolution=3), "resolution: got 3.0; allowed: a whole number >= 4"),
-        (lambda: cc.solve(SPHERE, resolution=8.5), "resolution"),
-        (lambda: cc.solve(SPHERE, resolution="8"), "resolution"),
-        (lambda: cc.solve(SPHERE, max_steps=0), "max_steps"),
-        (lambda: cc.solve(SPHERE, stop_times=1.0), "stop_times: got 1.0; allowed: several times"),
-        (lambda: cc.solve(SPHERE, stop_times=[-1.0]), "stop_times[0]"),
-        (lambda: cc.solve(SPHERE, profile_times=[0.1, float("nan")]), "profile_times[1]"),
-        (lambda: cc.solve(SPHERE, profile_times="now"), "profile_times"),
-        (lambda: cc.compare(SPHERE, solvers=["bem", "fem"]), "reference"),
-        (lambda: cc.compare(SPHERE, solvers="bem,reference"), "several of"),
-        (lambda: cc.compare(SPHERE, solvers=["reference", "magic"]), "magic"),
-        (lambda: cc.compare(SPHERE, resolution=1), "resolution"),
-        (lambda: cc.builtin("cycle"), "no built-in scene 'cycle'"),
-        (lambda: cc.builtin(3), "no built-in scene 3"),
-        (lambda: cc.compare(SPHERE, solvers=3), "solvers: got 3; allowed: several of"),
-        (lambda: cc.solve(SPHERE, progress=3), "progress: got 3"),
-        (lambda: cc.load("nowhere"), "nowhere: has no scene.toml"),
-        (lambda: cc.load(3), "folder: got 3; allowed: the path of a folder"),
-        (lambda: cc.load(None), "folder: got None"),
-        (lambda: cc.load(""), "folder: is empty"),
-        (lambda: cc.sweep(SPHERE, {"adhesion.work": [1e-4]}, out=""), "out: is empty"),
-        (lambda: cc.judge(None), "folder: got None"),
-        (lambda: cc.export_exam(3), "folder: got 3"),
-        (lambda: cc.read_curves(3), "path: got 3; allowed: the path of a file"),
-        (lambda: cc.write_curve("curve.csv", "again.csv"), "curve: got 'curve.csv'"),
-        (lambda: cc.fit(None, SPHERE, ["adhesion.work"]), "curves: got None"),
-        (lambda: cc.fit([3], SPHERE, ["adhesion.work"]), "curves: got 3"),
-        (lambda: cc.fit([], None, ["adhesion.work"]), "scene: got None"),
-        (lambda: cc.fit([], SPHERE, 3), "vary: got 3; allowed: several names"),
-        (lambda: cc.fit([], SPHERE, prony=1.0), "prony: got 1.0; allowed: several relaxation times"),
-        (lambda: cc.RelaxationData([1.0, 2.0, 3.0], ["a", "b", "c"]), "moduli: got ['a', 'b', 'c']"),
-        (lambda: cc.Sphere(-1.0), "radius"),
-    ],
-)
-def test_bad_input_is_one_line(call, text):
-    with pytest.raises(cc.SceneError) as error:
-        call()
-    assert text in str(error.value)
-    assert "\n" not in str(error.value)
-
-
 def test_a_refused_scene_is_raised():
     with pytest.raises(cc.UnsupportedScene):
         cc.solve(BULK, "bem")
