@@ -8,8 +8,6 @@ import os
 import re
 import subprocess
 import sys
-import tomllib
-from fnmatch import fnmatch
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +22,7 @@ from crosscontact.commands import parser
 from crosscontact.result import SCALES_IN_WORDS
 from validation import solvers
 from validation.runs import folder as files
-from validation.scenes import SUITES, names
+from validation.scenes import names
 
 CONTRACT = (
     "solver",
@@ -77,12 +75,6 @@ def refused(capsys, *arguments: str) -> str:
     return err
 
 
-def test_names_agree():
-    assert tuple(solvers.SOLVERS) == arguments.names()
-    for suite in SUITES:
-        assert parser().parse_args(["report", "--suite", suite]).suite == suite
-
-
 def test_scenes(capsys):
     assert code_of("scenes") == 0
     out = capsys.readouterr().out.splitlines()
@@ -96,19 +88,14 @@ def test_scenes(capsys):
         (("solve",), "SCENE"),
         (("solve", "cycle-v0.1", "--solver"), "expected one argument"),
         (("compare", "cycle-v0.1", "--solvers", "bem"), "reference"),
-        (("compare", "cycle-v0.1", "--solvers", "reference"), "at least one other"),
-        (("compare", "cycle-v0.1", "--solvers", "bem,fem"), "reference"),
         (("compare", "cycle-v0.1", "--solvers", "reference,magic"), "magic"),
         (("compare", "cycle-v0.1", "--solvers", ""), "--solvers"),
         (("stability", "--solver", "magic"), "choose from"),
         (("solve", "cycle-v0.1", "--solver", "magic"), "choose from"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "3"), "a whole number >= 4"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "8.5"), "a whole number >= 4"),
-        (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "nan"), "a whole number >= 4"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--colour", "red"), "--colour"),
-        (("solve", "cycle-v0.3", "--solver", "bem"), "cycle-v0.1"),
         (("solve", "cicle", "--solver", "bem"), "nearest: cycle"),
-        (("solve", "", "--solver", "bem"), "built-in scene"),
         (("solve", "\0", "--solver", "bem"), "built-in scene"),
         (("solve", "nowhere.toml", "--solver", "bem"), "nowhere.toml"),
         (("solve", ".", "--solver", "bem"), "error: .: "),
@@ -118,10 +105,8 @@ def test_scenes(capsys):
         (("sweep", "--dry-run", "--jobs", "1"), "PLAN: is missing beside --jobs, --dry-run"),
         (("sweep", "--plot", ""), "--plot: is empty"),
         (("sweep", "--plot", "x", "--fresh"), "--plot: given beside --fresh"),
-        (("sweep", "speed-zone", "--plot", "x"), "--plot: given beside PLAN"),
         (("report", "--suite", "tiny"), "choose from"),
         (("report", "--jobs", "0"), "a whole number >= 1"),
-        (("compare",), "SCENE"),
         (("compare", "cycle-v0.1", "nowhere.toml"), "nowhere.toml"),
     ],
 )
@@ -143,15 +128,6 @@ def test_out_must_be_a_folder(capsys, tmp_path, scene_file, fakes):
         assert "--out" in refused(capsys, "solve", scene_file, "--solver", "bem", "--out", out)
         assert "--out" in refused(capsys, "report", "--out", out)
         assert "--out" in refused(capsys, "compare", scene_file, "--out", out)
-
-
-def test_out_on_a_link_to_nowhere(capsys, tmp_path, scene_file, fakes):
-    link, beyond = tmp_path / "link", tmp_path / "gone"
-    link.symlink_to(beyond)
-    for out in (link, link / "below"):
-        said = refused(capsys, "solve", scene_file, "--solver", "bem", "--out", str(out))
-        assert f"--out: {link} is a link to {beyond}, which does not exist" in said
-    assert not beyond.exists()
 
 
 def test_solve_writes_the_contract(capsys, tmp_path, scene_file, fakes):
@@ -181,15 +157,6 @@ def test_solve_writes_the_contract(capsys, tmp_path, scene_file, fakes):
     assert "pull_off_force" in shown
 
 
-def test_what_does_not_apply_is_null(tmp_path, scene_file, fakes):
-    fakes(bem=fake(kind=OutcomeKind.COMPLETED))
-    out = tmp_path / "out"
-    assert code_of("solve", scene_file, "--solver", "bem", "--out", str(out)) == 0
-    summary = json.loads((out / "summary.json").read_text())
-    assert summary["detachment_time"] is None
-    assert summary["peak_cycle_loss"] is None
-
-
 @pytest.mark.parametrize(
     "kind", [k for k in OutcomeKind if k not in ("completed", "detached", "interrupted")]
 )
@@ -200,7 +167,8 @@ def test_unfinished_run_leaves_its_partial_trace(capsys, tmp_path, scene_file, f
     err = capsys.readouterr().err
     assert str(kind) in err
     assert "as told" in err
-    assert json.loads((out / "summary.json").read_text())["finished"] is False
+    summary = json.loads((out / "summary.json").read_text())
+    assert (summary["finished"], summary["peak_cycle_loss"]) == (False, None)
     assert len((out / "trace.csv").read_text().splitlines()) == 40
 
 
@@ -271,15 +239,6 @@ def test_interrupt_is_said_in_one_line(capsys, scene_file, fakes):
     ]
 
 
-def test_interrupt_while_options_are_read_is_said_in_one_line(capsys, monkeypatch):
-    def interrupt():
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(arguments, "selectable", interrupt)
-    assert code_of("solve", "cycle-v0.1", "--solver", "bem") == 1
-    assert capsys.readouterr().err == "crosscontact: interrupted\n"
-
-
 def test_compare_agrees_and_disagrees(capsys, tmp_path, scene_file, fakes):
     assert code_of("compare", scene_file, "--jobs", "1", "--out", str(tmp_path / "same")) == 0
     assert (tmp_path / "same" / "index.html").exists()
@@ -328,34 +287,11 @@ def test_reader_that_leaves_early_is_no_error():
     assert said.stdout.splitlines()[-1] == "0"
 
 
-def test_packaged_scenes_are_declared():
-    with open("pyproject.toml", "rb") as stream:
-        declared = tomllib.load(stream)["tool"]["setuptools"]
-    assert "*.toml" in declared["package-data"]["validation.scenes"]
-    assert "py.typed" in declared["package-data"]["*"]
-    included = declared["packages"]["find"]["include"]
-    for package in ("validation.report", "validation.scenes", "crosscontact.commands"):
-        assert any(fnmatch(package, pattern) for pattern in included)
-
-
-def test_every_package_says_that_it_is_typed():
-    with open("pyproject.toml", "rb") as stream:
-        packages = tomllib.load(stream)["tool"]["mypy"]["packages"]
-    installed = [name for name in packages if name != "benchmarks"]
-    assert [name for name in installed if not Path(name, "py.typed").is_file()] == []
-
-
 def test_help_alone_and_the_version(capsys):
     assert code_of() == 0
     assert capsys.readouterr().out == parser().format_help()
     assert code_of("--version") == 0
     assert capsys.readouterr().out == f"crosscontact {crosscontact.__version__}\n"
-
-
-def test_solve_takes_the_reference_unless_told(capsys, tmp_path, scene_file, fakes):
-    assert code_of("solve", scene_file, "--out", str(tmp_path)) == 0
-    assert json.loads((tmp_path / "summary.json").read_text())["solver"] == "reference"
-    assert "small by reference: detached" in capsys.readouterr().out
 
 
 def test_solve_prints_what_numbers_are_relative_to(capsys, scene_file, fakes):
@@ -409,12 +345,6 @@ def test_solve_draws_into_out_or_the_current_folder(capsys, tmp_path, scene_file
         assert (folder / "force.png").read_bytes().startswith(b"\x89PNG")
         assert "<svg" in (folder / "force.svg").read_text("utf-8")
     assert sorted(file.name for file in Path().iterdir()) == ["force.png", "force.svg"]
-
-
-def test_a_run_without_an_answer_is_not_drawn(tmp_path, scene_file, fakes):
-    fakes(bem=fake(poison=True))
-    assert code_of("solve", scene_file, "--solver", "bem", "--plot", "--out", str(tmp_path)) == 1
-    assert not (tmp_path / "force.png").exists()
 
 
 def test_compare_of_some_solvers(capsys, scene_file, fakes):

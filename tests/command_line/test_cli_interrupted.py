@@ -16,7 +16,6 @@ import crosscontact as cc
 from contact_scene import OutcomeKind
 from crosscontact.cli import main
 from validation import solvers
-from validation.runs.run import write_run
 
 
 @pytest.fixture
@@ -94,23 +93,6 @@ sys.exit(cli.program())
     assert (ended.returncode, ended.stderr) == (1, "crosscontact: interrupted\n")
 
 
-def test_interrupted_what_is_not_known_is_null(capsys, tmp_path, scene_file, monkeypatch):
-    put(monkeypatch, stopped_at_row(5))
-    out = tmp_path / "out"
-    assert main(["solve", scene_file, "--solver", "bem", "--out", str(out)]) == 1
-    summary = json.loads((out / "summary.json").read_text())
-    assert summary["outcome"] == "interrupted"
-    assert summary["pull_off_force"] is None
-    assert summary["detachment_time"] is None
-    shown = capsys.readouterr().out
-    assert [line.split() for line in shown.splitlines() if "pull_off" in line] == [
-        ["pull_off_force", "-"],
-        ["pull_off_penetration", "-"],
-        ["pull_off_radius", "-"],
-    ]
-    assert "nan" not in shown
-
-
 def test_interrupted_in_the_error_estimate_the_run_stands(capsys, tmp_path, scene_file, monkeypatch):
     runs = []
 
@@ -145,71 +127,6 @@ def test_a_budget_that_ends_a_run_is_said(capsys, tmp_path, scene_file, monkeypa
     with pytest.raises(SystemExit) as refused:
         main([*given, "0"])
     assert refused.value.code == 2
-
-
-@pytest.mark.parametrize("content", ["scene", "trace", "damaged"])
-def test_a_folder_of_something_else_is_refused(capsys, tmp_path, scene_file, monkeypatch, content):
-    put(monkeypatch, spring())
-    given = ["solve", scene_file, "--solver", "bem", "--out", str(tmp_path / "out")]
-    (tmp_path / "out").mkdir()
-    before = tmp_path / "out/trace.csv"
-    if content == "scene":
-        other = tmp_path / "other.toml"
-        other.write_text(SCENE.replace("0.75", "0.76").replace("A small scene", "Another one"))
-        assert main(["solve", str(other), *given[2:]]) == 0
-    else:
-        before.write_text("mine")
-        if content == "damaged":
-            (tmp_path / "out/scene.toml").write_text("mine too")
-    kept = before.read_bytes()
-    capsys.readouterr()
-    assert main(given) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "--out" in line
-    assert "--fresh" in line
-    assert ("other scene" in line) == (content == "scene")
-    assert before.read_bytes() == kept
-    assert main([*given, "--fresh"]) == 0
-    assert main(given) == 0  # its own
-
-
-def test_a_comparison_of_another_scene_is_refused(capsys, tmp_path, scene_file, monkeypatch):
-    for name in ("bem", "reference"):
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
-    monkeypatch.setattr("crosscontact.commands.compare.page.write", write_runs)
-    given = [
-        "compare",
-        scene_file,
-        "--solvers",
-        "bem,reference",
-        "--jobs",
-        "1",
-        "--out",
-        str(tmp_path / "out"),
-    ]
-    assert main(given) == 0
-    assert main(given) == 0
-    with open(scene_file, "w") as file:
-        file.write(SCENE.replace("0.75", "0.76"))
-    capsys.readouterr()
-    assert main(given) == 2
-    assert "other scene small" in capsys.readouterr().err
-    assert main([*given, "--fresh"]) == 0
-
-
-def write_runs(report, folder, workers, progress):
-    """A report without its pages."""
-    for one in report.scenes:
-        for solver, run in one.runs.items():
-            write_run(folder / "runs" / one.case.name / solver, one.case.scene, run)
-
-
-def test_a_scene_of_another_title_is_the_same_scene(tmp_path, scene_file, monkeypatch):
-    put(monkeypatch, spring())
-    renamed = tmp_path / "renamed.toml"
-    renamed.write_text(SCENE.replace("A small scene", "Another title"))
-    for file in (scene_file, str(renamed)):
-        assert main(["solve", file, "--solver", "bem", "--out", str(tmp_path / "out")]) == 0
 
 
 REFUSED = {

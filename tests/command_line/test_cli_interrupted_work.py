@@ -9,14 +9,11 @@ import sys
 
 import pytest
 from support.report_commands import WORK
-from support.spring_solver import FunctionSolver, named, small_scene, spring
+from support.spring_solver import small_scene
 
 from crosscontact.cli import main
 from crosscontact.commands.shared import telling_what_is_kept
-from validation import cases, solvers
-from validation.runs import pool
 from validation.runs.store import Store
-from validation.studies.knobs import Poisson, Zones
 
 
 @pytest.mark.parametrize("done", [0, 1])
@@ -37,24 +34,6 @@ def test_what_is_kept_is_said(capsys, tmp_path, monkeypatch, command, done):
     words = kept if done else "no run is done: there is nothing to keep"
     said = capsys.readouterr().err.splitlines()
     assert said[-2:] == [f"crosscontact: {words}", "crosscontact: interrupted"]
-
-
-@pytest.mark.parametrize("command", ["compare SCENE", "report"])
-def test_what_is_kept_is_said_while_figures_are_drawn(capsys, tmp_path, monkeypatch, command):
-    scene, out = small_scene(tmp_path), tmp_path / "out"
-    for name in solvers.SOLVERS:
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
-
-    def stopped(*given, **more):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("validation.compare.page.write", stopped)
-    loaded = [cases.load(scene)]
-    monkeypatch.setattr(cases, "load_all", lambda names: loaded)
-    assert main([*command.replace("SCENE", scene).split(), "--jobs", "1", "--out", str(out)]) == 1
-    said = capsys.readouterr().err.splitlines()
-    kept = f"crosscontact: {out} holds what is done: the same command goes on with it"
-    assert said[-2:] == [kept, "crosscontact: interrupted"]
 
 
 @pytest.mark.parametrize(
@@ -81,12 +60,6 @@ def test_what_an_exam_keeps_is_said(capsys, tmp_path, monkeypatch, action, work,
     said = capsys.readouterr().err.splitlines()
     assert said[-2:] == [f"crosscontact: {place}{words}", "crosscontact: interrupted"]
     assert sorted(tmp_path.rglob("*")) == written
-
-
-def test_without_a_folder_nothing_is_kept(capsys):
-    with pytest.raises(KeyboardInterrupt), telling_what_is_kept(None, Store()):
-        raise KeyboardInterrupt
-    assert capsys.readouterr().err == "crosscontact: without --out DIR nothing is kept\n"
 
 
 def test_an_interruption_that_a_library_made_an_error_of_is_one(capsys):
@@ -118,46 +91,3 @@ sys.exit(main(["scenes"]))
 """
     done = subprocess.run([sys.executable, "-c", stopping], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (1, "", "crosscontact: interrupted\n")
-
-
-def by_poisson(case, store, progress=None):
-    found = Poisson().runs(case, (10.0, 30.0), progress, None, store)
-    return [one.run.measures for one in found]
-
-
-def by_zones(case, store, progress=None):
-    runs = Zones(("bem", "reference")).runs(case, (0.05, 0.01), progress, store=store)
-    return [(one.label, one.value, one.costs.get("steps"), Zones().errors(one)) for one in runs]
-
-
-@pytest.mark.parametrize("study", [by_poisson, by_zones])
-def test_an_interrupted_study_does_what_is_missing(tmp_path, monkeypatch, study):
-    for name in solvers.SOLVERS:
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
-    case, begun, execute = cases.load(small_scene(tmp_path)), [], pool.execute
-
-    def counted(function, arguments):
-        begun.append(function)
-        if len(begun) == stop_at:
-            raise KeyboardInterrupt
-        return execute(function, arguments)
-
-    monkeypatch.setattr(pool, "execute", counted)
-    stop_at = 0
-    whole = study(case, Store())
-    count = len(begun)
-    stop_at = count + 3
-    with pytest.raises(KeyboardInterrupt):
-        study(case, Store(tmp_path))
-    begun.clear()
-    stop_at = 0
-    store = Store(tmp_path)
-    again = study(case, store)
-    assert len(begun) + store.taken_over == count
-    assert store.taken_over >= 2  # of an elastic scene, some runs are the same
-    seconds = ("wall_seconds", "cpu_seconds")
-    if study is by_poisson:
-        for run in (*whole, *again):
-            for name in seconds:
-                run.pop(name, None)
-    assert again == whole

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import threading
 
 import pytest
 
@@ -68,24 +67,6 @@ def test_plain_lines_elsewhere(clock):
     assert lines == [f"work: {tenth}0 %" for tenth in range(1, 11)] + ["work: done"]
 
 
-def test_quick_work_is_silent(clock):
-    stream = io.StringIO()
-    show = progress.Progress("work", stream)
-    for percent in range(100):
-        show(percent / 100)
-    assert stream.getvalue() == ""
-
-
-@pytest.mark.usefixtures("_terminal")
-def test_bar_without_unicode(clock):
-    stream = Terminal()
-    stream.encoding = "ascii"
-    show = progress.Progress("work", stream)
-    show(1.0, "end")
-    assert "-" * progress.WIDTH in stream.getvalue()
-    assert stream.getvalue().isascii()
-
-
 @pytest.fixture
 def work(clock, monkeypatch):
     """Progress without its thread, and its lines."""
@@ -110,17 +91,6 @@ def test_a_silent_phase_is_told_to_go_on(clock, work):
     assert lines()[-1] == "work: drawing: 40 %: about 8 s left"
 
 
-def test_the_thread_tells_by_itself(monkeypatch):
-    for name in ("SILENCE", "SILENT_SHARE"):
-        monkeypatch.setattr(progress, name, 0.0)
-    told = threading.Event()
-    monkeypatch.setattr(progress.Progress, "tell", lambda self: told.set())
-    with progress.Progress("work", io.StringIO()) as show:
-        show.phase("set-up")
-        assert told.wait(10.0)
-    assert show._closed.is_set()
-
-
 def test_a_run_tells_its_steps_and_the_time_left_by_its_loading(clock, work):
     show, lines = work
     count = progress.StepProgress(show, "measuring")
@@ -131,25 +101,6 @@ def test_a_run_tells_its_steps_and_the_time_left_by_its_loading(clock, work):
     assert told[-1].startswith("work: solving: 100 %: 101 steps")
     middle = next(line for line in told if " 40 %" in line)
     assert middle == "work: solving: 40 %: 81 steps, about 24 s left"
-
-
-def test_no_time_is_left_to_be_told_before_a_share_of_the_work_is_done(clock, work):
-    """Of two hundred runs the second took two minutes: nothing is told before a twentieth of them is done."""
-    show, lines = work
-    show.phase("runs")
-
-    def run(seconds):
-        clock[0] += seconds
-        show.tell()
-
-    seconds = [2.0, 120.0] + [2.0] * 200
-    made = [Task(str(n), "run", run, (each,)) for n, each in enumerate(seconds)]
-    run_tasks(made, progress=show)
-    told = lines()
-    assert told[0].startswith("work: runs: 1/202 run: ")
-    assert "left" not in told[0]
-    first = next(line for line in told if "left" in line)
-    assert first.startswith("work: runs: 11/202 run: 0.0 s, about 41 min left")
 
 
 def test_tasks_tell_the_time_left_by_those_finished_before(clock, tmp_path):

@@ -11,7 +11,6 @@ from contact_scene import SceneError, UnsupportedScene, read_scene
 from crosscontact.cli import main
 from crosscontact.commands.fields import METHOD
 from validation import solvers
-from validation.scenes import FOLDER
 from validation.solvers.finite_elements import FiniteElements
 from validation.studies import ladders as schemes
 
@@ -62,11 +61,6 @@ def test_a_scene_that_no_solver_takes_is_one_line(capsys, tmp_path, lost, comman
 
 
 @pytest.mark.usefixtures("_stand_ins")
-def test_a_scene_of_several_that_no_solver_takes_is_named(capsys, tmp_path, lost):
-    assert lost in one_line(capsys, "compare", small_scene(tmp_path), lost, "--jobs", "1")
-
-
-@pytest.mark.usefixtures("_stand_ins")
 def test_different_reasons_are_told_with_their_solvers(capsys, tmp_path, monkeypatch):
     class Pickier(FunctionSolver):
         def refusal(self, scene):
@@ -89,13 +83,6 @@ def test_a_solver_that_refuses_costs_the_others_nothing(capsys, tmp_path, monkey
     assert row[1:3] == ["outcome", "refused"]
     assert " ".join(row).endswith("refused: indenter: is too round; allowed: another one")
     assert any(row[:2] == ["bem", "dissipated"] for row in rows)
-
-
-@pytest.mark.usefixtures("_stand_ins")
-def test_a_solver_that_disagrees_is_still_told(tmp_path, monkeypatch):
-    monkeypatch.setitem(solvers.SOLVERS, "fem", Picky(spring(), "fem"))
-    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", FunctionSolver(spring(stiffness=2.0))))
-    assert main(["compare", small_scene(tmp_path), "--jobs", "1"]) == 1
 
 
 @pytest.mark.usefixtures("_stand_ins")
@@ -183,11 +170,3 @@ def test_what_the_memory_does_not_hold_is_refused_before_a_mesh_is_made(
     assert one_line(capsys, *given).endswith(
         "allowed: a longer process zone, a smaller contact, or another solver"
     )
-
-
-def test_fields_have_a_mesh_of_their_own():
-    """It does not follow the edge, whatever that of ``solve`` does."""
-    scene = read_scene(FOLDER / "pdms-cycle-1um.toml")
-    assert FiniteElements().follows_edge(scene)
-    assert not METHOD.follows_edge(scene)
-    assert METHOD.mesh_bytes(scene, 8) != FiniteElements().mesh_bytes(scene, 8)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 
 import pytest
@@ -69,20 +68,6 @@ def test_other_commands_say_it(says, above, tmp_path, command):
     said = says(name, above, *options, "--out", str(tmp_path / "o"))
     assert OUTCOME in said
     assert WHERE in said
-
-
-@pytest.mark.slow
-def test_a_sweep_goes_on_past_it(says, above, tmp_path):
-    plan = tmp_path / "plan.toml"
-    plan.write_text(
-        f'title = "starts"\nscene = "{above}"\nsolver = "reference"\nresolution = 4\n'
-        '[[coordinates]]\nname = "start"\nkey = "loading.penetration"\nvalues = [-0.1, 0.0]\n'
-    )
-    says("sweep", str(plan), "--jobs", "1", "--out", str(tmp_path / "o"))
-    with (tmp_path / "o" / "sweep.csv").open(newline="") as stream:
-        without, complete = csv.DictReader(stream)
-    assert (without["outcome"], complete["outcome"]) == (OUTCOME, "completed")
-    assert WHERE in without["reason"]
 
 
 def test_no_answer_to_an_exam(above, tmp_path):

@@ -19,12 +19,11 @@ from crosscontact.cli import main
 from validation import solvers
 from validation.runs import store
 from validation.runs.pool import Engine
-from validation.runs.store import RunRecord, RunTable, StoredRun
+from validation.runs.store import RunTable
 from validation.sweeps import run_plan
-from validation.sweeps.dataset import to_dataset, write_results
-from validation.sweeps.figures import draw
+from validation.sweeps.dataset import to_dataset
 from validation.sweeps.plan import plan_from_dict
-from validation.sweeps.run_plan import OtherVersion, RunSettings, carry_out, forecast, run_batch
+from validation.sweeps.run_plan import OtherVersion, RunSettings, carry_out, run_batch
 
 RATES = [0.01, 0.02, 0.05]
 DEPTHS = [0.02, 0.03]
@@ -78,7 +77,7 @@ def test_what_is_refused_or_breaks_down_stays_with_its_reason(scene_file, calls)
     assert np.isnan(data.approach_force.values).tolist() == [[True, True], [False, True]]
 
 
-def test_a_changed_plan_shares_its_runs_with_the_old_one(tmp_path, scene_file, calls):
+def test_a_changed_plan_shares_its_runs_and_repeated_points_are_run_once(tmp_path, scene_file, calls):
     out = tmp_path / "out"
     first = swept(scene_file, out=out)
     bytes_of = {name: (out / name).read_bytes() for name in ("sweep.nc", "sweep.csv")}
@@ -86,15 +85,9 @@ def test_a_changed_plan_shares_its_runs_with_the_old_one(tmp_path, scene_file, c
     swept(scene_file, out=out)
     assert len(calls) == 6
     assert {name: (out / name).read_bytes() for name in bytes_of} == bytes_of
-    wider = swept(scene_file, [*RATES, 0.03], out=out)
+    wider = swept(scene_file, [*RATES, 0.03, 0.03], out=out)
     assert sorted(calls[6:]) == [(0.03, 0.02), (0.03, 0.03)]
     assert first.approach_force.equals(wider.approach_force.isel({"loading.steps.0.rate": slice(3)}))
-
-
-def test_a_repeated_point_is_run_once(scene_file, calls):
-    data = swept(scene_file, [0.02, 0.02])
-    assert len(calls) == 2
-    assert data.approach_force.values[0].tolist() == data.approach_force.values[1].tolist()
 
 
 def test_the_file_opens_with_stock_xarray(tmp_path, scene_file, calls):
@@ -122,6 +115,11 @@ def speeds_plan(scene_file, tmp_path, rates):
     return plan_from_dict(asked, tmp_path)
 
 
+def test_a_worker_with_other_sources_is_refused():
+    with pytest.raises(OtherVersion, match="another version"):
+        run_batch([], RunSettings("bem"), "other")
+
+
 def test_a_batch_that_ends_its_process_is_run_again_one_by_one(tmp_path, scene_file, calls, monkeypatch):
     sizes = []
 
@@ -142,33 +140,6 @@ def test_a_batch_that_ends_its_process_is_run_again_one_by_one(tmp_path, scene_f
         assert sizes == [2, 2, 1, 1]
         assert sorted(rate for rate, _ in calls) == [0.01, 0.03, 0.06]
         assert len(run_plan.missing_runs(plan, table)[1]) == 1  # another attempt may end otherwise
-
-
-def test_a_worker_with_other_sources_is_refused(monkeypatch):
-    with pytest.raises(OtherVersion, match="another version"):
-        run_batch([], RunSettings("bem"), "other")
-
-
-def test_stored_runs_give_their_numbers_back_and_damage_is_told(tmp_path):
-    numbers = RunRecord("completed", "", True, {"a": 0.1 + 0.2, "b": 5e-324}, rows=2)
-    columns = {"time": np.array([0.0, 1.0 / 3.0])}
-    with RunTable(tmp_path) as table:
-        table.keep([StoredRun("x", numbers, 1.5, columns), StoredRun("y", numbers, 0.5)])
-    with RunTable(tmp_path) as table:
-        assert table.record("x") == numbers
-        assert table.columns("x")["time"].tobytes() == columns["time"].tobytes()
-        assert table.seconds_of("x") == 1.5
-        assert [table.holds("x", trace=True), table.holds("y"), table.holds("y", trace=True)] == [
-            True,
-            True,
-            False,
-        ]
-        assert table.record("z") is None
-    (tmp_path / "runs.sqlite").write_bytes(b"no database, but long enough to be one" * 100)
-    with pytest.raises(cc.SceneError, match=r"runs\.sqlite cannot be used"):
-        RunTable(tmp_path)
-    with RunTable(tmp_path, fresh=True) as table:
-        assert not table.holds("x")
 
 
 @pytest.mark.parametrize("pages", [1, 5])
@@ -213,6 +184,10 @@ def write_plan(tmp_path, scene_file):
 
 def test_the_command_writes_draws_and_says_what_did_not_end(capsys, tmp_path, scene_file, calls):
     plan, out = write_plan(tmp_path, scene_file), tmp_path / "out"
+    assert main(["sweep", plan]) == 2
+    assert "--out: is missing; allowed: a folder for the results, or --dry-run" in capsys.readouterr().err
+    assert main(["sweep"]) == 0
+    assert "speed-preload" in capsys.readouterr().out
     assert main(["sweep", plan, "--dry-run"]) == 0
     assert "3 runs of small by bem, 0 stored, 3 to do" in capsys.readouterr().out
     assert main(["sweep", plan, "--out", str(out), "--jobs", "1"]) == 1  # one is refused
@@ -227,18 +202,6 @@ def test_the_command_writes_draws_and_says_what_did_not_end(capsys, tmp_path, sc
     assert main(["sweep", plan, "--dry-run", "--out", str(out)]) == 0
     assert "3 stored, 0 to do" in capsys.readouterr().out
     assert len(calls) == 4  # the dry run carries out the first
-
-
-def test_the_command_refuses_in_one_line(capsys, tmp_path, scene_file):
-    plan = write_plan(tmp_path, scene_file)
-    assert main(["sweep", plan]) == 2
-    assert capsys.readouterr().err == (
-        "crosscontact: error: --out: is missing; allowed: a folder for the results, or --dry-run\n"
-    )
-    assert main(["sweep", "--plot", str(tmp_path / "nothing")]) == 2
-    assert "has no sweep.nc" in capsys.readouterr().err
-    assert main(["sweep"]) == 0
-    assert "speed-preload" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("kind", ["hdf5", pytest.param("parquet", marks=pytest.mark.slow)])
@@ -285,14 +248,3 @@ def test_a_solver_that_is_installed_beside_is_told_apart_by_its_version(tmp_path
         monkeypatch.setattr(type(solvers.SOLVERS), "origin", lambda self, name, v=version: v)
         prints.append(RunSettings("reference").fingerprint(scene))
     assert len(set(prints)) == 3
-
-
-@pytest.mark.slow
-def test_the_forecast_of_the_size_is_right_within_a_factor_of_two(tmp_path, monkeypatch):
-    plan = plan_of(24, tmp_path)
-    out = tmp_path / "out"
-    out.mkdir()
-    with RunTable(out) as table:
-        expected = forecast(plan, table).bytes
-        draw(write_results(plan, carry_out(plan, table), out), out)
-    assert 0.5 < sum(file.stat().st_size for file in out.iterdir()) / expected < 2.0
