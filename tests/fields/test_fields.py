@@ -26,25 +26,16 @@ def mesh():
     return structured_half_space(fit(0.0, 0.22, 0.013, 2, domain_ratio=200.0))
 
 
-def recorded(path="condensed", poisson=0.3, form="mixed", bulk=None):
-    return _recorded(path, poisson, form, bulk)
-
-
 @cache
-def _recorded(path, poisson, form, bulk):
-    material = Material(0.75, poisson, TWO, bulk)
-    scene = Scene(material, Sphere(1.0), Loading("jump-in", 0.015, STEPS), ADHESION)
+def recorded(path="condensed", poisson=0.3, form="mixed"):
+    scene = Scene(Material(0.75, poisson, TWO), Sphere(1.0), Loading("jump-in", 0.015, STEPS), ADHESION)
     options = Options(tolerance=3e-2, path=path, form=form, record_times=(TURN, END), record_pull_off=True)
     return record(scene, mesh(), options)
 
 
-def states(path="condensed", poisson=0.3, form="mixed", bulk=None):
-    return _states(path, poisson, form, bulk)
-
-
 @cache
-def _states(path, poisson, form, bulk):
-    recording = recorded(path, poisson, form, bulk)
+def states(path="condensed", poisson=0.3, form="mixed"):
+    recording = recorded(path, poisson, form)
     return list(field_states(recording, {recording.rows[time]: f"t = {time}" for time in (TURN, END)}))
 
 

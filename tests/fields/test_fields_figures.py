@@ -315,13 +315,13 @@ def test_fig3_lays_both_solvers_over_each_other():
 def test_a_report_holds_strips_edge_body_film_and_fig3(tmp_path, monkeypatch, blank):
     """Only when asked; where VTK cannot draw, it says so."""
     monkeypatch.setattr("validation.scenes.suite", lambda name: [])  # a report without scenes
-    key, frames = moments.key_moments(trace(), SCENE), moments.in_contact(trace(), 2)
+    rows = FigureSet(moments=True, animate=True, frames=2).rows(trace(), SCENE)
 
     class Recorded:
         recording = type("Recording", (), {"trace": trace()})
 
         def states(self):
-            return states(dict(sorted((dict.fromkeys(frames, "") | key).items())))
+            return states(rows)
 
     monkeypatch.setattr(chapter, "record_fields", lambda *given: Recorded())
     monkeypatch.setattr(chapter, "balance", lambda *given: moments.EnergySums(1, 1, {}, 1.5, 1, 1, 0, 1))

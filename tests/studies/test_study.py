@@ -12,7 +12,7 @@ from support.converging_schemes import ORDERS, converging
 from support.spring_solver import StudiedSolver, small_scene
 from support.unlaid_figures import without_layout
 
-from contact_scene import OutcomeKind, SceneError
+from contact_scene import OutcomeKind
 from crosscontact.cli import main
 from validation.cases import load
 from validation.report import html, markdown
@@ -156,24 +156,21 @@ def test_a_level_that_breaks_down_keeps_its_place(scene_file, fakes):
     assert row["orders"] == [None] * 4
 
 
-def test_a_coarser_reference_serves_where_the_finest_fails(scene_file, fakes):
-    def breaking(scene, resolution, **options):
-        if resolution == 80:
-            raise FloatingPointError("too fine")
-        return converging(2.0)(scene, resolution)
+def test_a_coarser_reference_serves_or_values_are_judged_alone(scene_file, fakes):
+    def failing(at_least):
+        def solve(scene, resolution, **options):
+            if resolution >= at_least:
+                raise FloatingPointError("too fine")
+            return converging(2.0)(scene, resolution)
 
-    fakes(reference=breaking)
+        return solve
+
+    fakes(reference=failing(80))
     found, data = studied(scene_file)
     said = data["scenes"][0]["reference"]
     assert said.startswith("front tracking at resolution 60; 80 failed: FloatingPointError")
     assert said in markdown.text(document(found, figures=False))
-
-
-def test_without_a_reference_values_are_judged_alone(scene_file, fakes):
-    def refusing(scene, resolution, **options):
-        raise SceneError("material", "not this one", "another")
-
-    fakes(reference=refusing)
+    fakes(reference=failing(0))
     found, data = studied(scene_file)
     assert data["scenes"][0]["reference"].startswith("no reference")
     row = observable(ladder_of(data, "bem"), "pull_off_force")

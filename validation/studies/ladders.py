@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from contact_scene import Scene, Trace
@@ -172,9 +173,13 @@ def finest(scene: Scene) -> tuple[int, ...]:
 def ladders(scene: Scene) -> list[Ladder]:
     """All ladders of a study of this scene."""
     adhesive = scene.is_adhesive
-    annuli = (4, 8, 16, 32, 64) if adhesive else (4, 8, 16, 32)
-    first = 4 if adhesive else 2
-    meshes = (3, 4, 6, 8) if adhesive else (2, 4, 6, 8)
+    four, annuli = (4, 8, 16, 32), (4, 8, 16, 32, 64) if adhesive else (4, 8, 16, 32)
+    first, bodies = (4, (4, 6, 8, 12)) if adhesive else (2, (2, 4, 6, 8))
+    coarse, meshes, steps = (
+        ((3, 4, 5, 6), (3, 4, 6, 8), (5, 10, 20, 40))
+        if adhesive
+        else ((2, 4, 6, 8), (2, 4, 6, 8), (4, 6, 8, 12))
+    )
 
     def elements(n: float) -> Settings:
         """Grading with the element size: near and far are refined alike."""
@@ -183,77 +188,50 @@ def ladders(scene: Scene) -> list[Ladder]:
     def mesh(n: float) -> Settings:
         return Settings(int(n), step_resolution=12, tolerance=6e-4, grading=0.5 * meshes[0] / n)
 
-    def steps(n: float) -> Settings:
+    def step(n: float) -> Settings:
         return Settings(4, step_resolution=int(n), tolerance=5e-3 * (4 / n) ** 2)
 
-    together = [
+    def tolerance(n: float) -> Settings:
+        return Settings(8, tolerance=0.01 / n**2)
+
+    def domain(n: float, far_field: bool = True) -> Settings:
+        return Settings(4, domain_ratio=n, far_field=far_field)
+
+    graded = "elements per zone, grading; step tolerance with their square"
+    price = "as the condensed form, whose answer it repeats: only the price is of interest"
+    held = partial(
+        domain, far_field=False
+    )  # which the displacement F/r of a force makes wrong to first order
+    found = [
         _ladder(BEM, "together", "annuli per zone; step tolerance with their square", annuli),
         _ladder(PAPER, "together", "annuli per zone; fixed step in proportion", annuli),
+        _ladder(FEM, "together", graded, bodies, elements),
+        _ladder(VOLUME, "together", price, coarse, elements),
+        _ladder(REFERENCE, "together", "steps per zone; tolerance with their square", steps),
         _ladder(
-            FEM,
-            "together",
-            "elements per zone, grading; step tolerance with their square",
-            (4, 6, 8, 12) if adhesive else (2, 4, 6, 8),
-            elements,
-        ),
-        _ladder(
-            VOLUME,
-            "together",
-            "as the condensed form, whose answer it repeats: only the price is of interest",
-            (3, 4, 5, 6) if adhesive else (2, 4, 6, 8),
-            elements,
-        ),
-        _ladder(
-            REFERENCE,
-            "together",
-            "steps per zone; tolerance with their square",
-            (5, 10, 20, 40) if adhesive else (4, 6, 8, 12),
-        ),
-    ]
-    apart = [
-        _ladder(
-            BEM,
-            "step",
-            "step tolerance, by 4, on 8 annuli per zone",
-            (1, 2, 4, 8),
-            lambda n: Settings(8, tolerance=0.01 / n**2),
+            BEM, "step", "step tolerance, by 4, on 8 annuli per zone", (1, 2, 4, 8), tolerance,
             lambda n: f"tolerance {0.01 / n**2:.2g}",
         ),
-        _ladder(FEM, "step", "step, at 4 elements per zone", (2, 4, 8, 16), steps, lambda n: f"steps {n:g}"),
+        _ladder(FEM, "step", "step, at 4 elements per zone", (2, 4, 8, 16), step, "steps {:g}".format),
         _ladder(
-            BEM,
-            "mesh",
-            "annuli per zone, at step tolerance 6e-4",
-            (4, 8, 16, 32),
+            BEM, "mesh", "annuli per zone, at step tolerance 6e-4", four,
             lambda n: Settings(int(n), tolerance=6e-4),
         ),
         _ladder(FEM, "mesh", "elements per zone, grading, at 12 steps per zone", meshes, mesh),
-        _ladder(  # the far boundary carries the displacement of the total force, so the error is small
-            FEM,
-            "domain",
-            "domain radius over the largest contact radius",
-            (12.5, 25.0, 50.0, 100.0),
-            lambda n: Settings(4, domain_ratio=n),
-            lambda n: f"{n:g} a",
-            nominal=2.0,
+        # the far boundary carries the displacement of the total force, so the error is small
+        _ladder(
+            FEM, "domain", "domain radius over the largest contact radius", (12.5, 25.0, 50.0, 100.0), domain,
+            "{:g} a".format, nominal=2.0,
         ),
-        _ladder(  # which the displacement F/r of a force makes wrong to first order
-            FEM,
-            "domain, far boundary held",
-            "domain radius, no far field",
-            (25.0, 50.0, 100.0, 200.0),
-            lambda n: Settings(4, domain_ratio=n, far_field=False),
-            lambda n: f"{n:g} a",
-            nominal=1.0,
+        _ladder(
+            FEM, "domain, far boundary held", "domain radius, no far field", (25.0, 50.0, 100.0, 200.0), held,
+            "{:g} a".format, nominal=1.0,
         ),
-    ]
-    zones = [_zone_ladder(BEM, 6), _zone_ladder(FEM, 4), _zone_ladder(REFERENCE, 5)] if adhesive else []
-    others = [
-        _ladder(name, "together", "divisions per zone", (4, 8, 16, 32))
-        for name in SOLVERS
-        if name not in SCHEMES
-    ]
-    return together + apart + zones + others
+    ]  # fmt: skip
+    if adhesive:
+        found += [_zone_ladder(BEM, 6), _zone_ladder(FEM, 4), _zone_ladder(REFERENCE, 5)]
+    others = [name for name in SOLVERS if name not in SCHEMES]
+    return found + [_ladder(name, "together", "divisions per zone", four) for name in others]
 
 
 def _zone_ladder(name: str, divisions: int) -> Ladder:
