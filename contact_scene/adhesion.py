@@ -81,25 +81,13 @@ class Adhesion(Checked):
     """Adhesion of the interface.
 
     The process zone is part of the model, not a numerical parameter: results converge with mesh and step
-    at *fixed* zone, and its length sets the speed scale of the viscoelastic enhancement.
-
-    Parameters
-    ----------
-    work : float
-        Work of adhesion, 0 or positive (energy per area), at which an edge opens that is at rest.
-    zone : float
-        Process-zone length > 0. With ``stress`` it is the length at rest, which the scene sets.
-    work_closing : float, optional
-        Energy per area, not above ``work``, at which an edge closes. Default: ``work``.
-    rate : PowerRate or RateTable, optional
-        Work of an opening edge against its speed. Default: ``work`` at any speed.
-    stress : float, optional
-        Cohesive stress of a process zone whose length follows from it, instead of ``zone``.
+    at *fixed* zone, and its length sets the speed scale of the viscoelastic enhancement. With a cohesive
+    ``stress`` it follows from that; ``zone`` is then the length at rest, which the scene sets.
     """
 
-    work: Annotated[ZeroOrPositive, Key("work of adhesion", "force length-1")]
+    work: Annotated[ZeroOrPositive, Key("work of adhesion at rest, of an opening edge", "force length-1")]
     zone: Annotated[NotNegative, Key("length of the process zone", "length")] = 0.0
-    work_closing: Annotated[Positive | None, Key("work at which an edge closes", "force length-1")] = None
+    work_closing: Annotated[Positive | None, Key("the same of one that closes", "force length-1")] = None
     rate: Annotated[PowerRate | RateTable | None, Key("work of an opening edge against its speed")] = None
     stress: Annotated[Positive | None, Key("cohesive stress, instead of zone", "force length-2")] = None
 

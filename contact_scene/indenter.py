@@ -129,19 +129,11 @@ class PowerLaw(Indenter, Checked):
 class TabulatedProfile(Indenter, Tabulated):
     """Tabulated profile: monotone cubic through the points, straight beyond the last.
 
-    Parameters
-    ----------
-    radii, heights : tuple of float, length >= 3
-        Radii rise from 0; heights never fall. The height at the axis is subtracted from all.
-    file : str
-        Where the table came from; no part of the comparison of two profiles.
-
-    Notes
-    -----
-    The curve has a continuous slope, passes through every point and never falls between two.
-    Scatter in a measured table counts as the real shape as long as the heights do not fall. Where they do,
-    however little, the table is refused with the row: such an indenter may touch in a ring, which a contact
-    area that is a full disc cannot represent, and smoothing would change the shape.
+    The height at the axis is subtracted from all. The curve has a continuous slope, passes through every
+    point and never falls between two. Scatter in a measured table counts as the real shape as long as the
+    heights do not fall. Where they do, however little, the table is refused with the row: such an indenter
+    may touch in a ring, which a contact area that is a full disc cannot represent, and smoothing would
+    change the shape.
     """
 
     radii: Annotated[tuple[NotNegative, ...], Key("radii, rising from 0", "length")]

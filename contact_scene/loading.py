@@ -63,22 +63,10 @@ def passed(side: float, excess: float) -> bool:
 class Segment:
     """One step of the loading on the time axis.
 
-    Parameters
-    ----------
-    control : "penetration", "force" or "stage"
-        Which of them is prescribed.
-    start, end : float
-        Times; ``end >= start``.
-    value, rate : callable(float) -> float
-        Prescribed quantity and its time derivative (from the right) at an absolute time within the interval.
-    kinks : tuple of float
-        Times strictly inside the interval where the rate jumps.
-    linear : bool
-        Whether ``value`` is linear between kinks.
-    compliance : float
-        Of the machine, where the stage is prescribed; otherwise 0.
-    trigger : Trigger or None
-        What ends the step before its ``end``.
+    ``value`` and its ``rate`` (from the right) are those of the prescribed quantity at absolute times, from
+    ``start`` to ``end >= start``; the rate jumps at the ``kinks`` strictly inside, and is constant between
+    them if ``linear``. ``compliance`` is that of the machine where the stage is prescribed, otherwise 0.
+    ``trigger`` ends the step before its ``end``.
 
     Where ``value(start)`` differs from the state reached before, the load jumps, and the half-space answers
     with its glassy modulus.
@@ -389,31 +377,17 @@ def _pieces(
 class Approach(Step, Checked):
     """Approach at ``rate`` until ``force``, stay for ``dwell``, go back at speed ``retract``.
 
-    Parameters
-    ----------
-    rate : float
-        Speed of the approach.
-    force : float
-        Force at which it ends.
-    dwell : float
-        Time for which penetration (or stage) stays.
-    retract : float, optional
-        Speed of the retraction; default: ``rate``.
-    to : float, optional
-        Greatest penetration (or position of the stage) of the approach; a run that gets there without the
-        force ends, and says so. Default: a bound before which the force is reached for certain, which the
-        scene states where it can (:mod:`contact_scene.approach_bound`).
-    away : float, optional
-        Where the retraction ends, if the contact is not lost before; default: as far above the surface as
-        ``to`` is below, and where adhesion holds farther, as far as the scene knows it to hold at most.
+    A run that gets to ``to`` without the force ends, and says so. Bounds that are not given the scene states
+    where it can (:mod:`contact_scene.approach_bound`): ``to`` before which the force is reached for certain;
+    ``away`` as far above the surface as ``to`` is below, or farther, where adhesion holds so far.
     """
 
     rate: Annotated[Positive, Key("speed of the approach", "length time-1")]
     force: Annotated[Finite, Key("force at which it ends", "force")]
-    to: Annotated[Positive | None, Key("greatest penetration of the approach", "length")] = None
-    dwell: Annotated[NotNegative, Key("how long the penetration stays", "time")] = 0.0
-    retract: Annotated[Positive | None, Key("speed of the retraction", "length time-1")] = None
-    away: Annotated[Finite | None, Key("where the retraction ends", "length")] = None
+    to: Annotated[Positive | None, Key("greatest penetration (or position of the stage)", "length")] = None
+    dwell: Annotated[NotNegative, Key("time for which penetration (or stage) stays", "time")] = 0.0
+    retract: Annotated[Positive | None, Key("speed of the retraction, else rate", "length time-1")] = None
+    away: Annotated[Finite | None, Key("where the retraction ends with contact", "length")] = None
     kind: ClassVar[str] = "approach"
 
     def rules(self) -> None:
@@ -447,24 +421,15 @@ STEPS = Kinds((Ramp, Hold, Force, ForceRamp, Oscillate, Sweep, Table, Approach))
 class Loading(Checked):
     """Start state, steps, and the machine they drive.
 
-    Parameters
-    ----------
-    start : "jump-in", "relaxed" or "snap-in"
-        Glassy or fully relaxed equilibrium at ``penetration``; or contact made at constant stage, the glassy
-        equilibrium with the stage at ``penetration`` (on a rigid machine that is "jump-in"). Where a profile
-        allows more than one, it is the one with the outermost stable edge.
-    penetration : float
-        Penetration of the start state; of a "snap-in", position of the stage.
-    steps : tuple of Step
-        Carried out in order; may be empty (the start state alone). An :class:`Approach` stands for several,
-        which the scene puts in where one of them has no bound.
-    machine : Machine, optional
-        What holds the indenter; default: rigid. With a spring the steps that prescribe a penetration
-        prescribe the position of the stage, which is that of the start state at first.
+    A run starts from the glassy ("jump-in") or the fully relaxed equilibrium at ``penetration``; or from
+    contact made at constant stage ("snap-in"), the glassy equilibrium with the stage at ``penetration``,
+    which on a rigid machine is "jump-in". Where a profile allows more than one, it is the one with the
+    outermost stable edge. With a spring, steps that prescribe a penetration prescribe the position of the
+    stage, which is that of the start state at first. An :class:`Approach` stands for several steps.
     """
 
     start: Annotated[str, Words(("jump-in", "relaxed", "snap-in")), Key("state a run starts from")]
-    penetration: Annotated[Finite, Key("penetration of that state", "length")]
+    penetration: Annotated[Finite, Key("penetration (of a snap-in: stage) of that state", "length")]
     steps: Annotated[tuple[Annotated[Step, STEPS], ...], Key("load steps, in order")] = ()
     machine: Annotated[Machine | None, Key("spring that holds the indenter")] = None
 

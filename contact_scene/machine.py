@@ -12,9 +12,9 @@ work done on contact and machine together is that of the stage, ``int F dX = int
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Protocol
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,13 +49,9 @@ class Machine(Checked):
         return 1.0 / self.stiffness
 
 
-class Rows(Protocol):
-    """Columns by name."""
-
-    def __getitem__(self, name: str) -> Array: ...
-
-
-def machine_columns(columns: Rows, machine: Machine, events: Sequence[Event]) -> dict[str, Array]:
+def machine_columns(
+    columns: Mapping[str, Array], machine: Machine, events: Sequence[Event]
+) -> dict[str, Array]:
     """Columns that follow from the machine, and the external work as that of the stage.
 
     ``columns`` are those of a trace, its external work that of the indenter, ``int F dD``, a straight line in
@@ -88,7 +84,7 @@ def on_machine(trace: Trace, machine: Machine | None) -> Trace:
     return replace(trace, external_work=columns["external_work"], extra=extra)
 
 
-def _row_of(columns: Rows, event: Event) -> int | None:
+def _row_of(columns: Mapping[str, Array], event: Event) -> int | None:
     """The row from which an instability starts: of those at its time the one next to its contact radius.
 
     A solver may know the limit point better than its rows do.

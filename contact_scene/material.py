@@ -66,18 +66,8 @@ class BulkRelaxation(Checked):
 class Material(Checked):
     """Prony material with a constant Poisson's ratio (or, with ``bulk``, separate bulk relaxation).
 
-    Parameters
-    ----------
-    modulus : float
-        Relaxed Young's modulus ``E0`` > 0.
-    poisson : float
-        Poisson's ratio, 0 <= nu <= 0.5.
-    branches : tuple of Branch
-        Maxwell branches of Young's modulus; none for an elastic half-space.
-    bulk : None, "elastic" or BulkRelaxation
-        ``None``: Poisson's ratio is constant, bulk and shear relax alike. Otherwise
-        ``E(t)/(2 (1 + nu))`` is the *shear* relaxation modulus, and the bulk modulus is constant
-        at ``E0/(3 (1 - 2 nu))`` (``"elastic"``) or as given.
+    Without ``bulk`` bulk and shear relax alike. Otherwise ``E(t)/(2 (1 + nu))`` is the *shear* relaxation
+    modulus, and the bulk modulus is as given, or constant at ``E0/(3 (1 - 2 nu))`` (``"elastic"``).
     """
 
     modulus: Annotated[Positive, Key("relaxed Young's modulus", "force length-2")]
@@ -162,11 +152,26 @@ WIDEST_SPACING = math.log(10.0)
 the loss modulus would show a peak for each branch (a Debye peak is 1.14 decades wide at half its height)."""
 
 
-@dataclass(frozen=True)
-class StandardLinearSolid(Checked):
-    """``E(t) = relaxed + (glassy - relaxed) exp(-t/time)``."""
+class RelaxationLaw(Checked):
+    """A law of few parameters; each kind expands it into a ``series``."""
 
     tag = "model"
+    model: ClassVar[str]
+
+    def series(self) -> tuple[float, tuple[Branch, ...]]:
+        """Relaxed modulus and branches, ascending in time."""
+        raise AssertionError("defined by every law")
+
+    def material(self, poisson: float) -> Material:
+        """The law as a material."""
+        modulus, branches = self.series()
+        return Material(modulus, poisson, branches)
+
+
+@dataclass(frozen=True)
+class StandardLinearSolid(RelaxationLaw):
+    """``E(t) = relaxed + (glassy - relaxed) exp(-t/time)``."""
+
     model: ClassVar[str] = "standard-linear"
     relaxed: Annotated[Positive, Key("Young's modulus at rest", "force length-2")]
     glassy: Annotated[Positive, Key("Young's modulus at once, above relaxed", "force length-2")]
@@ -177,20 +182,13 @@ class StandardLinearSolid(Checked):
             raise SceneError("glassy", f"got {self.glassy!r}", f"a modulus above relaxed, {self.relaxed!r}")
 
     def series(self) -> tuple[float, tuple[Branch, ...]]:
-        """Relaxed modulus and the one branch."""
         return self.relaxed, (Branch(self.glassy - self.relaxed, self.time),)
-
-    def material(self, poisson: float) -> Material:
-        """The solid as a material."""
-        modulus, branches = self.series()
-        return Material(modulus, poisson, branches)
 
 
 @dataclass(frozen=True)
-class PowerLawRelaxation(Checked):
+class PowerLawRelaxation(RelaxationLaw):
     """``E(t) = relaxed + modulus (t/time)^-exponent`` for ``t`` in ``range``, to ``error``."""
 
-    tag = "model"
     model: ClassVar[str] = "power-law"
     exponent: Annotated[float, Range("0 < exponent < 1", 0.0, 1.0, open=True), Key("exponent", "1")]
     modulus: Annotated[Positive, Key("Young's modulus of the power law at time", "force length-2")]
@@ -206,7 +204,6 @@ class PowerLawRelaxation(Checked):
             raise SceneError("range", f"got {list(self.range)}", "two times, first < last")
 
     def series(self) -> tuple[float, tuple[Branch, ...]]:
-        """Relaxed modulus and branches, ascending in time."""
         n, first, last = self.exponent, *self.range
         spacing = spacing_of(n, 0.5 * self.error)
         log_fastest = math.log(first) - math.log(_fastest_rate(n, 0.25 * self.error))
@@ -236,11 +233,6 @@ class PowerLawRelaxation(Checked):
             for modulus, time in zip(np.exp(log_moduli), np.exp(log_times), strict=True)
         )
         return self.relaxed + math.exp(log_rest), branches
-
-    def material(self, poisson: float) -> Material:
-        """The expansion as a material."""
-        modulus, branches = self.series()
-        return Material(modulus, poisson, branches)
 
 
 MODELS = Kinds((PowerLawRelaxation, StandardLinearSolid))

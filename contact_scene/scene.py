@@ -32,20 +32,12 @@ _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there
 
 @dataclass(frozen=True)
 class Scene(Checked):
-    """A rigid indenter on a viscoelastic half-space.
-
-    Parameters
-    ----------
-    material, indenter, loading : Material, Indenter, Loading
-    adhesion : Adhesion, optional
-        ``None`` (or zero work of adhesion) for adhesionless contact.
-    title : str
-    """
+    """A rigid indenter on a viscoelastic half-space."""
 
     material: Annotated[Material, Key("half-space")]
     indenter: Annotated[Indenter, SHAPES, Key("rigid indenter")]
     loading: Annotated[Loading, Key("what is done with it")]
-    adhesion: Annotated[Adhesion | None, Key("adhesion between them")] = None
+    adhesion: Annotated[Adhesion | None, Key("adhesion between them, if any")] = None
     title: Annotated[str, Key("name of the scene in figures and reports")] = ""
 
     def rules(self) -> None:

@@ -29,21 +29,28 @@ MOST_DECADES = 30.0
 kelvins = Range(f"kelvin, at least {LOWEST_KELVIN:g}", LOWEST_KELVIN)
 
 
+class _Law(Checked):
+    tag = "model"
+    model: ClassVar[str]
+
+    def log_factor(self, temperature: float) -> float:
+        """``ln a_T``."""
+        raise AssertionError("defined by every law")
+
+
 @dataclass(frozen=True)
-class WLF(Checked):
+class WLF(_Law):
     """Williams, Landel and Ferry: ``log10 a_T = -c1 (T - T_ref)/(c2 + T - T_ref)``, for ``T > T_ref - c2``.
 
     Temperatures in degrees, Celsius or kelvin: only differences enter.
     """
 
-    tag = "model"
     model: ClassVar[str] = "WLF"
     c1: Annotated[Positive, Key("first constant", "1")]
     c2: Annotated[Positive, Key("second constant", "degree")]
     reference_temperature: Annotated[Finite, Key("temperature of the stated times", "degree")]
 
     def log_factor(self, temperature: float) -> float:
-        """``ln a_T``."""
         above = finite(temperature, "temperature") - self.reference_temperature
         if above <= -self.c2:
             pole = self.reference_temperature - self.c2
@@ -54,49 +61,45 @@ class WLF(Checked):
 
 
 @dataclass(frozen=True)
-class Arrhenius(Checked):
+class Arrhenius(_Law):
     """``ln a_T = activation_energy/R (1/T - 1/T_ref)``; the scene's ``temperature`` is in kelvin too."""
 
-    tag = "model"
     model: ClassVar[str] = "Arrhenius"
     activation_energy: Annotated[Positive, Key("activation energy", "J/mol")]
     reference_temperature: Annotated[float, kelvins, Key("temperature of the stated times", "kelvin")]
 
     def log_factor(self, temperature: float) -> float:
-        """``ln a_T``."""
         inverse = 1.0 / kelvins(temperature, "temperature") - 1.0 / self.reference_temperature
         return self.activation_energy / GAS_CONSTANT * inverse
 
 
 @dataclass(frozen=True)
-class ShiftTable(Checked):
+class ShiftTable(_Law):
     """Measured shift factors; ``log10 a_T`` is linear in temperature between them.
 
     Temperatures are distinct, at least two, in any order, on the scale of the scene's ``temperature``; the
     factor's logarithm is 0 at the reference temperature.
     """
 
-    tag = "model"
     model: ClassVar[str] = "file"
     temperatures: Annotated[tuple[Finite, ...], Key("temperatures", "degree")]
     log10_factors: Annotated[tuple[Finite, ...], Key("log10 of the shift factors at these", "1")]
 
     def rules(self) -> None:
-        temperatures, factors = self.temperatures, self.log10_factors
-        if len(temperatures) != len(factors):
-            problem = f"{len(temperatures)} temperatures but {len(factors)} shift factors"
+        if len(self.temperatures) != len(self.log10_factors):
+            problem = f"{len(self.log10_factors)} factors for {len(self.temperatures)} temperatures"
             raise SceneError("log10_factors", problem, "one for each")
-        if len(temperatures) < 2:
-            raise SceneError("temperatures", f"{len(temperatures)} rows", "two rows or more")
-        rows = sorted(zip(temperatures, factors, strict=True))
-        for (one, _), (other, _) in pairwise(rows):
+        if len(self.temperatures) < 2:
+            raise SceneError("temperatures", f"{len(self.temperatures)} rows", "two rows or more")
+        rows = sorted(zip(self.temperatures, self.log10_factors, strict=True))
+        temperatures, factors = zip(*rows, strict=True)
+        for one, other in pairwise(temperatures):
             if one == other:
                 raise SceneError("temperature", f"{one:g} comes twice", "distinct temperatures")
-        object.__setattr__(self, "temperatures", tuple(t for t, _ in rows))
-        object.__setattr__(self, "log10_factors", tuple(a for _, a in rows))
+        object.__setattr__(self, "temperatures", temperatures)
+        object.__setattr__(self, "log10_factors", factors)
 
     def log_factor(self, temperature: float) -> float:
-        """``ln a_T``."""
         low, high = self.temperatures[0], self.temperatures[-1]
         if not low <= finite(temperature, "temperature") <= high:
             raise SceneError(

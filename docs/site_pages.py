@@ -90,6 +90,9 @@ def api() -> str:
         module = getattr(thing, "__module__", "")
         kind = "autoclass" if inspect.isclass(thing) else "autofunction" if callable(thing) else "autodata"
         members = "   :members:\n" if kind == "autoclass" and not issubclass(thing, BaseException) else ""
+        if inspect.isclass(thing) and issubclass(thing, Checked):  # what its fields are is declared
+            declared = ((one, field.key) for one, field in fields_of(thing).items() if field.key.text)
+            members += "\n" + "".join(f"   - ``{one}``: {key.text}\n" for one, key in declared)
         if not name.startswith("__"):
             heading = next(GROUPS[start] for start in GROUPS if module.startswith(start))
             entries[heading].append(f".. {kind}:: crosscontact.{name}\n{members}\n")
