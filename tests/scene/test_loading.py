@@ -87,18 +87,6 @@ def test_ramps_start_and_end_exactly_and_stay_between(start, here, there, rate):
             assert min(here, there) - slack <= value <= max(here, there) + slack
 
 
-@pytest.mark.parametrize(
-    "step", [Hold(0.0), Force(0.2, 0.0), Ramp(to=0.1, rate=1.0), ForceRamp(to=0.05, rate=1.0)]
-)
-def test_zero_length(step):
-    segment = step.segment(3.0, 0.1, 0.05)
-    assert segment.end == segment.start == 3.0
-    assert segment.rate(3.0) == 0.0
-    assert segment.kinks == ()
-    expected = {"hold": 0.1, "force": 0.2, "ramp": 0.1, "force-ramp": 0.05}[step.kind]
-    assert segment.value(3.0) == expected
-
-
 def test_duration_lost_in_a_late_start():
     """A step shorter than the spacing of floats at its start is a jump to its end."""
     assert Ramp(to=1e-9, rate=1.0).segment(1e9, 0.0, 0.0).value(1e9) == 1e-9

@@ -24,11 +24,10 @@ from contact_scene.run_control import MAX_STEPS
 from crosscontact.cli import main
 from validation import solvers
 from validation.fields import moments
-from validation.runs.pool import run_tasks
 from validation.solvers import SOLVERS
 from validation.solvers.base import step_budget
-from validation.studies import knobs, study
 from validation.studies import ladders as schemes
+from validation.studies import study
 from validation.studies.ladders import Ladder, Level, Settings
 
 PRESSED = Scene(Material(0.75, 0.5, (Branch(6.75, 1.0),)), Sphere(1.0), Loading("relaxed", 0.04, ()))
@@ -100,16 +99,6 @@ def test_a_study_bounds_every_level(tmp_path, monkeypatch):
     asked.clear()
     main(["study", small_scene(tmp_path), "--jobs", "1"])
     assert set(asked) == {MAX_STEPS}
-
-
-def test_studies_of_zones_and_of_poisson_ratios_bound_every_run(tmp_path, monkeypatch):
-    asked = stand_ins(monkeypatch, "bem", "fem", "reference")
-    monkeypatch.setattr(knobs, "run_tasks", lambda tasks, *others: run_tasks(tasks))
-    given = [small_scene(tmp_path), "--max-steps", "30000"]
-    main(["study", *given, "--zones", "1e-2", "1e-4"])
-    assert asked.count(30_000) == 6
-    main(["study", *given, "--poisson", "10", "--jobs", "1"])
-    assert asked.count(30_000) == 11
 
 
 def test_a_fit_bounds_every_run_of_both_solvers(tmp_path, monkeypatch):

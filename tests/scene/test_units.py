@@ -70,11 +70,9 @@ REFUSED = [
     (profile, "# height, radius", RISING, "allowed: the columns radius, height"),
     (table("penetration"), "# load, time", RISING, "allowed: the columns time, penetration"),
     (profile, "# of a tip\nr [MPa],h", RISING, "radius in MPa; allowed: a unit of length, or none"),
-    (table("penetration"), "time [mm],penetration", RISING, "time in mm; allowed: a unit of time"),
     (rate, "speed [s],work", RATES, "speed in s; allowed: a unit of speed"),
     (shift, "T [s],a_T", RATES, "temperature in s; allowed: a unit of temperature"),
     (shift, "T [K],log_aT [s]", RATES, "log shift factor in s; allowed: no unit"),
-    (measured, "t [mm],E [MPa]", MODULI, "time in mm; allowed: a unit of time"),
     (measured, "w,E',E''\nrad/s,MPa,kPa", DYNAMIC, "loss modulus in kPa, but storage modulus in MPa"),
     (
         material("pyvisco"),
@@ -82,7 +80,6 @@ REFUSED = [
         PYVISCO,
         "modulus in Pa, but instantaneous modulus in MPa",
     ),
-    (curve, "time [um],penetration,force", THREE, "time in um; allowed: a unit of time"),
     (
         curve,
         "time,penetration [nm],force,contact_radius [um]",
@@ -94,7 +91,6 @@ TAKEN = [
     (profile, "radius [mm],height [mm]", RISING),
     (profile, "r (µm), h (um)", RISING),
     (profile, "# height\n# radius [mm], height [mm]\n# made in 3 [s], by 2 [N]", RISING),
-    (table("penetration"), "time [s],penetration [nm]", RISING),
     (rate, "speed [m/s],work [J/m^2]", RATES),
     (shift, "T [°C],a_T [-]", RATES),
     (measured, "f [Hz],E' [MPa],E'' [MPa]", DYNAMIC),
