@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from validation.cases import load
+from validation.claims import evidence as sweeps
 from validation.claims import measures
 from validation.claims.claim import (
     FAILS,
@@ -27,23 +28,14 @@ from validation.claims.claim import (
     over,
     peaks,
 )
-from validation.claims.evidence import (
-    BOTH,
-    CYCLE_SPEEDS,
-    DEPTH,
-    HALF_ZONE,
-    HALF_ZONE_SPEEDS,
-    SURFACES,
-    Evidence,
-    cycle,
-)
+from validation.claims.evidence import BOTH, Evidence, cycle
 from validation.claims.measures import BASE, SOFT, STIFF, elastic, elastic_pull_off, hysteresis, jkr
 from validation.measure.events import end_of_approach
 from validation.reference.creep_compliance import creep_compliance
 from validation.solvers import REFERENCE
 
 FIG2, FIG3 = "Sec. III, Fig. 2", "Sec. III, Fig. 3"
-SLOWEST, FASTEST = CYCLE_SPEEDS[0], CYCLE_SPEEDS[-1]
+SLOWEST, FASTEST = sweeps.CYCLE_SPEEDS[0], sweeps.CYCLE_SPEEDS[-1]
 REVERSAL = 16.0
 """Time at which the cycle of Fig. 3 turns from approach to retraction."""
 NEGLIGIBLE = 0.05
@@ -62,11 +54,11 @@ def closure_is_griffith(runs: Evidence) -> Iterator[Part]:
 def process_zone_only_shifts(runs: Evidence) -> Iterator[Part]:
     """The length of the process zone has no effect on the qualitative behaviour; it only shifts the frequency
     at which the edge is excited."""
-    half = runs.pull_offs(lambda v: cycle(v, HALF_ZONE), HALF_ZONE_SPEEDS)
-    whole = np.log(list(runs.pull_offs(cycle, CYCLE_SPEEDS).values()))
+    half = runs.pull_offs(lambda v: cycle(v, sweeps.HALF_ZONE), sweeps.HALF_ZONE_SPEEDS)
+    whole = np.log(list(runs.pull_offs(cycle, sweeps.CYCLE_SPEEDS).values()))
     yield peaks("half the zone: F_off/F_JKR over V", half, LARGER)
     for v, force in half.items():
-        shifted = float(np.exp(np.interp(np.log(2 * v), np.log(CYCLE_SPEEDS), whole)))
+        shifted = float(np.exp(np.interp(np.log(2 * v), np.log(sweeps.CYCLE_SPEEDS), whole)))
         yield near(f"half the zone at V = {v:g}, beside the whole at twice the speed:", force, shifted)
 
 
@@ -101,7 +93,7 @@ def plane_modulus_is_multiplied(runs: Evidence) -> Iterator[Part]:
     """The plane modulus is E∞* = E∞ (1 - ν²)."""
     law, poisson = jkr(SOFT), load(BASE).scene.material.poisson
     laws = law, replace(law, plane_modulus=law.plane_modulus * (1.0 - poisson**2) ** 2)
-    divided, multiplied = (one.at_penetration(DEPTH).contact_radius for one in laws)
+    divided, multiplied = (one.at_penetration(sweeps.DEPTH).contact_radius for one in laws)
     yield near(f"point B: a = {divided:.4f} with E/(1 - ν²), with E (1 - ν²)", multiplied, 0.245, 4e-3)
 
 
@@ -109,7 +101,7 @@ def plane_modulus_is_multiplied(runs: Evidence) -> Iterator[Part]:
 def jump_in_is_glassy(runs: Evidence) -> Iterator[Part]:
     """Contact begins at zero penetration by a jump that is elastic with the glassy modulus (JKR), whatever
     the speed."""
-    radii = np.array([runs.trace(cycle(v)).contact_radius[0] for v in CYCLE_SPEEDS])
+    radii = np.array([runs.trace(cycle(v)).contact_radius[0] for v in sweeps.CYCLE_SPEEDS])
     yield below("start radius over V spreads by", np.ptp(radii) / radii.mean(), STEADY)
     exact, finite = (law(STIFF).at_penetration(0.0).contact_radius for law in (jkr, elastic))
     yield near(f"a/R (with the finite process zone {finite:.4f}), JKR with E∞:", radii[0], exact)
@@ -132,8 +124,8 @@ def fast_cycle_is_glassy(runs: Evidence) -> Iterator[Part]:
 def _is_elastic(runs: Evidence, v: float, glassy: bool) -> Iterator[Part]:
     """Force and radius at the end of the approach, pull-off force and hysteresis are those of a limit."""
     trace, law = runs.trace(cycle(v)), elastic(glassy)
-    row, known = end_of_approach(trace), law.at_penetration(DEPTH)
-    largest = max(hysteresis(runs.trace(cycle(one))) for one in CYCLE_SPEEDS)
+    row, known = end_of_approach(trace), law.at_penetration(sweeps.DEPTH)
+    largest = max(hysteresis(runs.trace(cycle(one))) for one in sweeps.CYCLE_SPEEDS)
     yield near(
         f"V = {v:g}, over the elastic one: force at the end of approach", trace.force[row] / known.force
     )
@@ -155,11 +147,11 @@ def limits_share_the_pull_off_force(runs: Evidence) -> Iterator[Part]:
 def intermediate_cycles_lose_and_hold(runs: Evidence) -> Iterator[Part]:
     """At intermediate speed viscoelastic loss makes a large adhesive hysteresis, and tensile loads are
     significantly larger than elastic ones."""
-    losses = {v: hysteresis(runs.trace(cycle(v))) for v in CYCLE_SPEEDS}
+    losses = {v: hysteresis(runs.trace(cycle(v))) for v in sweeps.CYCLE_SPEEDS}
     largest = max(losses.values())
     yield peaks("hysteresis over V", losses)
     yield below("at the ends, over it", max(losses[SLOWEST], losses[FASTEST]) / largest, 0.5)
-    yield peaks("F_off/F_JKR over V", runs.pull_offs(cycle, CYCLE_SPEEDS), LARGER)
+    yield peaks("F_off/F_JKR over V", runs.pull_offs(cycle, sweeps.CYCLE_SPEEDS), LARGER)
 
 
 @claim(FIG2, HOLDS)
@@ -167,7 +159,7 @@ def where_pull_off_occurs(runs: Evidence) -> Iterator[Part]:
     """Pull-off can occur farther out than in the elastic case, and at larger speed even at positive
     penetration."""
     soft = jkr(SOFT).pull_off_force_control().penetration
-    at = {v: runs.measure(cycle(v), "pull_off_penetration") for v in CYCLE_SPEEDS}
+    at = {v: runs.measure(cycle(v), "pull_off_penetration") for v in sweeps.CYCLE_SPEEDS}
     yield above("farthest penetration at pull-off over JKR's with E₀", min(at.values()) / soft, LARGER)
     yield over("positive penetration:", {v: d for v, d in at.items() if d > 0.0}, max(at.values()) > 0.0)
 
@@ -176,7 +168,7 @@ def where_pull_off_occurs(runs: Evidence) -> Iterator[Part]:
 def reversal_triggers_glass(runs: Evidence) -> Iterator[Part]:
     """Where pull-off comes at positive penetration, the material has not been glassy while approaching; the
     reversal triggers the glassy modulus."""
-    soft, stiff = (elastic(glassy).at_penetration(DEPTH).force for glassy in (SOFT, STIFF))
+    soft, stiff = (elastic(glassy).at_penetration(sweeps.DEPTH).force for glassy in (SOFT, STIFF))
     halfway = 0.5 * (1.0 + jkr(SOFT).plane_modulus / jkr(STIFF).plane_modulus)
     for v in (0.02, 0.05, 0.1):
         trace = runs.trace(cycle(v))
@@ -193,7 +185,7 @@ def pull_off_inside_is_large(runs: Evidence) -> Iterator[Part]:
     """Pull-off at positive penetration comes with a contact area and a tension much larger than elastic
     ones."""
     exact = jkr(SOFT).pull_off_force_control()
-    for v in CYCLE_SPEEDS:
+    for v in sweeps.CYCLE_SPEEDS:
         trace = runs.trace(cycle(v))
         row = measures.tension_row(trace)
         if trace.penetration[row] > 0.0:
@@ -239,7 +231,7 @@ def area_waits_for_the_largest_tension(runs: Evidence) -> Iterator[Part]:
     """Early in the retraction the contact area hardly changes; it drops only once the largest tension is
     reached."""
     for solver in BOTH:
-        trace = runs.trace(SURFACES, solver)
+        trace = runs.trace(sweeps.SURFACES, solver)
         rows = measures.withdrawal(trace)
         kept = trace.contact_radius**2 / trace.contact_radius[rows.start] ** 2
         unloaded = rows.start + int(np.argmax(trace.force[rows] <= 0.0))

@@ -6,7 +6,7 @@ forces a figure shows, those of the claims' sweeps are shown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,26 +15,13 @@ import numpy as np
 from contact_scene import Scene
 from contact_scene.trace import Array
 from validation.cases import load
+from validation.claims import evidence as sweeps
 from validation.claims.cycles import REVERSAL
-from validation.claims.evidence import (
-    CYCLE_SPEEDS,
-    DWELL_SPEEDS,
-    DWELLS,
-    FORCES,
-    FREQUENCIES,
-    MATCHED,
-    PRELOAD_SPEEDS,
-    PRELOADS,
-    RETRACTION_SPEEDS,
-    Evidence,
-    MissingRun,
-    cycle,
-    retraction,
-)
+from validation.claims.evidence import Evidence, MissingRun, cycle, retraction
 from validation.claims.measures import SOFT, STIFF, jkr, sweep_cycles
 from validation.claims.retractions import DEPTHS, MOST, approaching, at_pull_off
 from validation.drawing.axes import SIZE, format_axes
-from validation.drawing.curves import RunCurves, of_trace
+from validation.drawing.curves import of_trace
 from validation.drawing.styles import BLUE, CLOSED_FORM, DASHES, INK, MARKERS, ORANGE, SERIES
 from validation.measure.events import end_of_approach
 from validation.measure.scaling import unit_sizes
@@ -44,13 +31,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Draw = Callable[["Axes", Evidence], None]
-Curves = Mapping[str, Mapping[float, float]]
+Curves = Callable[[Evidence], Mapping[str, Mapping[float, float]]]
 Family = tuple[str, Callable[[float], Scene], tuple[float, ...]]
 """Symbol of a parameter, scene at a value of it, and the values."""
 OPEN: dict[str, Any] = {"markersize": 4, "fillstyle": "none"}
 DEPTH, FORCE, RADIUS = r"$\tilde{\Delta}$", r"$\tilde{F}$", r"$\tilde{a}$"
-SPEED, PULL_OFF = r"$\tilde{V}$", r"$F_\mathrm{off}/F_\mathrm{JKR}$"
-NAMES = {"penetration": DEPTH, "force": FORCE, "contact_radius": RADIUS}
+SPEED, PULL_OFF, RATE = r"$\tilde{V}$", r"$F_\mathrm{off}/F_\mathrm{JKR}$", r"$G/\Delta\gamma$"
+NAMES = {"time": r"$\tilde{t}$", "penetration": DEPTH, "force": FORCE, "contact_radius": RADIUS}
 CHIRP = 0.006
 """Rate at which the frequency of the sweep rises."""
 
@@ -77,30 +64,31 @@ def draw_figure(figure: PaperFigure, evidence: Evidence) -> Figure | None:
     for axes in drawing.axes:
         format_axes(axes, (-2, 4))
         if axes.get_legend_handles_labels()[0]:
-            legend = axes.legend(
-                frameon=False, labelcolor=INK, fontsize=7, handlelength=2.8, labelspacing=0.3
-            )
+            look = {"fontsize": 7, "handlelength": 2.8, "labelspacing": 0.3}
+            legend = axes.legend(frameon=False, labelcolor=INK, **look)
             if axes.child_axes:
                 legend.set_loc("lower right")
     return drawing
 
 
+def _columns(evidence: Evidence, scene: Scene | str) -> dict[str, Array]:
+    asked = load(scene).scene if isinstance(scene, str) else scene
+    return of_trace(evidence.trace(asked), asked).columns
+
+
 def _diagram(across: str, up: str, family: Family) -> Draw:
     """Equilibrium diagram: approach dashed, withdrawal solid, the largest tension marked, and JKR."""
-
     name, scenes, values = family
 
     def draw(axes: Axes, evidence: Evidence) -> None:
         for value, colour, marker in zip(values, SERIES, MARKERS, strict=False):
-            curve = _curve(evidence, scenes(value))
-            turn = end_of_approach(evidence.trace(scenes(value)))
+            trace = evidence.trace(scenes(value))
+            curve, turn = of_trace(trace, scenes(value)), end_of_approach(trace)
             x, y = curve.columns[across], curve.columns[up]
-            if turn > 0:
-                axes.plot(x[: turn + 1], y[: turn + 1], color=colour, linestyle="--", linewidth=1.0)
-            axes.plot(x[turn:], y[turn:], color=colour, linewidth=1.3)
-            if curve.pull_off is not None:
-                axes.plot(x[curve.pull_off], y[curve.pull_off], marker, color=colour, **OPEN)
-            axes.plot([], [], color=colour, marker=marker, **OPEN, label=f"{name} = {value:g}")
+            at = [] if curve.pull_off is None else [curve.pull_off - turn]
+            mark = {"marker": marker, "markevery": at, "label": f"{name} = {value:g}"} | OPEN
+            axes.plot(x[: turn + 1], y[: turn + 1], color=colour, linestyle="--", linewidth=1.0)
+            axes.plot(x[turn:], y[turn:], color=colour, linewidth=1.3, **mark)
         limits = axes.axis()
         for glassy, label, dash in ((SOFT, "$E_0$", (0, (4, 1, 1, 1))), (STIFF, r"$E_\infty$", ":")):
             law = jkr(glassy)
@@ -113,21 +101,14 @@ def _diagram(across: str, up: str, family: Family) -> Draw:
     return draw
 
 
-def _sweep(curves: Callable[[Evidence], Curves], line: dict[str, Any] | None = None, **settings: Any) -> Draw:
+def _sweep(curves: Curves, line: Mapping[str, Any] | None = None, **settings: Any) -> Draw:
     """Values over a parameter, several curves told apart by colour, line style and marker."""
 
     def draw(axes: Axes, evidence: Evidence) -> None:
         looks = zip(curves(evidence).items(), SERIES, DASHES, MARKERS, strict=False)
         for (label, curve), colour, dash, marker in looks:
-            axes.plot(
-                list(curve),
-                list(curve.values()),
-                color=colour,
-                linestyle=dash,
-                marker=marker,
-                **OPEN,
-                label=label,
-            )
+            style = {"color": colour, "linestyle": dash, "marker": marker, "label": label} | OPEN
+            axes.plot(list(curve), list(curve.values()), **style)
         if line is not None:
             axes.axhline(**line)
         axes.set(**settings)
@@ -135,64 +116,35 @@ def _sweep(curves: Callable[[Evidence], Curves], line: dict[str, Any] | None = N
     return draw
 
 
-def _curve(evidence: Evidence, scene: Scene | str) -> RunCurves:
-    asked = load(scene).scene if isinstance(scene, str) else scene
-    return of_trace(evidence.trace(asked), asked)
+def _pull_offs(speeds: Sequence[float], of: Callable[[float, float], Scene], over: Sequence[float]) -> Curves:
+    """Pull-off force over a parameter, a curve a speed."""
+    return lambda runs: {
+        f"{SPEED} = {v:g}": runs.pull_offs(lambda x, v=v: of(v, x), over) for v in speeds
+    }  # fmt: skip
 
 
-def _surfaces(first: Axes, evidence: Evidence) -> None:
-    """Deformed surface at six moments of a cycle, the pressure inset."""
-    figure = first.figure
-    figure.clear()
-    panels = figure.subplots(2, 3, sharex=True, sharey=True)
-    for axes, profile, letter in zip(panels.flat, evidence.profiles(), "abcdef", strict=False):
-        r = profile.radius[profile.radius < 0.5]
-        sphere, skin = ("sphere", "surface") if letter == "a" else (None, None)
-        axes.plot(r, 0.5 * r**2 - profile.penetration, color=INK, linestyle="--", linewidth=1.0, label=sphere)
-        axes.plot(r, -profile.displacement[: r.size], color=SERIES[0], linewidth=1.4, label=skin)
-        way = "approach" if profile.time <= REVERSAL else "retraction"
-        axes.set_title(f"({letter}) {way}, {DEPTH} = {profile.penetration:.3f}", fontsize=8)
-        axes.set(xlim=(0.0, 0.5), ylim=(-0.035, 0.09))
-        inside = r < 0.995 * profile.contact_radius
-        inset = axes.inset_axes((0.2, 0.6, 0.32, 0.36))
-        inset.plot(r[inside], profile.pressure[: r.size][inside] / np.pi, color=SERIES[1], linewidth=1.2)
-        inset.set_xlabel(r"$\tilde{r}$", fontsize=7, labelpad=0)
-        inset.set_ylabel(r"$\tilde{p}$", fontsize=7, labelpad=0)
-        inset.tick_params(labelsize=6)
-        inset.axhline(0.0, color=INK, linewidth=0.5)
-    for axes in panels[1]:
-        axes.set_xlabel(r"$\tilde{r}$")
-    for axes in panels[:, 0]:
-        axes.set_ylabel(r"$\tilde{u}$")
+def _tensions(across: str, up: str, **settings: Any) -> Draw:
+    """Constant tensions to their ends; dashed retractions at constant speed of the same pull-off force."""
 
+    def draw(axes: Axes, evidence: Evidence) -> None:
+        for force, colour in zip(sweeps.FORCES, SERIES, strict=False):
+            held = _columns(evidence, f"force-{force}")
+            moved = _columns(evidence, retraction(sweeps.MATCHED[force]))
+            look = {"color": colour, "linewidth": 1.2}
+            end = {"marker": "o", "markevery": [-1], "label": rf"{force} $F_\mathrm{{JKR}}$"} | OPEN
+            axes.plot(held[across], held[up], **look, **end)
+            axes.plot(moved[across], moved[up], linestyle="--", **look)
+        axes.plot([], [], color=INK, linestyle="--", label="constant speed, same pull-off")
+        axes.set(xlabel=NAMES[across], ylabel=NAMES[up], **settings)
 
-def _constant_tension(axes: Axes, evidence: Evidence) -> None:
-    """Withdrawal under constant tension beside the retraction of the same pull-off force."""
-    for force, colour in zip(FORCES, SERIES, strict=False):
-        held = _curve(evidence, f"force-{force}").columns
-        moved = _curve(evidence, retraction(MATCHED[force])).columns
-        label = rf"{FORCE} = {held['force'][-1]:.2e}"
-        axes.plot(held["penetration"], held["force"], color=colour, linewidth=1.2, label=label)
-        axes.plot(moved["penetration"], moved["force"], color=colour, linestyle="--", linewidth=1.2)
-        axes.plot(held["penetration"][-1], held["force"][-1], "o", color=colour, markersize=4)
-    axes.plot([], [], color=INK, linestyle="--", label="constant speed, same pull-off")
-    axes.set(xlabel=DEPTH, ylabel=FORCE)
-
-
-def _tension_over_time(axes: Axes, evidence: Evidence) -> None:
-    for force, colour, dashes in zip(FORCES, SERIES, DASHES, strict=False):
-        columns = _curve(evidence, f"force-{force}").columns
-        after, label = columns["time"] > 0.0, rf"{force} $F_\mathrm{{JKR}}$"
-        t, depth = columns["time"][after], columns["penetration"][after]
-        axes.plot(t, depth, color=colour, linestyle=dashes, label=label)
-    axes.set(xlabel=r"$\tilde{t}$", ylabel=DEPTH, xscale="log", xlim=(1e-2, None))
+    return draw
 
 
 def _frequencies(first: float, last: float) -> Draw:
     """Equilibrium diagram of the sweep while the frequency lies in a range."""
 
     def draw(axes: Axes, evidence: Evidence) -> None:
-        columns = _curve(evidence, "sweep").columns
+        columns = _columns(evidence, "sweep")
         rows = (columns["time"] * CHIRP >= first) & (columns["time"] * CHIRP <= last)
         axes.plot(columns["penetration"][rows], columns["force"][rows], color=SERIES[0], linewidth=0.9)
         axes.set(xlabel=DEPTH, ylabel=FORCE)
@@ -202,14 +154,14 @@ def _frequencies(first: float, last: float) -> Draw:
 
 def oscillation(axes: Axes, evidence: Evidence) -> None:
     """Retraction with an oscillation: each cycle, the line through its lowest forces, and none."""
-    for frequency, colour in zip(FREQUENCIES[::-1], (BLUE, ORANGE), strict=True):
-        columns = _curve(evidence, f"oscillation-w{frequency}").columns
+    for w, colour in zip(sweeps.FREQUENCIES[::-1], (BLUE, ORANGE), strict=True):
+        columns = _columns(evidence, f"oscillation-w{w}")
         depth, force = columns["penetration"], columns["force"]
         axes.plot(depth, force, color=colour, linewidth=0.4, alpha=0.4, rasterized=True)
-        lowest = _lowest_of_cycles(force, np.floor(columns["time"] * float(frequency) / (2.0 * np.pi)))
-        label = rf"$\tilde{{\omega}}$ = {frequency}"
-        axes.plot(depth[lowest], force[lowest], color=colour, linestyle="--", linewidth=2.2, label=label)
-    columns = _curve(evidence, "retraction-steady").columns
+        lowest = _lowest_of_cycles(force, np.floor(columns["time"] * float(w) / (2.0 * np.pi)))
+        look = {"color": colour, "linestyle": "--", "linewidth": 2.2, "label": rf"$\tilde{{\omega}}$ = {w}"}
+        axes.plot(depth[lowest], force[lowest], **look)
+    columns = _columns(evidence, "retraction-steady")
     axes.plot(columns["penetration"], columns["force"], color=INK, linewidth=1.3, label="steady")
     axes.set(xlabel=DEPTH, ylabel=FORCE)
 
@@ -222,44 +174,60 @@ def _lowest_of_cycles(force: Array, cycle: Array) -> list[int]:
     return by_force[first].tolist()
 
 
-def _losses(evidence: Evidence) -> Curves:
+def _surfaces(whole: Axes, evidence: Evidence) -> None:
+    """Deformed surface at six moments of a cycle, the pressure inset."""
+    figure = whole.figure
+    figure.clear()
+    panels = figure.subplots(2, 3, sharex=True, sharey=True)
+    for axes, profile, letter in zip(panels.flat, evidence.profiles(), "abcdef", strict=False):
+        r = profile.radius[profile.radius < 0.5]
+        sphere, skin = ("sphere", "surface") if letter == "a" else (None, None)
+        axes.plot(r, 0.5 * r**2 - profile.penetration, color=INK, linestyle="--", linewidth=1.0, label=sphere)
+        axes.plot(r, -profile.displacement[: r.size], color=SERIES[0], linewidth=1.4, label=skin)
+        way = "approach" if profile.time <= REVERSAL else "retraction"
+        axes.set_title(f"({letter}) {way}, {DEPTH} = {profile.penetration:.3f}", fontsize=8)
+        axes.set(xlim=(0.0, 0.5), ylim=(-0.035, 0.09), xlabel=r"$\tilde{r}$", ylabel=r"$\tilde{u}$")
+        axes.label_outer()
+        inside = r < 0.995 * profile.contact_radius
+        inset = axes.inset_axes((0.2, 0.6, 0.32, 0.36))
+        inset.plot(r[inside], profile.pressure[: r.size][inside] / np.pi, color=SERIES[1], linewidth=1.2)
+        inset.set_xlabel(r"$\tilde{r}$", fontsize=7, labelpad=0)
+        inset.set_ylabel(r"$\tilde{p}$", fontsize=7, labelpad=0)
+        inset.tick_params(labelsize=6)
+        inset.axhline(0.0, color=INK, linewidth=0.5)
+
+
+def _losses(runs: Evidence) -> Mapping[str, Mapping[float, float]]:
     size = unit_sizes(load("sweep").scene)["energy"]
-    return {"": {one.angular_frequency: one.loop / size for one in sweep_cycles(evidence)[1:]}}
+    return {"": {one.angular_frequency: one.loop / size for one in sweep_cycles(runs)[1:]}}
 
 
-def _release_rates(evidence: Evidence) -> Curves:
-    rates = {v: at_pull_off(evidence, v) for v in RETRACTION_SPEEDS}
-    return {r"$G/\Delta\gamma$": rates, PULL_OFF: evidence.pull_offs(retraction, RETRACTION_SPEEDS)}
-
-
-def _by_speed(speeds: tuple[float, ...], scene_of: Callable[[float, float], Scene], over: tuple[float, ...]):
-    """Pull-off force over a parameter, a curve a speed."""
-    return lambda evidence: {
-        f"{SPEED} = {v:g}": evidence.pull_offs(lambda x, v=v: scene_of(v, x), over) for v in speeds
-    }
-
-
-def _approaching(evidence: Evidence) -> Curves:
+def _approaching(runs: Evidence) -> Mapping[str, Mapping[float, float]]:
     return {
-        f"{DEPTH} = {depth:g}": {v: approaching(evidence, v, depth) for v in CYCLE_SPEEDS} for depth in DEPTHS
+        f"{DEPTH} = {depth:g}": {v: approaching(runs, v, depth) for v in sweeps.CYCLE_SPEEDS}
+        for depth in DEPTHS
     }
+
+
+def _at_pull_off(runs: Evidence) -> Mapping[str, Mapping[float, float]]:
+    speeds = sweeps.RETRACTION_SPEEDS
+    return {RATE: {v: at_pull_off(runs, v) for v in speeds}, PULL_OFF: runs.pull_offs(retraction, speeds)}
 
 
 _BY_DEPTH, _BY_FORCE = ("penetration", "force"), ("force", "contact_radius")
 _CYCLES: Family = (SPEED, cycle, (2e-5, 2e-3, 6e-3, 2e-2, 0.1, 10.0))
 _RETRACTIONS: Family = (SPEED, retraction, (1e-6, 2e-4, 2e-3, 6e-3, 2e-2, 10.0))
-_DWELLS: Family = (r"$\tilde{t}_d$", lambda t: cycle(0.1, dwell=t), (0.0, 0.3, 1.0, 3.0, 10.0, 100.0))
-_ZERO, _FROZEN = (
-    {"y": 0.0, "color": INK, "linewidth": 0.6},
-    {"y": MOST, "label": r"$E_\infty/E_0$", **CLOSED_FORM},
-)
+_RESTS: Family = (r"$\tilde{t}_d$", lambda t: cycle(0.1, dwell=t), (0.0, 0.3, 1.0, 3.0, 10.0, 100.0))
+_ZERO = {"y": 0.0, "color": INK, "linewidth": 0.6}
+_FROZEN = {"y": MOST, "label": r"$E_\infty/E_0$", **CLOSED_FORM}
+_FROM_ZERO = (0.0, None)
 
 FIGURES = (
     PaperFigure("fig2a", "Fig. 2 (a): cycles, force against penetration", _diagram(*_BY_DEPTH, _CYCLES)),
     PaperFigure("fig2b", "Fig. 2 (b): cycles, contact radius against force", _diagram(*_BY_FORCE, _CYCLES)),
     PaperFigure("fig2c", "Fig. 2 (c): pull-off force of cycles against speed",
-                _sweep(lambda runs: {"": runs.pull_offs(cycle, CYCLE_SPEEDS)},
-                       xlabel=SPEED, ylabel=PULL_OFF, xscale="log", ylim=(0.0, None))),
+                _sweep(lambda runs: {"": runs.pull_offs(cycle, sweeps.CYCLE_SPEEDS)},
+                       xlabel=SPEED, ylabel=PULL_OFF, xscale="log", ylim=_FROM_ZERO)),
     PaperFigure("fig3", "Fig. 3: surface, and pressure (insets), along the cycle at speed 0.002",
                 _surfaces, wide=True),
     PaperFigure("fig4a", "Fig. 4 (a): relaxed, then withdrawn: force against penetration",
@@ -267,26 +235,27 @@ FIGURES = (
     PaperFigure("fig4b", "Fig. 4 (b): the same, contact radius against force",
                 _diagram(*_BY_FORCE, _RETRACTIONS)),
     PaperFigure("fig4c", "Fig. 4 (c): pull-off force against initial penetration",
-                _sweep(_by_speed(PRELOAD_SPEEDS, retraction, PRELOADS), _FROZEN,
+                _sweep(_pull_offs(sweeps.PRELOAD_SPEEDS, retraction, sweeps.PRELOADS), _FROZEN,
                        xlabel=r"$\tilde{\Delta}_B$", ylabel=PULL_OFF)),
     PaperFigure("dwell-a", "Dwell-time figure (a): force against penetration after a rest, speed 0.1",
-                _diagram(*_BY_DEPTH, _DWELLS)),
+                _diagram(*_BY_DEPTH, _RESTS)),
     PaperFigure("dwell-b", "Dwell-time figure (b): contact radius against force",
-                _diagram(*_BY_FORCE, _DWELLS)),
+                _diagram(*_BY_FORCE, _RESTS)),
     PaperFigure("dwell-c", "Beside it: pull-off force against the rest, at three speeds",
-                _sweep(_by_speed(DWELL_SPEEDS, lambda v, t: cycle(v, dwell=t), DWELLS[1:]),
+                _sweep(_pull_offs(sweeps.DWELL_SPEEDS, lambda v, t: cycle(v, dwell=t), sweeps.DWELLS[1:]),
                        xlabel=r"$\tilde{t}_d$", ylabel=PULL_OFF, xscale="log")),
-    PaperFigure("fig5a", "Fig. 5 (a): constant tension, force against penetration", _constant_tension),
-    PaperFigure("fig5b", "Fig. 5 (b): constant tension, penetration over time", _tension_over_time),
+    PaperFigure("fig5a", "Fig. 5 (a): constant tension, force against penetration", _tensions(*_BY_DEPTH)),
+    PaperFigure("fig5b", "Fig. 5 (b): constant tension, penetration over time",
+                _tensions("time", "penetration", xscale="log", xlim=(1e-2, None))),
     PaperFigure("fig6a", "Fig. 6 (a): sweep, frequencies up to 0.6", _frequencies(0.0, 0.6)),
     PaperFigure("fig6b", "Fig. 6 (b): sweep, frequencies from 1.8", _frequencies(1.8, 2.6)),
     PaperFigure("fig6c", "Fig. 6 (c): energy lost per cycle of the sweep",
-                _sweep(_losses, xlabel=r"$\tilde{\omega}_a$", ylabel=r"$\tilde{L}$", ylim=(0.0, None))),
+                _sweep(_losses, xlabel=r"$\tilde{\omega}_a$", ylabel=r"$\tilde{L}$", ylim=_FROM_ZERO)),
     PaperFigure("fig6d", "Fig. 6 (d): oscillation on a slow retraction; dashed: largest tensions",
                 oscillation),
     PaperFigure("fig7a", "Fig. 7 (a): energy release rate at pull-off, and pull-off force",
-                _sweep(_release_rates, xlabel=SPEED, ylabel=rf"$G/\Delta\gamma$, {PULL_OFF}", xscale="log",
-                       ylim=(0.0, None))),
+                _sweep(_at_pull_off, xlabel=SPEED, ylabel=f"{RATE}, {PULL_OFF}", xscale="log",
+                       ylim=_FROM_ZERO)),
     PaperFigure("fig7b", "Fig. 7 (b): energy release rate while approaching",
-                _sweep(_approaching, _ZERO, xlabel=SPEED, ylabel=r"$G/\Delta\gamma$", xscale="log")),
+                _sweep(_approaching, _ZERO, xlabel=SPEED, ylabel=RATE, xscale="log")),
 )  # fmt: skip

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from validation.cases import load
+from validation.claims import evidence as sweeps
 from validation.claims import measures
 from validation.claims.claim import (
     FAILS,
@@ -31,23 +32,7 @@ from validation.claims.claim import (
     rises,
     rising,
 )
-from validation.claims.evidence import (
-    BOTH,
-    CHECKED_SPEEDS,
-    CYCLE_SPEEDS,
-    DEPTH,
-    DWELL_SPEEDS,
-    DWELLS,
-    FORCES,
-    FREQUENCIES,
-    MATCHED,
-    PRELOAD_SPEEDS,
-    PRELOADS,
-    RETRACTION_SPEEDS,
-    Evidence,
-    cycle,
-    retraction,
-)
+from validation.claims.evidence import BOTH, Evidence, cycle, retraction
 from validation.claims.measures import BASE, SOFT, STIFF, elastic, elastic_pull_off, jkr, sweep_cycles
 from validation.measure.events import end_of_approach
 from validation.measure.scaling import unit_sizes
@@ -57,7 +42,7 @@ from validation.solvers import REFERENCE
 
 FIG4, PRELOADED, RESTS = "Sec. III, Fig. 4", "Sec. III, Fig. 4(c)", "Sec. III, dwell-time figure"
 FIG5, FIG6, FIG7 = "Sec. III, Fig. 5", "Sec. III, Fig. 6", "Sec. III.A, Fig. 7"
-SLOWEST, FASTEST = RETRACTION_SPEEDS[0], RETRACTION_SPEEDS[-1]
+SLOWEST, FASTEST = sweeps.RETRACTION_SPEEDS[0], sweeps.RETRACTION_SPEEDS[-1]
 FAST = 10.0
 MOST = 10.0
 """``Einf/E0``, the limit of the pull-off force over ``F_JKR``."""
@@ -79,7 +64,7 @@ QUOTED = 5e-4
 @claim(FIG4, HOLDS)
 def point_b(runs: Evidence) -> Iterator[Part]:
     """Point B, Δ = 0.032: soft elastic JKR gives a = 0.245 and F = 1.87e-3."""
-    trace, exact = runs.trace(retraction(FAST)), jkr(SOFT).at_penetration(DEPTH)
+    trace, exact = runs.trace(retraction(FAST)), jkr(SOFT).at_penetration(sweeps.DEPTH)
     yield near(f"a (exact JKR {exact.contact_radius:.5f})", trace.contact_radius[0], 0.245, 5e-4 / 0.245)
     force = trace.force[0] / np.pi
     yield near(f"F (exact JKR {exact.force / np.pi:.4e})", force, 1.87e-3, 5e-6 / 1.87e-3)
@@ -89,7 +74,7 @@ def point_b(runs: Evidence) -> Iterator[Part]:
 def flat_punch_line_at_any_speed(runs: Evidence) -> Iterator[Part]:
     """At first the response is elastic with the glassy modulus, the contact area stands still, and force
     falls linearly with penetration like a flat punch's, whatever the speed."""
-    for v in RETRACTION_SPEEDS:
+    for v in sweeps.RETRACTION_SPEEDS:
         trace = runs.trace(retraction(v))
         slope = measures.first_slope(trace, 1e-3)
         ratio = slope / (2.0 * trace.contact_radius[0] * jkr(STIFF).plane_modulus)
@@ -135,7 +120,7 @@ def fast_curves_are_not_jkr(runs: Evidence) -> Iterator[Part]:
 def pull_off_falls_with_speed(runs: Evidence) -> Iterator[Part]:
     """The pull-off force falls monotonically with falling speed, to the elastic JKR value for extremely slow
     retraction."""
-    curve = runs.pull_offs(retraction, RETRACTION_SPEEDS)
+    curve = runs.pull_offs(retraction, sweeps.RETRACTION_SPEEDS)
     yield rises("F_off/F_JKR over V", curve)
     yield near("slowest, elastic:", curve[SLOWEST], elastic_pull_off(elastic(SOFT)))
 
@@ -145,7 +130,7 @@ def elongation_is_largest_between(runs: Evidence) -> Iterator[Part]:
     """Very slow retraction has the soft elastic elongation before pull-off; at intermediate speed it is
     significantly larger."""
     soft = elastic(SOFT).pull_off_penetration_control().penetration
-    curve = {v: runs.measure(retraction(v), "final_penetration") / soft for v in RETRACTION_SPEEDS}
+    curve = {v: runs.measure(retraction(v), "final_penetration") / soft for v in sweeps.RETRACTION_SPEEDS}
     # slowest: it ends at the length of the process zone, as creep slows the final instability down
     yield near("Δ where contact ends over the elastic one: slowest", curve[SLOWEST], 1.0, 2 * RECOVERED)
     yield peaks("over V", curve, LARGER)
@@ -187,16 +172,16 @@ def frozen_edge() -> FrozenRetraction:
     """An infinitely fast retraction from point B, with a vanishing process zone."""
     scene = retraction(FAST)
     assert scene.adhesion is not None
-    return FrozenRetraction(scene.material, scene.indenter, scene.adhesion.work, DEPTH)
+    return FrozenRetraction(scene.material, scene.indenter, scene.adhesion.work, sweeps.DEPTH)
 
 
 @claim(PRELOADED, HOLDS)
 def preload_plateau(runs: Evidence) -> Iterator[Part]:
     """With growing initial penetration the enhancement reaches a plateau, F_off/F_JKR ≈ E∞/E₀ at very high
     speed."""
-    curve = runs.pull_offs(lambda depth: retraction(PRELOAD_SPEEDS[-1], depth), PRELOADS)
+    curve = runs.pull_offs(lambda depth: retraction(sweeps.PRELOAD_SPEEDS[-1], depth), sweeps.PRELOADS)
     *_, before, last = curve.values()
-    yield rises(f"F_off/F_JKR at V = {PRELOAD_SPEEDS[-1]:g} over the penetration", curve, 0.01)
+    yield rises(f"F_off/F_JKR at V = {sweeps.PRELOAD_SPEEDS[-1]:g} over the penetration", curve, 0.01)
     yield near("last two alike:", last, before)
     yield near("E∞/E₀ at the end:", last, MOST, 2 * RECOVERED)
 
@@ -204,8 +189,8 @@ def preload_plateau(runs: Evidence) -> Iterator[Part]:
 @claim(PRELOADED, HOLDS)
 def preload_lower_speed_is_weaker(runs: Evidence) -> Iterator[Part]:
     """At every preload a lower speed gives a lower pull-off force."""
-    for depth in PRELOADS:
-        curve = runs.pull_offs(partial(retraction, depth=depth), PRELOAD_SPEEDS)
+    for depth in sweeps.PRELOADS:
+        curve = runs.pull_offs(partial(retraction, depth=depth), sweeps.PRELOAD_SPEEDS)
         yield rises(f"Δ_B = {depth:g}: F_off/F_JKR over V", curve)
 
 
@@ -221,7 +206,7 @@ def relaxing_first_holds_more(runs: Evidence) -> Iterator[Part]:
 @claim(RESTS, HOLDS)
 def approach_does_not_know(runs: Evidence) -> Iterator[Part]:
     """The approach is not affected by the rest that follows."""
-    traces = [runs.trace(cycle(RESTED_SPEED, dwell=rest)) for rest in DWELLS]
+    traces = [runs.trace(cycle(RESTED_SPEED, dwell=rest)) for rest in sweeps.DWELLS]
     force = np.array([trace.force[end_of_approach(trace)] for trace in traces])
     yield below("force at its end over the rests spreads by", np.ptp(force) / force.mean(), SAME_APPROACH)
 
@@ -229,7 +214,7 @@ def approach_does_not_know(runs: Evidence) -> Iterator[Part]:
 @claim(RESTS, HOLDS)
 def longer_rest_holds_more(runs: Evidence) -> Iterator[Part]:
     """At V = 0.1 a rest longer than τ raises the pull-off force, the more the longer."""
-    curve = runs.pull_offs(lambda rest: cycle(RESTED_SPEED, dwell=rest), DWELLS)
+    curve = runs.pull_offs(lambda rest: cycle(RESTED_SPEED, dwell=rest), sweeps.DWELLS)
     beyond = [force for rest, force in curve.items() if rest >= 1.0]
     yield over("F_off/F_JKR over the rest:", curve, rising(beyond) and beyond[-1] > beyond[0])
 
@@ -238,9 +223,11 @@ def longer_rest_holds_more(runs: Evidence) -> Iterator[Part]:
 def long_rest_is_relaxed(runs: Evidence) -> Iterator[Part]:
     """After a rest much longer than τ the retraction approaches that of the relaxed contact (flat punch),
     with very large pull-off force."""
-    last, none = (runs.pull_off(cycle(RESTED_SPEED, dwell=rest)) for rest in (DWELLS[-1], 0.0))
+    last, none = (runs.pull_off(cycle(RESTED_SPEED, dwell=rest)) for rest in (sweeps.DWELLS[-1], 0.0))
     relaxed = runs.pull_off(retraction(RESTED_SPEED))
-    yield near(f"F_off/F_JKR after {DWELLS[-1]:g} τ against that of the relaxed contact:", last, relaxed)
+    yield near(
+        f"F_off/F_JKR after {sweeps.DWELLS[-1]:g} τ against that of the relaxed contact:", last, relaxed
+    )
     yield above("over that without rest", last / none, 2.0)
 
 
@@ -249,11 +236,11 @@ def faster_needs_longer_rest(runs: Evidence) -> Iterator[Part]:
     """The faster the approach and retraction, the longer the rest it takes to relax and to enter the
     flat-punch regime."""
     needed = {}
-    for v in DWELL_SPEEDS:
-        held = np.array([runs.pull_off(cycle(v, dwell=rest)) for rest in DWELLS[1:]])
+    for v in sweeps.DWELL_SPEEDS:
+        held = np.array([runs.pull_off(cycle(v, dwell=rest)) for rest in sweeps.DWELLS[1:]])
         reached = held / runs.pull_off(retraction(v))
-        needed[v] = measures.crossing(DWELLS[1:], reached, RELAXED)
-    for slow, fast in pairwise(DWELL_SPEEDS):
+        needed[v] = measures.crossing(sweeps.DWELLS[1:], reached, RELAXED)
+    for slow, fast in pairwise(sweeps.DWELL_SPEEDS):
         both = {v: rest for v, rest in needed.items() if v in (slow, fast) and rest is not None}
         holds = len(both) == 2 and both[fast] > 1.1 * both[slow]
         yield over(f"rest over τ for {RELAXED:.0%} of the relaxed pull-off force, over V:", both, holds)
@@ -263,8 +250,10 @@ def faster_needs_longer_rest(runs: Evidence) -> Iterator[Part]:
 def jump_is_a_flat_punch(runs: Evidence) -> Iterator[Part]:
     """The jump of the load is answered by the glassy flat punch: F0 = F_B - 2 a_B E∞* (Δ_B - Δ0)."""
     exact = -frozen_edge().release().force / unit_sizes(load("force-2").scene)["jkr-force"]
-    yield above("vanishing process zone: exact until the frozen edge lets go, at F/F_JKR", exact, max(FORCES))
-    for force in FORCES:
+    yield above(
+        "vanishing process zone: exact until the frozen edge lets go, at F/F_JKR", exact, max(sweeps.FORCES)
+    )
+    for force in sweeps.FORCES:
         trace = runs.trace(f"force-{force}")
         jump = int(np.flatnonzero(trace.time <= 0.0)[-1])
         line = (trace.force[0] - trace.force[jump]) / (
@@ -278,7 +267,7 @@ def jump_is_a_flat_punch(runs: Evidence) -> Iterator[Part]:
 def everything_falls_until_detachment(runs: Evidence) -> Iterator[Part]:
     """After the jump contact area, penetration and retraction speed fall monotonically, until the contact
     becomes unstable and detaches."""
-    for force in FORCES:
+    for force in sweeps.FORCES:
         trace = runs.trace(f"force-{force}")
         first, last = np.flatnonzero(trace.time <= 0.0)[-1], np.flatnonzero(trace.contact_radius > 0.0)[-1]
         rows = slice(first, last + 1)
@@ -297,10 +286,10 @@ def everything_falls_until_detachment(runs: Evidence) -> Iterator[Part]:
 def farther_than_at_constant_speed(runs: Evidence) -> Iterator[Part]:
     """Contact is lost at significantly larger elongation than in the retraction at constant speed that has
     the same pull-off force."""
-    for force, v in MATCHED.items():
-        drawn = DEPTH - runs.measure(f"force-{force}", "detachment_penetration")
+    for force, v in sweeps.MATCHED.items():
+        drawn = sweeps.DEPTH - runs.measure(f"force-{force}", "detachment_penetration")
         for name, where in (("pull_off", "the largest tension"), ("detachment", "detachment")):
-            way = DEPTH - runs.measure(retraction(v), f"{name}_penetration")
+            way = sweeps.DEPTH - runs.measure(retraction(v), f"{name}_penetration")
             shown = f"{force} F_JKR: withdrawn by {drawn:.4f} R, over that until {where} at V = {v:g}"
             yield above(shown, drawn / way, LARGER)
 
@@ -354,7 +343,7 @@ def oscillation_holds_more(runs: Evidence) -> Iterator[Part]:
     """Oscillations riding on a slow retraction raise the largest tension significantly above that of the
     steady one."""
     steady = runs.pull_off("retraction-steady")
-    for w in FREQUENCIES:
+    for w in sweeps.FREQUENCIES:
         yield above(f"ωτ = {w}: over the steady one", runs.pull_off(f"oscillation-w{w}") / steady, LARGER)
 
 
@@ -374,7 +363,7 @@ def approaching(runs: Evidence, speed: float, depth: float) -> float:
 def loss_is_the_branch_integral(runs: Evidence) -> Iterator[Part]:
     """The loss of the energy balance is the integral of the branches' dissipation over the surface."""
     # a sharp edge sets free only K^2/(2 Einf*) of dg at its tip; the integral holds the rest
-    for v in CHECKED_SPEEDS:
+    for v in sweeps.CHECKED_SPEEDS:
         trace = runs.trace(retraction(v), REFERENCE)
         row = int(np.flatnonzero(trace.contact_radius > 0.0)[-1])
         opened = np.pi * (trace.contact_radius[0] ** 2 - trace.contact_radius[row] ** 2)
@@ -387,8 +376,8 @@ def loss_is_the_branch_integral(runs: Evidence) -> Iterator[Part]:
 def release_rate_lies_on_the_right_side(runs: Evidence) -> Iterator[Part]:
     """Loss is positive, so G is below the work of adhesion while the area grows and above it while it
     shrinks."""
-    least = min(at_pull_off(runs, v) for v in RETRACTION_SPEEDS)
-    most = max(approaching(runs, v, depth) for v in CYCLE_SPEEDS for depth in DEPTHS)
+    least = min(at_pull_off(runs, v) for v in sweeps.RETRACTION_SPEEDS)
+    most = max(approaching(runs, v, depth) for v in sweeps.CYCLE_SPEEDS for depth in DEPTHS)
     bias = elastic(STIFF).energy_release_rate(0.15) / elastic(STIFF).work
     yield above("smallest G/Δγ at pull-off over V:", least, 1.0 - RECOVERED)
     shown = (
@@ -409,7 +398,7 @@ def release_rate_at_the_ends(runs: Evidence) -> Iterator[Part]:
 @claim(FIG7, IN_PART)
 def release_rate_is_a_bell(runs: Evidence) -> Iterator[Part]:
     """Between, G at pull-off rises to a maximum and falls again: bell-shaped over speed."""
-    curve = {v: at_pull_off(runs, v) for v in RETRACTION_SPEEDS}
+    curve = {v: at_pull_off(runs, v) for v in sweeps.RETRACTION_SPEEDS}
     slower = [rate for v, rate in curve.items() if v <= SETTING_OUT]
     later = max(rate for v, rate in curve.items() if v > SETTING_OUT)
     part = peaks(f"one maximum up to V = {SETTING_OUT:g}: G/Δγ", curve, later * LARGER)
@@ -422,7 +411,9 @@ def release_rate_is_a_bell(runs: Evidence) -> Iterator[Part]:
 def release_rate_can_be_negative(runs: Evidence) -> Iterator[Part]:
     """Pressed in at intermediate speed, G can be negative: the loss exceeds the work of adhesion."""
     for depth in DEPTHS:
-        yield peaks(f"Δ/R = {depth:g}: -G/Δγ", {v: -approaching(runs, v, depth) for v in CYCLE_SPEEDS}, 0.0)
+        yield peaks(
+            f"Δ/R = {depth:g}: -G/Δγ", {v: -approaching(runs, v, depth) for v in sweeps.CYCLE_SPEEDS}, 0.0
+        )
 
 
 @claim(FIG7, HOLDS)
@@ -439,7 +430,7 @@ def infinite_crack_has_a_plateau(runs: Evidence) -> Iterator[Part]:
 @claim(FIG7, HOLDS)
 def pull_off_rises_to_its_limit(runs: Evidence) -> Iterator[Part]:
     """Though G is bell-shaped, the pull-off force rises with speed throughout, to about E∞/E₀."""
-    curve = runs.pull_offs(retraction, RETRACTION_SPEEDS)
+    curve = runs.pull_offs(retraction, sweeps.RETRACTION_SPEEDS)
     yield rises("F_off/F_JKR over V", curve)
     yield near("E∞/E₀ at the end (frozen limit of a vanishing zone 9.914):", curve[FASTEST], MOST)
 
@@ -448,7 +439,7 @@ def pull_off_rises_to_its_limit(runs: Evidence) -> Iterator[Part]:
 def jkr_gives_the_release_rate_only_when_slow(runs: Evidence) -> Iterator[Part]:
     """Only at low speed, V up to about 5e-4, is G/Δγ about equal to F_off/F_JKR, so that the JKR formula
     gives G."""
-    curve = {v: runs.pull_off(retraction(v)) / at_pull_off(runs, v) for v in RETRACTION_SPEEDS}
+    curve = {v: runs.pull_off(retraction(v)) / at_pull_off(runs, v) for v in sweeps.RETRACTION_SPEEDS}
     worst = max(abs(ratio - 1.0) for v, ratio in curve.items() if v <= QUOTED)
     yield over(
         f"at most {worst:.2f} off 1 up to {QUOTED:g}: (F_off/F_JKR)/(G/Δγ) over V:", curve, worst <= 0.15
