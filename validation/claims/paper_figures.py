@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,7 +65,7 @@ def draw_figure(figure: PaperFigure, evidence: Evidence) -> Figure | None:
     for axes in drawing.axes:
         format_axes(axes, (-2, 4))
         if axes.get_legend_handles_labels()[0]:
-            look = {"fontsize": 7, "handlelength": 2.8, "labelspacing": 0.3}
+            look: dict[str, Any] = {"fontsize": 7, "handlelength": 2.8, "labelspacing": 0.3}
             legend = axes.legend(frameon=False, labelcolor=INK, **look)
             if axes.child_axes:
                 legend.set_loc("lower right")
@@ -86,7 +87,7 @@ def _diagram(across: str, up: str, family: Family) -> Draw:
             curve, turn = of_trace(trace, scenes(value)), end_of_approach(trace)
             x, y = curve.columns[across], curve.columns[up]
             at = [] if curve.pull_off is None else [curve.pull_off - turn]
-            mark = {"marker": marker, "markevery": at, "label": f"{name} = {value:g}"} | OPEN
+            mark: dict[str, Any] = {"marker": marker, "markevery": at, "label": f"{name} = {value:g}"} | OPEN
             axes.plot(x[: turn + 1], y[: turn + 1], color=colour, linestyle="--", linewidth=1.0)
             axes.plot(x[turn:], y[turn:], color=colour, linewidth=1.3, **mark)
         limits = axes.axis()
@@ -107,7 +108,12 @@ def _sweep(curves: Curves, line: Mapping[str, Any] | None = None, **settings: An
     def draw(axes: Axes, evidence: Evidence) -> None:
         looks = zip(curves(evidence).items(), SERIES, DASHES, MARKERS, strict=False)
         for (label, curve), colour, dash, marker in looks:
-            style = {"color": colour, "linestyle": dash, "marker": marker, "label": label} | OPEN
+            style: dict[str, Any] = {
+                "color": colour,
+                "linestyle": dash,
+                "marker": marker,
+                "label": label,
+            } | OPEN
             axes.plot(list(curve), list(curve.values()), **style)
         if line is not None:
             axes.axhline(**line)
@@ -119,7 +125,7 @@ def _sweep(curves: Curves, line: Mapping[str, Any] | None = None, **settings: An
 def _pull_offs(speeds: Sequence[float], of: Callable[[float, float], Scene], over: Sequence[float]) -> Curves:
     """Pull-off force over a parameter, a curve a speed."""
     return lambda runs: {
-        f"{SPEED} = {v:g}": runs.pull_offs(lambda x, v=v: of(v, x), over) for v in speeds
+        f"{SPEED} = {v:g}": runs.pull_offs(partial(of, v), over) for v in speeds
     }  # fmt: skip
 
 
@@ -130,8 +136,12 @@ def _tensions(across: str, up: str, **settings: Any) -> Draw:
         for force, colour in zip(sweeps.FORCES, SERIES, strict=False):
             held = _columns(evidence, f"force-{force}")
             moved = _columns(evidence, retraction(sweeps.MATCHED[force]))
-            look = {"color": colour, "linewidth": 1.2}
-            end = {"marker": "o", "markevery": [-1], "label": rf"{force} $F_\mathrm{{JKR}}$"} | OPEN
+            look: dict[str, Any] = {"color": colour, "linewidth": 1.2}
+            end: dict[str, Any] = {
+                "marker": "o",
+                "markevery": [-1],
+                "label": rf"{force} $F_\mathrm{{JKR}}$",
+            } | OPEN
             axes.plot(held[across], held[up], **look, **end)
             axes.plot(moved[across], moved[up], linestyle="--", **look)
         axes.plot([], [], color=INK, linestyle="--", label="constant speed, same pull-off")
@@ -159,7 +169,12 @@ def oscillation(axes: Axes, evidence: Evidence) -> None:
         depth, force = columns["penetration"], columns["force"]
         axes.plot(depth, force, color=colour, linewidth=0.4, alpha=0.4, rasterized=True)
         lowest = _lowest_of_cycles(force, np.floor(columns["time"] * float(w) / (2.0 * np.pi)))
-        look = {"color": colour, "linestyle": "--", "linewidth": 2.2, "label": rf"$\tilde{{\omega}}$ = {w}"}
+        look: dict[str, Any] = {
+            "color": colour,
+            "linestyle": "--",
+            "linewidth": 2.2,
+            "label": rf"$\tilde{{\omega}}$ = {w}",
+        }
         axes.plot(depth[lowest], force[lowest], **look)
     columns = _columns(evidence, "retraction-steady")
     axes.plot(columns["penetration"], columns["force"], color=INK, linewidth=1.3, label="steady")
