@@ -153,12 +153,18 @@ def shown(one, pair):
 
 def test_sections_state_their_scale_and_may_be_alike(blank):
     some = states({0: "", 3: "end of approach"})
-    one, other = (shown(each, figures.looks(some, SCENE, STRESS)) for each in some)
+    one, other = (shown(each, section.looks(some, SCENE, STRESS)) for each in some)
     assert one == other
-    one, other = (shown(each, figures.looks([each], SCENE, STRESS)) for each in some)
+    one, other = (shown(each, section.looks([each], SCENE, STRESS)) for each in some)
     assert one[1:3] != other[1:3]
+    look = look_at(some[1:], SCENE, STRESS)
+    body = Section(some[1], SCENE, look.scale)
+    inside = body.within(look.view(body))
+    sizes, areas = np.abs(STRESS.values(body.state)[inside]), body.areas[inside] / body.areas[inside].sum()
+    assert areas[sizes < look.colours.high].sum() < 0.99 <= areas[sizes <= look.colours.high].sum()
+    assert body.areas.sum() == pytest.approx(1.0)
     cut = state(label="pull-off")
-    drawn = figures.section(cut, SCENE, figures.looks([cut], SCENE, STRESS))
+    drawn = figures.section(cut, SCENE, section.looks([cut], SCENE, STRESS))
     scale = section.magnification(float(np.abs(cut.displacement).max()), RADIUS)
     whole, edge = drawn.axes[:2]
     assert f"displacements drawn {scale:g} times as large" in whole.get_title()
@@ -169,7 +175,7 @@ def test_sections_state_their_scale_and_may_be_alike(blank):
     assert [axes.get_ylabel() for axes in drawn.axes[2:]] == ["", r"stress $\sigma_{zz}$ (force/length²)"]
 
 
-def test_panels_are_alike_and_frames_mark_where_they_stand(blank):
+def test_panels_are_alike_and_frames_mark_where_they_stand(blank, monkeypatch):
     four = states(moments.key_moments(trace(), SCENE))
     drawn = figures.panels(four, SCENE, STRESS)
     titled = [axes for axes in drawn.axes if axes.get_title()]
@@ -182,6 +188,10 @@ def test_panels_are_alike_and_frames_mark_where_they_stand(blank):
         lines = [line for axes in frame.axes for line in axes.lines if line.get_gid() == "state"]
         spots += [(line.get_xdata()[0], line.get_ydata()[0]) for line in lines]
     assert spots == [(0.03, 0.03), (-0.01, -0.01)]
+    shared = []
+    monkeypatch.setattr(figures, "draw", lambda axes, cut, look: shared.append(look))
+    figures.panels(four, SCENE, STRESS)
+    assert shared == shared[:1] * 4
 
 
 def test_pixels_have_the_colour_of_the_field_there(can_draw):
@@ -224,6 +234,8 @@ def test_body_of_revolution(can_draw):
     skin, view = parts["skin"], look.view(cut)
     assert np.hypot(*np.asarray(skin.points)[:, :2].T).max() == pytest.approx(view.right)
     assert skin.bounds[4] == pytest.approx(view.bottom)
+    x, y, _ = np.asarray(skin.points).T
+    assert np.degrees(np.arctan2(y, x))[np.hypot(x, y) > 1e-6].max() == pytest.approx(rendering.CUT)
     on_top = np.isclose(np.hypot(*np.asarray(skin.points)[:, :2].T), cut.edge[0], atol=1e-6)
     on_top &= skin.points[:, 2] > view.bottom * 0.99
     wanted = look.colours.shade(RADIUS)  # stress r + z of the undeformed edge

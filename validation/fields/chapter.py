@@ -13,10 +13,11 @@ from contact_scene import Scene, Trace
 from validation.cases import Case, load
 from validation.drawing.export import png
 from validation.fields import fig3, figures
-from validation.fields.figures import USUAL, FigureSet, looks
+from validation.fields.figures import USUAL, FigureSet
 from validation.fields.moments import FieldRequest, balance, record_fields
 from validation.fields.quantities import QUANTITIES
 from validation.fields.rendering import NoRendering
+from validation.fields.section import looks
 from validation.measure.events import end_of_approach
 from validation.report.document import (
     DataTable,

@@ -22,7 +22,7 @@ from validation.fields import rendering
 from validation.fields.moments import in_contact, key_moments
 from validation.fields.quantities import QUANTITIES, Quantity, ValueKind
 from validation.fields.rendering import INDENTER, MARK, ZONE, NoRendering
-from validation.fields.section import Look, Section, look_at, look_at_edge
+from validation.fields.section import Look, Section, look_at, looks
 from validation.measure.events import end_of_approach
 from validation.runs.folder import in_words, write_whole
 
@@ -117,12 +117,6 @@ def caption(state: FieldState) -> str:
 def _times(scale: float) -> str:
     """A magnification in words."""
     return "true to scale" if scale == 1.0 else f"drawn {scale:g} times as large"
-
-
-def looks(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> tuple[Look, Look]:
-    """Common looks at the contacts of some states as a whole and at their edges."""
-    whole = look_at(states, scene, quantity)
-    return whole, look_at_edge(states, scene, quantity, whole.scale)
 
 
 def section(state: FieldState, scene: Scene, pair: tuple[Look, Look]) -> Figure:
@@ -318,10 +312,32 @@ class FigureSet:
         cannot draw here, and more was requested than the sections drawn by default.
         """
         touching = [state for state in states if state.contact_radius > 0.0]
+        moving = set(in_contact(trace, self.frames)) if self.animate else set()
+        key = key_moments(trace, scene) if self.moments else {}
+        quantities = [QUANTITIES[name] for name in self.quantities]
+        first, frames = quantities[0], [state for state in touching if state.row in moving]
+        drawings = self._sections(
+            [one for one in touching if one.label or one.row in requested or one.row not in moving], scene
+        )
+        named = [state for state in touching if state.row in key]
+        for one in quantities if named else ():
+            drawings.append((f"strip_{one.name}.png", partial(panels, named, scene, one)))
+        count, total, lines = 0, len(drawings) + len(frames), []
+
+        def written(name: str, data: bytes) -> str:
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(path, data)
+            return f"drawn: {path} ({in_words(len(data))})"
+
         try:
-            written = self._write(folder, touching, trace, scene, progress, requested)
-            lines = [f"drawn: {path} ({in_words(path.stat().st_size)})" for path in written]
-            if self.show and states and not interactive(touching[-1], scene, self._chosen[0]):
+            for count, (name, drawn) in enumerate(drawings, 1):
+                lines.append(written(name, png(drawn())))
+                progress(count / total)
+            if frames:
+                rest: Progress = lambda done: progress((count + done * len(frames)) / total)  # noqa: E731
+                lines.append(written(f"cycle_{first.name}.gif", film(frames, trace, scene, first, rest)))
+            if self.show and touching and not interactive(touching[-1], scene, first):
                 lines.append("no window: there is no screen")
         except NoRendering as error:
             if self.chooses_moments or self.revolve or self.show:
@@ -329,50 +345,16 @@ class FigureSet:
             return [f"no figures: {error}"]
         return lines
 
-    def _write(
-        self,
-        folder: Path,
-        states: Sequence[FieldState],
-        trace: Trace,
-        scene: Scene,
-        progress: Progress,
-        requested: Collection[int],
-    ) -> list[Path]:
-        """Everything but the window; frames of the animation get a section if labelled or requested."""
-        first = self._chosen[0]
-        moving = set(in_contact(trace, self.frames)) if self.animate else set()
-        single = [one for one in states if one.label or one.row in requested or one.row not in moving]
-        common = {one: looks(single, scene, one) for one in self._chosen} if self.alike and single else {}
-        drawings: list[tuple[str, Callable[[], bytes]]] = []
-        for state in single:
-            for quantity in self._chosen:
-                pair = common.get(quantity) or looks([state], scene, quantity)
-                name = f"{quantity.name}_{state.row:06d}.png"
-                drawings.append((f"sections/{name}", partial(_png, section, state, scene, pair)))
-                if self.revolve and quantity is first:
-                    drawings.append((f"revolution/{name}", partial(_png, body, state, scene, pair[0])))
-        key = key_moments(trace, scene) if self.moments else {}
-        named = [state for state in states if state.row in key]
-        for quantity in self._chosen if named else ():
-            drawings.append((f"strip_{quantity.name}.png", partial(_png, panels, named, scene, quantity)))
-        shown = [state for state in states if state.row in moving]
-        written, total = [], len(drawings) + len(shown)
-        for count, (name, drawn) in enumerate(drawings, 1):
-            written.append(folder / name)
-            written[-1].parent.mkdir(parents=True, exist_ok=True)
-            write_whole(written[-1], drawn())
-            progress(count / total)
-        if shown:
-            before = len(drawings)
-            rest: Progress = lambda done: progress((before + done * len(shown)) / total)  # noqa: E731
-            written.append(folder / f"cycle_{first.name}.gif")
-            write_whole(written[-1], film(shown, trace, scene, first, rest))
-        return written
-
-    @property
-    def _chosen(self) -> list[Quantity]:
-        return [QUANTITIES[name] for name in self.quantities]
-
-
-def _png(draw_figure: Callable[..., Figure], *arguments: Any) -> bytes:
-    return png(draw_figure(*arguments))
+    def _sections(self, states: Sequence[FieldState], scene: Scene) -> list[tuple[str, Callable[[], Figure]]]:
+        """Sections of states one by one, and bodies of revolution, by the names of their files."""
+        quantities = [QUANTITIES[name] for name in self.quantities]
+        common = {one: looks(states, scene, one) for one in quantities} if self.alike and states else {}
+        drawings: list[tuple[str, Callable[[], Figure]]] = []
+        for state in states:
+            for one in quantities:
+                pair = common.get(one) or looks([state], scene, one)
+                name = f"{one.name}_{state.row:06d}.png"
+                drawings.append((f"sections/{name}", partial(section, state, scene, pair)))
+                if self.revolve and one is quantities[0]:
+                    drawings.append((f"revolution/{name}", partial(body, state, scene, pair[0])))
+        return drawings

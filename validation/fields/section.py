@@ -162,11 +162,12 @@ def look_at(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> L
     return _look(states, scene, quantity, magnification(largest, radius), HALF_WIDTH * radius)
 
 
-def look_at_edge(states: Sequence[FieldState], scene: Scene, quantity: Quantity, scale: float) -> Look:
-    """One look at the contact edges of some states, magnified by at most ``scale``."""
+def looks(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> tuple[Look, Look]:
+    """Common looks at the contacts of some states as a whole, and at their edges."""
+    whole = look_at(states, scene, quantity)
     zones = [zone_length(scene, state.contact_radius) for state in states]
-    scale = min(magnification_near_edge(*one, scale) for one in zip(states, zones, strict=True))
-    return _look(states, scene, quantity, scale, None)
+    scale = min(magnification_near_edge(*one, whole.scale) for one in zip(states, zones, strict=True))
+    return whole, _look(states, scene, quantity, scale, None)
 
 
 def _look(

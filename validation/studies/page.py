@@ -39,19 +39,8 @@ from validation.report.tables import COUNTERS, environment
 from validation.report.tables import in_words as fact_in_words
 from validation.runs.folder import to_json
 from validation.runs.provenance import of_case
+from validation.studies import prices
 from validation.studies.ladders import SCHEMES, scheme
-from validation.studies.prices import (
-    BUSY,
-    ERRORS,
-    WORK,
-    busy,
-    cheapest,
-    cost,
-    growth,
-    in_words,
-    left_out,
-    measures,
-)
 from validation.studies.study import Convergence, LevelRun, Row, SceneStudy, Study
 
 if TYPE_CHECKING:
@@ -127,12 +116,12 @@ def data(study: Study) -> dict[str, Any]:
 
 
 def _data_of(scene: SceneStudy) -> dict[str, Any]:
-    prices = [
+    cheapest = [
         {"measure": measure, "asked": error, "cheapest": best.scheme if best else None}
         | {"seconds": {entry.scheme: entry.seconds for entry in found}}
-        for measure in measures(scene.timed)
-        for error in ERRORS
-        for best, found in [cheapest(scene.timed, measure, error)]
+        for measure in prices.measures(scene.timed)
+        for error in prices.ERRORS
+        for best, found in [prices.cheapest(scene.timed, measure, error)]
     ]
     return {
         "name": scene.case.name,
@@ -152,8 +141,8 @@ def _data_of(scene: SceneStudy) -> dict[str, Any]:
             }
             for entry in scene.ladders
         ],
-        "cheapest": prices,
-        "growth": [asdict(growth(entry, work)) for entry in scene.timed for work in WORK],
+        "cheapest": cheapest,
+        "growth": [asdict(prices.growth(entry, work)) for entry in scene.timed for work in prices.WORK],
     }
 
 
@@ -168,7 +157,7 @@ def short(study: Study) -> Section:
     """What a terminal shows: the orders of each scene, and the prices in words."""
     scenes = []
     for scene in study.scenes:
-        words = map(Paragraph, in_words(scene.timed))
+        words = map(Paragraph, prices.in_words(scene.timed))
         title = f"{scene.case.name}: {scene.reference}"
         scenes.append(Section(title, (_headline_table(scene), *words)))
     return Section(TITLE, (*scenes, Paragraph(verdict(study))))
@@ -184,12 +173,12 @@ def verdict(study: Study) -> str:
 
 def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
     threads = fact_in_words(study.environment.get("threads", "unknown"))
-    orders, prices = (_charts(scene, charts) if figures else () for charts in (ORDER_CHARTS, PRICE_CHARTS))
+    orders, costs = (_charts(scene, charts) if figures else () for charts in (ORDER_CHARTS, PRICE_CHARTS))
     title = "Observed orders, everything refined together"
     parts = [_section(title, _stated(scene), _headline_table(scene), first=orders)]
     tables = _price_table(scene.timed), _growth_table(scene.timed)
     parts.append(
-        _section("Error against run time", _stated_prices(scene.timed, threads), *tables, first=prices)
+        _section("Error against run time", _stated_prices(scene.timed, threads), *tables, first=costs)
     )
     zones = [study for study in scene.ladders if study.ladder.kind == "zone"]
     if zones:
@@ -325,10 +314,10 @@ def _stated_prices(studies: list[Convergence], threads: str) -> list[str]:
         "do not. Prices below are processor seconds, on one thread the run time of a quiet machine; between "
         "levels they are interpolated on logarithms, never extrapolated.",
         "By the RMS error of F(t) over the run, relative to the largest force: "
-        + " ".join(in_words(studies)),
+        + " ".join(prices.in_words(studies)),
     ]
-    share, skipped = busy(studies), left_out(studies)
-    if share > BUSY:
+    share, skipped = prices.busy(studies), prices.left_out(studies)
+    if share > prices.BUSY:
         stated.insert(1, f"The machine was busy: run times are up to {share:.1f} times the processor times.")
     if skipped:
         stated.append("Left out because the scene did not need it: " + " ".join(skipped))
@@ -337,9 +326,9 @@ def _stated_prices(studies: list[Convergence], threads: str) -> list[str]:
 
 def _price_table(studies: list[Convergence]) -> DataTable:
     rows = []
-    for measure in measures(studies):
-        for asked in ERRORS:
-            best, found = cheapest(studies, measure, asked)
+    for measure in prices.measures(studies):
+        for asked in prices.ERRORS:
+            best, found = prices.cheapest(studies, measure, asked)
             shown = {
                 one.scheme: ABSENT
                 if one.seconds is None
@@ -354,7 +343,7 @@ def _price_table(studies: list[Convergence]) -> DataTable:
 def _growth_table(studies: list[Convergence]) -> DataTable:
     rows = []
     for study in studies:
-        fitted = {plain(work): growth(study, work) for work in WORK}
+        fitted = {plain(work): prices.growth(study, work) for work in prices.WORK}
         by_resolution = {work: formatted(one.with_resolution, ".2f") for work, one in fitted.items()}
         by_error = {work: formatted(one.with_error, ".2f") for work, one in fitted.items()}
         rows.append({"scheme": study.ladder.scheme} | by_resolution)
@@ -391,7 +380,7 @@ def draw(studies: Sequence[Convergence], error: str, work: str = "") -> Drawing 
     for row, study in enumerate(studies):
         name, coarsest = study.ladder.scheme, study.runs[0].level.size
         style = scheme(name).curve_style | {"linewidth": 1.4}
-        across = [cost(run, work) if work else run.level.size / coarsest for run in study.runs]
+        across = [prices.cost(run, work) if work else run.level.size / coarsest for run in study.runs]
         found = zip(across, (abs(run.errors.get(error, 0.0)) for run in study.runs), strict=True)
         points = [(x, y) for x, y in found if x and y]
         if points:
