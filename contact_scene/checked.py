@@ -48,6 +48,9 @@ class Key:
     unit: str = ""
 
 
+REQUIRED = object()
+"""Default of a field that has none."""
+
 _PLAIN = {str: "a string", bool: "true or false", object: "a value", dict: "a dictionary"}
 """Plain kinds of values, in words."""
 
@@ -66,12 +69,12 @@ class Declaration:
 
     rule: Rule | None = None
     words: tuple[str, ...] = ()
-    base: tuple[type, ...] = ()
+    classes: tuple[type, ...] = ()
     kinds: tuple[type[Checked], ...] = ()
     entries: Declaration | None = None
-    plain: type | None = None
     optional: bool = False
     key: Key = Key("")
+    default: Any = REQUIRED
 
     def allowed(self, key: str) -> str:
         """What may stand under a key, in words."""
@@ -88,8 +91,8 @@ class Declaration:
         elif self.kinds:
             keys = (", ".join(_keys_of_file(kind)) for kind in self.kinds)
             words.append("a table " + " or ".join(f"{{ {one} }}" for one in keys))
-        elif self.plain is not None:
-            words.append(_PLAIN.get(self.plain, f"a {self.plain.__name__}"))
+        else:
+            words += [_PLAIN.get(one, f"a {one.__name__}") for one in self.classes]
         return " or ".join(words) if self.kinds else "one of " + ", ".join(words) if self.words else words[0]
 
     def check(self, value: Any, key: str, where: Path | None) -> Any:
@@ -104,10 +107,10 @@ class Declaration:
         if self.kinds and where is not None and isinstance(value, dict):
             return under(key, lambda: from_table(self.kinds, value, where))
         allowed = self.allowed(key)
-        if self.base and where is None:  # as Python states it
-            names = [f'"{word}"' for word in self.words] + [f"a {one.__name__}" for one in self.base]
+        if self.kinds and where is None:  # as Python states it
+            names = [f'"{word}"' for word in self.words] + [f"a {one.__name__}" for one in self.classes]
             allowed = " or ".join([*names, *(["None"] if self.optional else [])])
-        of_class(value, key, self.base or self.plain or (), allowed)
+        of_class(value, key, self.classes, allowed)
         return value
 
 
@@ -196,7 +199,11 @@ def rises(values: Sequence[float], name: str, not_falling: str = "") -> None:
 def _declared(kind: type) -> dict[str, Declaration]:
     """Fields that the constructor takes, by name."""
     hints = get_type_hints(kind, include_extras=True)
-    return {one.name: _declaration(hints[one.name]) for one in dataclasses.fields(kind) if one.init}
+    taken = {one.name: one.default for one in dataclasses.fields(kind) if one.init}
+    given = {name: REQUIRED if value is dataclasses.MISSING else value for name, value in taken.items()}
+    return {
+        name: dataclasses.replace(_declaration(hints[name]), default=value) for name, value in given.items()
+    }
 
 
 fields_of: Callable[[type], dict[str, Declaration]] = cache(_declared)
@@ -208,40 +215,27 @@ def _declaration(hint: Any) -> Declaration:
         found = _declaration(args[0])
         for extra in args[1:]:
             if isinstance(extra, Rule):
-                found = dataclasses.replace(found, rule=extra, plain=None)
+                found = dataclasses.replace(found, rule=extra)
             elif isinstance(extra, Key):
                 found = dataclasses.replace(found, key=extra)
             elif isinstance(extra, Words):
-                found = dataclasses.replace(found, words=tuple(extra), plain=None)
+                found = dataclasses.replace(found, words=tuple(extra), classes=())
             elif isinstance(extra, Kinds):
-                base = (found.plain or object,)
-                found = dataclasses.replace(found, base=base, kinds=tuple(extra), plain=None)
+                found = dataclasses.replace(found, kinds=tuple(extra))
         return found
     if origin in (Union, UnionType):
         parts = [_declaration(one) for one in args if one is not NoneType]
-        optional = NoneType in args
-        if len(parts) == 1:
-            return dataclasses.replace(parts[0], optional=optional)
         words = tuple(word for one in parts for word in one.words)
         kinds = tuple(kind for one in parts for kind in one.kinds)
-        return Declaration(words=words, base=kinds, kinds=kinds, optional=optional)
+        found = parts[0] if len(parts) == 1 else Declaration(words=words, classes=kinds, kinds=kinds)
+        return dataclasses.replace(found, optional=NoneType in args)
     if origin is Literal:
         return Declaration(words=args)
     if origin is tuple:
         return Declaration(entries=_declaration(args[0]))
     if isinstance(hint, type) and issubclass(hint, Checked):
-        return Declaration(base=(hint,), kinds=(hint,))
-    return Declaration(plain=origin or hint)
-
-
-def optional_keys(kind: type) -> dict[str, Any]:
-    """Fields that may be left out, with their defaults."""
-    taken = fields_of(kind)
-    return {
-        one.name: one.default
-        for one in dataclasses.fields(kind)
-        if one.name in taken and one.default is not dataclasses.MISSING
-    }
+        return Declaration(classes=(hint,), kinds=(hint,))
+    return Declaration(classes=(origin or hint,))
 
 
 # Tables of a file
@@ -280,13 +274,13 @@ def beside(where: Path, name: Any) -> Path:
 def from_table(kinds: Iterable[type[Checked]], data: dict[str, Any], where: Path) -> Any:
     """The object, of one of several classes, that a table states; its files are looked up in ``where``."""
     kind, data = _kind_of(tuple(kinds), data)
-    taken, defaults = fields_of(kind), optional_keys(kind)
+    taken = fields_of(kind)
     columns = list(taken)[:2] if issubclass(kind, Tabulated) else []
     from_file = bool(columns) and "file" in data
     check_keys(data, [*filter(None, [kind.tag]), *_keys_of_file(kind), *(() if from_file else columns)])
     kind.table_rules(data)
     for name, field in taken.items():
-        if not from_file and name not in data and name not in defaults:
+        if not from_file and name not in data and field.default is REQUIRED:
             if issubclass(kind, Tabulated):
                 raise SceneError("file", "is missing", f"a CSV file of {', '.join(kind.column_names(data))}")
             keys = ", ".join(_keys_of_file(kind))
@@ -342,14 +336,14 @@ def to_table(
     """
     kind = type(value)
     table: dict[str, Any] = {kind.tag: getattr(kind, kind.tag)} if kind.tag else {}
-    stated, defaults = value.stated(), optional_keys(kind)
+    stated, taken = value.stated(), fields_of(kind)
     if isinstance(value, Tabulated):
         del stated["file"]
         if file is not None:
             stated = dict(list(stated.items())[2:])
             table["file"] = file(place, value)
     for name, part in stated.items():
-        if part is None or (file is not None and name in defaults and part == defaults[name]):
+        if part is None or (file is not None and part == taken[name].default):
             continue
         table[name] = _plain(part, file, (*place, name))
     return table

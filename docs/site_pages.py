@@ -26,7 +26,7 @@ from latex2mathml.converter import convert  # noqa: E402
 import crosscontact as cc  # noqa: E402
 from benchmarks import saved_report  # noqa: E402
 from contact_scene.adhesion import PowerRate, RateTable  # noqa: E402
-from contact_scene.checked import Checked, Tabulated, fields_of, optional_keys  # noqa: E402
+from contact_scene.checked import REQUIRED, Checked, Tabulated, fields_of  # noqa: E402
 from contact_scene.indenter import SHAPES  # noqa: E402
 from contact_scene.loading import STEPS  # noqa: E402
 from contact_scene.material import MODELS  # noqa: E402
@@ -145,10 +145,10 @@ def scene_keys() -> str:
 
 
 def _keys(kind: type[Checked]) -> Iterator[str]:
-    defaults, columns = optional_keys(kind), 2 if issubclass(kind, Tabulated) else 0
+    columns = 2 if issubclass(kind, Tabulated) else 0
     for index, (name, field) in enumerate(fields_of(kind).items()):
         allowed = field.allowed(name) if index >= columns else "a list, in place of the file"
-        default = "" if defaults.get(name) in (None, "", ()) else f"`{defaults[name]!r}`"
+        default = "" if field.default in (None, "", (), REQUIRED) else f"`{field.default!r}`"
         unit = f"`{field.key.unit}`" if field.key.unit else ""
         yield f"| `{name}` | {_cell(field.key.text)} | {unit} | {_cell(allowed)} | {_cell(default)} |"
 

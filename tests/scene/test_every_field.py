@@ -67,7 +67,7 @@ def takes(kind, name: str, value) -> bool:
     if value is None:
         return field.optional
     if isinstance(value, str):
-        return field.plain is str
+        return str in field.classes
     if field.entries is not None and not isinstance(value, (float, bool, int, dict)):
         try:
             entries = list(value)
