@@ -216,18 +216,6 @@ def test_complex_modulus_of_the_power_law(n):
     assert (error >= 0.1 * np.maximum(fast, slow))[[0, 60]].all()
 
 
-@given(st.floats(0.05, 0.95), st.floats(-20.0, 20.0), st.floats(-20.0, 20.0))
-def test_other_units_give_the_same_material(exponent, of_time, of_stress):
-    seconds, pascals = 10.0**of_time, 10.0**of_stress
-    one, branches = PowerLawRelaxation(exponent, 2.0, 1.0, (0.01, 100.0)).series()
-    law = PowerLawRelaxation(exponent, 2.0 * pascals, seconds, (0.01 * seconds, 100.0 * seconds))
-    other, scaled = law.series()
-    assert other == pytest.approx(one * pascals, rel=1e-11)
-    for branch, again in zip(branches, scaled, strict=True):
-        assert again.time == pytest.approx(branch.time * seconds, rel=1e-11)
-        assert again.modulus == pytest.approx(branch.modulus * pascals, rel=1e-11)
-
-
 sizes = st.floats(1e-60, 1e60)
 
 

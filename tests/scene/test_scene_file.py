@@ -133,14 +133,6 @@ anything = st.recursive(
 )
 
 
-@given(
-    st.dictionaries(words, anything, max_size=4),
-    st.sampled_from(["material", "indenter", "loading", "adhesion"]),
-)
-def test_random_tables_in_a_good_scene(table, name):
-    check_accepted_or_refused(lambda: scene_from_dict(tomllib.loads(GOOD) | {name: table}, "."))
-
-
 def test_very_deep_dictionaries():
     deep: dict = {}
     for _ in range(100_000):
