@@ -146,6 +146,15 @@ def test_a_power_law_is_met_to_the_tolerance(tolerance):
     assert np.abs(fit.material(0.5).complex_modulus(w) / exact - 1.0).max() < 30.0 * tolerance
 
 
+@pytest.mark.parametrize("measured", [relaxation, dynamic])
+def test_slopes_are_those_of_the_responses(measured):
+    """Against central differences; the refinement would still end somewhere with wrong ones."""
+    data, times, small = measured(KNOWN), np.array([0.01, 0.3, 40.0]), 1e-5
+    ends = [data.responses(times * math.exp(sign * small))[1] for sign in (1.0, -1.0)]
+    slopes = data.responses(times)[2]
+    np.testing.assert_allclose(slopes, (ends[0] - ends[1]) / (2.0 * small), atol=1e-8 * np.abs(slopes).max())
+
+
 ONES = np.ones(4)
 
 
