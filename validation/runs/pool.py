@@ -18,7 +18,7 @@ import time
 import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
@@ -323,6 +323,9 @@ class WorkerProcesses(Executor):
         self._futures.add(future)
         return future
 
+    def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
+        self.shutdown(cancel_futures=kind is not None)
+
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Wait for the tasks, or kill the processes and cancel what is pending."""
         if not cancel_futures:
@@ -362,24 +365,16 @@ def _exit_after(sentinel: int) -> None:
     os._exit(1)
 
 
-@contextmanager
 def processes(
     workers: int,
     isolated: bool = False,
     wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
     tasks_per_process: int = 0,
-) -> Iterator[WorkerProcesses | None]:
+) -> AbstractContextManager[WorkerProcesses | None]:
     """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process."""
     if workers <= 1 and not isolated:
-        yield None
-        return
-    pool = WorkerProcesses(max(workers, 1), wall_per_processor_second, tasks_per_process)
-    try:
-        yield pool
-    except BaseException:
-        pool.shutdown(cancel_futures=True)
-        raise
-    pool.shutdown()
+        return nullcontext()
+    return WorkerProcesses(max(workers, 1), wall_per_processor_second, tasks_per_process)
 
 
 @dataclass(frozen=True)
