@@ -81,6 +81,7 @@ def test_a_bell_has_one_maximum_between_lower_ends():
     [
         (measures.hysteresis(trace(depth=[0.0, 1.0, 0.0], force=[0.0, 2.0, 0.0])), 0.0),
         (measures.hysteresis(trace(depth=[0.0, 1.0, 1.0, 0.0], force=[0.0, 2.0, 1.0, -1.0])), 1.0),
+        (measures.hysteresis(trace(depth=[0.0, 1.0, 1.0, 0.5], force=[0.0, 2.0, 1.0, -1.0])), 1.0),
         (measures.last_slope(trace([0.0, 0.5, 1.0, 0.999, 0.5], [0.0, 1.5, 3.0, 2.99, -2.0])), 3.0),
         (measures.first_slope(trace([0.0, 0.5, 1.0, 0.999, 0.5], [0.0, 1.5, 3.0, 2.99, -2.0]), 1e-3), 10.0),
         (measures.on_line(trace(DOWN, 5.0 * (DOWN - 1.0)), 5.0), 1.0),
