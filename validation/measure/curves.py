@@ -136,19 +136,16 @@ def column_curve(trace: Trace, column: str, spans: Array | None = None) -> RowCu
 class Distance:
     """How far one column of two runs lies apart, relative to the largest magnitude in the second.
 
-    ``mean`` is that of ``|x - y|`` over time, ``rms`` its root mean square; ``largest`` is at the time ``at``
-    and near a loss of contact mostly a shift in time. ``until`` is the end of the interval covered by both
-    runs, ``covered`` its length over that of the longer run. ``size`` is the largest magnitude in the second
-    (1 if it is zero throughout), ``level`` its root mean square over that, and ``factor`` the constant that
-    turns the second into the first with the least root mean square left over.
+    ``mean`` is that of ``|x - y|`` over the time of both, ``rms`` its root mean square; ``largest`` is
+    at the time ``at`` and near a loss of contact mostly a shift in time. ``size`` is the largest magnitude in
+    the second (1 if it is zero throughout), ``level`` its root mean square over that, and ``factor`` the
+    constant that turns the second into the first with the least root mean square left over.
     """
 
     mean: float
     rms: float
     largest: float
     at: float
-    until: float
-    covered: float
     size: float = 1.0
     level: float = 1.0
     factor: float = 1.0
@@ -181,7 +178,6 @@ def distance(
     h = _interval_lengths(grid)
     span = float(grid[-1] - grid[0])
     worst = np.unravel_index(int(np.argmax(np.abs(apart) * (h > 0.0))), apart.shape)
-    longer = max(run.time[-1] - run.time[0], reference.time[-1] - reference.time[0])
 
     def mean(values: Array) -> float:
         return float((h * (WEIGHTS @ values)).sum() / span)
@@ -192,8 +188,6 @@ def distance(
         rms=float(np.sqrt(mean(apart**2)) / size),
         largest=float(np.abs(apart[worst]) / size),
         at=float(grid[worst[1]] + POINTS[worst[0]] * h[worst[1]]),
-        until=float(grid[-1]),
-        covered=float(span / longer),
         size=size,
         level=float(np.sqrt(square) / size),
         factor=mean(first * second) / square if square > 0.0 else 1.0,
