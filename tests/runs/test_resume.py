@@ -272,25 +272,3 @@ def test_a_report_killed_again_and_again(tmp_path):
     assert report_of(twice) == report_of(once)
     for trace in once.rglob("trace.csv"):
         assert trace.read_bytes() == (twice / trace.relative_to(once)).read_bytes()
-
-
-@pytest.mark.slow
-def test_two_reports_at_once_do_not_mix(tmp_path):
-    """One works, the other is told so; the folder is whole."""
-    given = [sys.executable, "-m", "crosscontact", "compare", "relaxed-equilibrium", "--jobs", "1"]
-    both = [
-        subprocess.Popen(
-            [*given, "--out", str(tmp_path)],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=ENVIRONMENT,
-        )
-        for _ in range(2)
-    ]
-    errors = [work.communicate(timeout=2 * PATIENCE)[1] for work in both]
-    assert sorted(work.returncode for work in both) == [0, 2]
-    (refused,) = [error for work, error in zip(both, errors, strict=True) if work.returncode == 2]
-    assert len(refused.splitlines()) == 1
-    assert "in use" in refused
-    assert json.loads((tmp_path / "report.json").read_text())["passed"]
