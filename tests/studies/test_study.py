@@ -103,6 +103,8 @@ def test_orders_come_out_as_they_went_in(scene_file, fakes):
     growth = {(e["scheme"], e["work"]): e for e in data["scenes"][0]["growth"]}
     assert growth["bem", "linear_solves"]["with_resolution"] == pytest.approx(2.0)
     assert growth["paper-scheme", "linear_solves"]["with_error"] == pytest.approx(2.0, rel=0.05)
+    zones = observable(ladder_of(data, "bem", "zone"), "pull_off_force")["errors"]
+    assert [error is None for error in zones] == [True, False, True, True]  # another zone, another answer
     doubtful = data["scenes"][0]["reference_uncertainty"]["pull_off_force"]
     assert doubtful == pytest.approx((40.0**-4 - 80.0**-4) / 3.0, rel=0.01)
 

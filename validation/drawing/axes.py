@@ -13,16 +13,7 @@ SIZE = (4.2, 3.1)  # inches of a figure with one pair of axes
 
 
 def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:
-    """Give axes and their insets grid, ink and notation.
-
-    Parameters
-    ----------
-    axes : Axes
-    powers : pair of int
-        Linear axes are labelled without a power of ten between these.
-    grid_width : float
-        Points.
-    """
+    """Give axes and their insets grid, ink and notation: no power of ten between ``powers``."""
     from matplotlib.ticker import ScalarFormatter
 
     axes.grid(True, which="major", color=GRID, linewidth=grid_width)
@@ -35,8 +26,6 @@ def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float
         for axis in (one.xaxis, one.yaxis):
             axis.label.set_color(INK)
             axis.get_offset_text().set_color(INK)
-        # numbers: neither words nor logarithms
-        if isinstance(one.xaxis.get_major_formatter(), ScalarFormatter):
-            one.ticklabel_format(axis="x", style="sci", scilimits=powers, useOffset=False)
-        if isinstance(one.yaxis.get_major_formatter(), ScalarFormatter):
-            one.ticklabel_format(axis="y", style="sci", scilimits=powers, useOffset=False)
+            if isinstance(axis.get_major_formatter(), ScalarFormatter):  # neither words nor logarithms
+                which = "x" if axis is one.xaxis else "y"
+                one.ticklabel_format(axis=which, style="sci", scilimits=powers, useOffset=False)

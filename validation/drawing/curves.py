@@ -68,8 +68,8 @@ def of_trace(trace: Trace, scene: Scene) -> RunCurves:
 def with_differences(curves: list[RunCurves], base: str) -> list[RunCurves]:
     """The same curves; those that are not ``base`` also carry ``F(t) - F_base(t)`` over its largest force.
 
-    Both are straight between rows. Where they jump, what is before is compared with what is before, and what
-    is after with what is after; rows amid a jump have no counterpart.
+    Both are straight between rows and are compared piecewise between jumps of the load; rows within a jump
+    have no counterpart.
     """
     found = [curve for curve in curves if curve.style == base and curve.columns["time"].size > 1]
     if not found:
