@@ -27,5 +27,6 @@ def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float
             axis.label.set_color(INK)
             axis.get_offset_text().set_color(INK)
             if isinstance(axis.get_major_formatter(), ScalarFormatter):  # neither words nor logarithms
-                which = "x" if axis is one.xaxis else "y"
-                one.ticklabel_format(axis=which, style="sci", scilimits=powers, useOffset=False)
+                one.ticklabel_format(
+                    axis="x" if axis is one.xaxis else "y", style="sci", scilimits=powers, useOffset=False
+                )
