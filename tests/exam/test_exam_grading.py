@@ -130,8 +130,8 @@ def test_decades():
 def test_verdicts_and_their_report(tmp_path, monkeypatch):
     """Four codes on a scene: a good one at two sizes, one off, one that declines, one that cannot be read."""
     columns = hertz(400)
-    put(tmp_path / "good", text(columns, "good", seconds=2.0, resolution=400))
-    put(tmp_path / "good", text(hertz(12), "good", seconds=0.1, resolution=12), "trace-12.csv")
+    put(tmp_path / "good", text(columns, "good", seconds=2.0, resolution=400), "trace-1.csv")
+    put(tmp_path / "good", text(hertz(12), "good", seconds=0.1, resolution=12))
     put(tmp_path / "off", text(columns | {"force": -columns["force"]}, "off", seconds=1.0))
     put(tmp_path / "shy", "shy: has <no> springs | at all", "declined.txt")
     put(tmp_path / "broken", "# code: broken\ntime,force\n0,x\n")
