@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import lzma
+import math
 import shutil
 import sys
 import tempfile
@@ -24,9 +25,7 @@ from validation.compare.suite import SceneComparison, SuiteComparison
 from validation.measure.difference import Check
 from validation.runs.folder import from_json, in_words
 from validation.runs.run import Run, read_run
-from validation.stability.measure import MISSING
-from validation.stability.runner import StabilityMatrix
-from validation.stability.verdict import Cell, CellVerdict
+from validation.stability.matrix import Cell, CellVerdict, StabilityMatrix
 
 DIGITS = 7
 """Significant digits of a packed trace: its figures are drawn to four."""
@@ -79,7 +78,7 @@ def matrix(data: dict[str, Any]) -> StabilityMatrix:
     names = {entry.name for entry in fields(Cell)}
     cells = []
     for cell in data["cells"]:
-        errors = {name: MISSING if error is None else error for name, error in cell["errors"].items()}
+        errors = {name: math.inf if error is None else error for name, error in cell["errors"].items()}
         known = {name: value for name, value in cell.items() if name in names}
         cells.append(Cell(**known | {"verdict": CellVerdict(cell["verdict"]), "errors": errors}))
     return StabilityMatrix(tuple(cells), data["wall_seconds"])

@@ -13,11 +13,9 @@ from crosscontact.commands.shared import value
 from validation.runs.progress import Progress
 from validation.runs.store import Store
 from validation.solvers import SOLVERS
-from validation.stability import page, runner
-from validation.stability.limits import limits
-from validation.stability.matrix import AXES, cases
-from validation.stability.runner import StabilityMatrix
-from validation.stability.verdict import Cell
+from validation.stability import matrix, page
+from validation.stability.cases import AXES, cases
+from validation.stability.matrix import Cell, StabilityMatrix
 
 WRITE_INTERVAL = 2.0
 """Seconds between two times that the cells so far are written."""
@@ -36,10 +34,10 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         arguments.usable()  # names those that cannot be loaded
     solvers = (options.solver,) if options.solver else SOLVERS
     with shared.long_work("stability", options, "a stability matrix") as work:
-        matrix = compute(jobs, work.store, solvers, options.only, work.folder)
-        print("\n".join(limits(matrix.cells)))
-        work.write(lambda folder, writing: page.write(matrix, folder))
-    return shared.failed([f"failed: {cell.name}: {cell.verdict}" for cell in matrix.faults])
+        found = compute(jobs, work.store, solvers, options.only, work.folder)
+        print("\n".join(page.limits(found.cells)))
+        work.write(lambda folder, writing: page.write(found, folder))
+    return shared.failed([f"failed: {cell.name}: {cell.verdict}" for cell in found.faults])
 
 
 def compute(
@@ -63,4 +61,4 @@ def compute(
 
     with Progress("stability") as progress:
         progress.phase("runs")
-        return runner.run(selected, jobs, solvers, on_cell, store=store)
+        return matrix.run(selected, jobs, solvers, on_cell, store=store)

@@ -16,7 +16,7 @@ from validation.compare.page import write
 from validation.compare.suite import compare_scenes
 from validation.runs.progress import Progress
 from validation.solvers import Solver, register, unregister
-from validation.stability.matrix import cases
+from validation.stability.cases import cases
 from validation.studies.ladders import ladders, scheme
 
 NAME = "spring"

@@ -25,7 +25,7 @@ from validation.runs.run import run
 from validation.solvers import PEERS, Solver, registry, solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.registry import SOLVERS, SolverRegistry
-from validation.stability.surfaces import adhesion
+from validation.stability.cases import cases
 
 ROOT = Path(__file__).parents[2]
 
@@ -123,7 +123,7 @@ def test_what_walks_the_registry_leaves_a_broken_one_out(found):
     names = [one.name for one in solvers()]
     assert names == ["bem", "fem", "reference", "plug-spring"]
     assert list(of_case(load("elastic-press"))["tolerances"]) == names
-    assert {name for one in adhesion() for name in one.resolutions} <= set(names)
+    assert {name for one in cases("adhesion") for name in one.resolutions} <= set(names)
 
 
 @pytest.mark.parametrize("command", ["compare SCENE", "study SCENE", "stability", "report"])

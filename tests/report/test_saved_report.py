@@ -15,8 +15,7 @@ from contact_scene import SceneError
 from validation.claims import page as claims_page
 from validation.claims.claim import Finding, Part, Verdict
 from validation.stability import page as stability_page
-from validation.stability.runner import StabilityMatrix
-from validation.stability.verdict import Cell, CellVerdict
+from validation.stability.matrix import Cell, CellVerdict, StabilityMatrix
 
 ARCHIVE = Path(__file__).parents[2] / "docs" / "data" / "report.zip"
 

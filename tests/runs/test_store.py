@@ -30,7 +30,7 @@ from validation.fits.fit_run import FitRun
 from validation.runs import provenance, store
 from validation.runs.run import Run, read_run, write_run
 from validation.runs.store import UNFINISHED, Columns, RunRecord, RunTable, Store, StoredRun, dumps
-from validation.stability.case_runs import CaseAnswer
+from validation.stability.matrix import CaseAnswer
 from validation.studies.knobs import RunAndMemory
 from validation.studies.ladders import Level, Settings
 from validation.studies.study import FinestReference, LevelRun

@@ -10,41 +10,34 @@ from support import scripted_solver as fakes
 from support.unlaid_figures import without_layout
 
 import crosscontact.commands.stability as command
+from contact_scene import OutcomeKind
 from crosscontact.cli import main
 from validation.claims.evidence import Evidence
 from validation.compare.suite import SuiteComparison
 from validation.report import junit
 from validation.report.report import Chapter
+from validation.runs.folder import to_json
 from validation.stability import heat_map, page
-from validation.stability.page import checks
-from validation.stability.runner import StabilityMatrix
-from validation.stability.verdict import FAULTS, Cell, CellVerdict
+from validation.stability.matrix import FAULTS, Cell, CellVerdict, StabilityMatrix
 
 
 def cell(label: str, solver: str = "bem", verdict: CellVerdict = CellVerdict.WITHIN, **facts) -> Cell:
-    given = {
-        "outcome": "completed",
-        "reason": "a | b <c>",
-        "errors": {"final_force": 1e-3},
-        "tolerance": 0.01,
-    }
-    return Cell("contrast", label, solver, verdict, **{**given, "why": "coarse", **facts})
+    given = {"outcome": "completed", "reason": "a | b <c>", "errors": {"final_force": 1e-3}, **facts}
+    return Cell("contrast", label, solver, verdict, tolerance=0.01, why="coarse", **given)
 
 
 CELLS = (
     cell("1"),
-    cell("1", "fem", errors={}, outcome="refused", verdict=CellVerdict.DECLINED),
-    cell("10", verdict=CellVerdict.WRONG, errors={"final_force": 0.5}),
-    cell("10", "fem", verdict=CellVerdict.WRONG, errors={"final_force": float("inf")}),
-    cell("100", verdict=CellVerdict.UNKNOWN, errors={}),
+    cell("1", "fem", CellVerdict.DECLINED, errors={}, outcome="refused"),
+    cell("10", "bem", CellVerdict.WRONG, errors={"final_force": 0.5}),
+    cell("10", "fem", CellVerdict.WRONG, errors={"final_force": float("inf")}),
+    cell("100", "bem", CellVerdict.UNKNOWN, errors={}),
     cell("100", "fem", residual=0.2, errors={"final_force": 0.0}),
 )
 MATRIX = StabilityMatrix(CELLS, 3.0)
 
 
 def test_json_is_strict_and_whole():
-    from validation.runs.folder import to_json
-
     told = json.loads(to_json(page.data(MATRIX)))
     assert [entry["number"] for entry in told["cells"]] == [1, 1, 2, 2, 3, 3]
     assert told["cells"][3]["error"] is None  # without bound
@@ -52,26 +45,28 @@ def test_json_is_strict_and_whole():
 
 
 def test_checks_and_junit_fail_where_a_cell_is_at_fault():
-    by_solver = {check.solver: check for check in checks(CELLS)}
-    assert [(by_solver[s].found, by_solver[s].passed) for s in ("bem", "fem")] == [(1.0, False), (1.0, False)]
-    assert "10: SILENTLY WRONG" in by_solver["bem"].note
-    assert checks(CELLS[:2])[0].passed
-    suite = junit.element(Chapter("stability", checks(CELLS)))
+    found = page.checks(CELLS)
+    assert [(check.solver, check.found, check.passed) for check in found] == [
+        ("bem", 1, False),
+        ("fem", 1, False),
+    ]
+    assert "10: SILENTLY WRONG" in found[0].note
+    assert page.checks(CELLS[:2])[0].passed
+    suite = junit.element(Chapter("stability", found))
     assert suite.attrib["failures"] == "2"
     assert len(tree.tostring(suite)) > 100
 
 
 @pytest.mark.parametrize("verdict", FAULTS)
 def test_a_fault_is_seen_without_colour(verdict):
-    numbers = page.numbers(CELLS[:1])
-    plain = heat_map.draw([cell("1")], numbers).axes[0]
-    fault = heat_map.draw([cell("1", verdict=verdict)], numbers).axes[0]
+    plain, fault = (
+        heat_map.draw([cell("1", verdict=one)], page.numbers(CELLS[:1])).axes[0]
+        for one in (CellVerdict.WITHIN, verdict)
+    )
     assert (len(fault.lines), len(fault.patches)) == (len(plain.lines) + 1, len(plain.patches) + 1)
 
 
 def test_colours_stay_in_range_and_every_outcome_has_its_letter():
-    from contact_scene import OutcomeKind
-
     levels = [heat_map.level(one) for one in CELLS]
     assert levels == [-3.0, None, pytest.approx(-0.30103), 0.0, None, heat_map.LEAST]
     kinds = [*map(str, OutcomeKind), "hung", "raised", "died", "refused"]
@@ -82,26 +77,22 @@ def test_colours_stay_in_range_and_every_outcome_has_its_letter():
 def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monkeypatch, capsys):
     asked = [fakes.case("right"), fakes.case("wrong")]
     monkeypatch.setattr(command, "cases", lambda only: asked if only is None else asked[:1])
-    real = command.runner.run
+    real = command.matrix.run
 
     def faked(cases, jobs, solvers, on_cell, store):
         return real(cases, jobs, solvers, on_cell, fakes.act, store)
 
-    monkeypatch.setattr(command.runner, "run", faked)
-    out = tmp_path / "out"
+    monkeypatch.setattr(command.matrix, "run", faked)
+    bem, out = ["stability", "--jobs", "1", "--solver", "bem"], tmp_path / "out"
     with without_layout():
-        assert main(["stability", "--jobs", "1", "--solver", "bem", "--out", str(out)]) == 1
+        assert main([*bem, "--out", str(out)]) == 1
     told = capsys.readouterr()
     assert "failed: made up: wrong: bem: SILENTLY WRONG" in told.err
     assert "2/2 made up: wrong: bem" in told.err
-    names = {path.name for path in out.rglob("*") if path.is_file()}
+    names = {path.name for path in out.rglob("[!.]*") if path.is_file()}
     assert names == {"index.html", "stability.md", "stability.json", "stability-bem.png"}
     assert (out / "figures" / "stability-bem.png").read_bytes().startswith(b"\x89PNG")
-    only = ["stability", "--jobs", "1", "--solver", "bem", "--only", "speed"]
-    assert main(only) == 0
-    with pytest.raises(SystemExit) as bad:
-        main(["stability", "--only", "nothing"])
-    assert bad.value.code == 2
+    assert main([*bem, "--only", "speed"]) == 0
 
 
 def test_the_full_report_has_the_matrix_and_fails_with_it(tmp_path, monkeypatch, capsys):

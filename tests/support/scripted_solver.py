@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import time
+from dataclasses import replace
 
 import numpy as np
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, SceneError, Trace
-from validation.stability import base
-from validation.stability.case import ClosedForm, StabilityCase, Tolerance, Value
-from validation.stability.case_runs import CaseAnswer, CaseRun
+from validation.stability.cases import PLAIN, StabilityCase, Tolerance
+from validation.stability.expected import ClosedForm, Value
+from validation.stability.matrix import CaseAnswer, CaseRun
 
 FORCE = 2.0
 TIGHT = Tolerance({}, "made up", other=1e-3)
@@ -19,13 +20,12 @@ EXPECTED = ClosedForm((Value("final_force", FORCE),), "made up")
 
 def scene(title: str) -> Scene:
     """A scene whose title tells the fake what to do."""
-    plain = base.scene(base.material(), base.press_and_pull(0.02))
-    return Scene(plain.material, plain.indenter, plain.loading, plain.adhesion, title)
+    return replace(PLAIN, title=title)
 
 
 def case(title: str, expected=EXPECTED, **more) -> StabilityCase:
     """A case on that scene."""
-    return StabilityCase("made up", title, scene(title), expected, TIGHT, **{"seconds": 20.0, **more})
+    return StabilityCase(title, scene(title), expected, TIGHT, axis="made up", **{"seconds": 20.0, **more})
 
 
 def trace(force: float = FORCE, kind: OutcomeKind = OutcomeKind.COMPLETED, steps: int = 3) -> Trace:

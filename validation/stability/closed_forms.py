@@ -1,71 +1,79 @@
-"""Expected values in closed form: elastic limits, adhesionless cycles, a punch."""
+"""Expected values in closed form: elastic limits, adhesionless cycles, a punch, dead loads, springs."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
-from contact_scene import Adhesion, Indenter, Material, OutcomeKind, Scene, Sphere
-from validation.reference import prony_integrals
+from contact_scene import Adhesion, Material, OutcomeKind, Ramp, Scene, Sphere
+from validation.reference import prony_integrals, punch_oscillation
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import State
+from validation.reference.spring import SpringContact
 from validation.reference.ting import Ting
-from validation.stability.base import TOP
-from validation.stability.case import ClosedForm, Value
+from validation.stability.expected import ClosedForm, Value
+
+PULLED = ("approach_force", "approach_radius", "pull_off_force", "final_penetration", "dissipated_energy")
+"""Observables of a cycle whose final instability leaves no time to creep."""
+CREEPING = PULLED[:-1]
+"""Of one that creeps during it, where energy is lost that no elastic law contains."""
+SOURCE = "elastic closure of finite zone"
+DETACHED = (OutcomeKind.DETACHED,)
+EITHER = (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
+"""Endings of a cycle that creeps: its edge, slower than that of the elastic instability, may be followed down
+to the process zone."""
 
 
-def zone_law(scene: Scene, plane_modulus: float) -> FiniteZone:
-    """The elastic closure of finite zone, of this scene's sphere."""
+def zone_law(scene: Scene, which: str = "E0", closing: bool = False) -> FiniteZone:
+    """The elastic closure of finite zone with the relaxed modulus ``E0`` or the glassy one ``Einf``."""
     assert isinstance(scene.indenter, Sphere)
     assert isinstance(scene.adhesion, Adhesion)
-    return FiniteZone(scene.indenter.radius, plane_modulus, scene.adhesion.work, scene.adhesion.zone)
+    modulus = {"E0": scene.material.relaxed_plane_modulus, "Einf": scene.material.glassy_plane_modulus}[which]
+    work = scene.adhesion.closing if closing else scene.adhesion.work
+    return FiniteZone(scene.indenter.radius, modulus, work, scene.adhesion.zone)
 
 
-def elastic_cycle(scene: Scene, plane_modulus: float, which: str, at_once: bool = True) -> ClosedForm:
-    """Press to ``TOP`` and pull off, elastic with one modulus.
+def elastic_cycle(
+    scene: Scene,
+    top: float,
+    which: str = "E0",
+    names: Iterable[str] = PULLED,
+    endings: tuple[OutcomeKind, ...] = DETACHED,
+    source: str = "",
+) -> ClosedForm:
+    """Press to ``top``, or start there, and pull off, elastic with one modulus.
 
-    Force and radius at the top, the largest tension, where contact ends, and, where that happens
-    ``at_once``, the loss: that of the model's own process zone, ``int (G - dg) dA`` from the start to where
-    contact is lost, relative to the work of adhesion on the largest contact. A half-space that creeps during
-    the final instability loses energy there that no elastic law contains, and its edge, slower than the
-    instability of an elastic one, may be followed down to the process zone.
-
-    Parameters
-    ----------
-    scene : Scene
-        A sphere with adhesion.
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``, relaxed or glassy.
-    which : str
-        Which modulus it is, for the source.
-    at_once : bool
-        Whether the final instability leaves no time to creep.
-
-    Returns
-    -------
-    ClosedForm
-        Ending with detachment, or also at the process zone if not ``at_once``; at the zone alone if the law
-        is stable until there.
+    The loss is that of the model's own process zone, ``int (G - dg) dA`` from the start to where contact is
+    lost, relative to the work of adhesion on the largest contact. A law that is stable down to its zone ends
+    there alone.
     """
-    law = zone_law(scene, plane_modulus)
-    pressed = law.at_penetration(TOP)
+    law = zone_law(scene, which)
+    pressed = zone_law(scene, which, closing=True).at_penetration(top)
     pulled, last = law.pull_off_force_control(), law.pull_off_penetration_control()
-    adhering = law.work * math.pi * pressed.contact_radius**2
-    values = [
-        Value("approach_force", pressed.force, max(abs(pressed.force), -pulled.force)),
-        Value("approach_radius", pressed.contact_radius),
+    if pressed.contact_radius < pulled.contact_radius:  # the tension is largest where a pinned edge lets go
+        pulled = law.state(pressed.contact_radius)
+    larger = max(abs(pressed.force), -pulled.force)
+    known = (
+        *_state("start", pressed, larger),
+        *_state("approach", pressed, larger),
         Value("pull_off_force", -pulled.force),
-        Value("final_penetration", last.penetration, TOP - last.penetration),
-    ]
-    if at_once:
-        first = law.at_penetration(scene.loading.penetration)
-        values.append(Value("dissipated_energy", _zone_loss(law, last, first), adhering))
-    if law.shrinks_to_its_zone():
-        endings: tuple[OutcomeKind, ...] = (OutcomeKind.BELOW_ZONE,)
-    else:
-        endings = (OutcomeKind.DETACHED,) if at_once else (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
-    return ClosedForm(tuple(values), f"elastic closure of finite zone, {which}", endings)
+        Value("final_penetration", last.penetration, top - last.penetration),
+        Value("detachment_penetration", last.penetration, top - last.penetration),
+    )
+    values = {one.name: one for one in known}
+    if "dissipated_energy" in names:
+        loss = _zone_loss(law, last, law.at_penetration(scene.loading.penetration))
+        adhering = law.work * math.pi * pressed.contact_radius**2
+        values["dissipated_energy"] = Value("dissipated_energy", loss, adhering)
+    ends = (OutcomeKind.BELOW_ZONE,) if law.shrinks_to_its_zone() else endings
+    return ClosedForm(tuple(values[name] for name in names), source or f"{SOURCE}, {which}", ends)
+
+
+def _state(when: str, state: State, scale: float | None = None) -> tuple[Value, Value]:
+    return Value(f"{when}_force", state.force, scale), Value(f"{when}_radius", state.contact_radius)
 
 
 def _zone_loss(law: FiniteZone, low: State, high: State) -> float:
@@ -77,81 +85,75 @@ def _zone_loss(law: FiniteZone, low: State, high: State) -> float:
     return float(quad(excess, low.contact_radius, high.contact_radius, epsrel=1e-8)[0])
 
 
-def rest(scene: Scene, penetration: float, plane_modulus: float, which: str) -> ClosedForm:
-    """The run ends in an elastic equilibrium at this penetration.
-
-    Parameters
-    ----------
-    scene : Scene
-        A sphere with adhesion.
-    penetration : float
-        At the end of the run.
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``, relaxed or glassy.
-    which : str
-        Which modulus it is, for the source.
-
-    Returns
-    -------
-    ClosedForm
-        Final force and radius.
-    """
-    state = zone_law(scene, plane_modulus).at_penetration(penetration)
-    pulled = zone_law(scene, plane_modulus).pull_off_force_control()
+def faint(scene: Scene, top: float) -> ClosedForm:
+    """Nearly Hertz: lost where the penetration is back at zero."""
     values = (
-        Value("final_force", state.force, max(abs(state.force), -pulled.force)),
-        Value("final_radius", state.contact_radius),
+        *_state("start", zone_law(scene).at_penetration(top)),
+        Value("detachment_penetration", 0.0, top),
     )
-    return ClosedForm(values, f"elastic closure of finite zone, {which}")
+    return ClosedForm(values, f"{SOURCE}, nearly Hertz", DETACHED)
 
 
-def adhesionless_cycle(material: Material, indenter: Indenter, speed: float, top: float) -> ClosedForm:
-    """Press to ``top`` and pull at the same speed, without adhesion (:class:`Ting`).
+def started(scene: Scene, which: str) -> ClosedForm:
+    """The run starts in an elastic equilibrium."""
+    state = zone_law(scene, which).at_penetration(scene.loading.penetration)
+    return ClosedForm(_state("start", state), SOURCE)
 
-    Parameters
-    ----------
-    material : Material
-        Of any spectrum.
-    indenter : Indenter
-        Of any profile.
-    speed : float
-        Length over time.
-    top : float
-        Largest penetration.
 
-    Returns
-    -------
-    ClosedForm
-        Largest force and radius, time of detachment.
-    """
-    cycle = Ting(material, indenter, rise=speed, peak=top / speed, fall=speed)
-    peak = cycle.peak
+def rest(scene: Scene, penetration: float, which: str) -> ClosedForm:
+    """The run ends in an elastic equilibrium at this penetration."""
+    law = zone_law(scene, which)
+    state, pulled = law.at_penetration(penetration), law.pull_off_force_control()
+    larger = max(abs(state.force), -pulled.force)
+    return ClosedForm(_state("final", state, larger), f"{SOURCE}, {which}")
+
+
+def held(scene: Scene, tension: float) -> ClosedForm:
+    """The run ends in the relaxed equilibrium under a dead load below the slow pull-off force."""
+    law = zone_law(scene)
+    least = law.pull_off_force_control().contact_radius
+    state = law.state(float(brentq(lambda a: law.state(a).force + tension, least, 2.0 * least)))
+    depth = Value("final_penetration", state.penetration, -state.penetration)
+    return ClosedForm((*_state("final", state), depth), f"{SOURCE}, E0")
+
+
+def limit_point(spring: SpringContact, lost: State, stage: float, way: float) -> ClosedForm:
+    """A spring's contact is ``lost`` at the least ``stage``, so ``way`` from the start."""
     values = (
-        Value("approach_force", float(cycle.force(peak))),
-        Value("approach_radius", float(cycle.contact_radius(peak))),
+        Value("pull_off_force", -spring.largest_tension().force),
+        Value("stage_at_detachment", stage, way),
+        Value("instability_loss", spring.lost_in_snap(), spring.energy(lost)),
+    )
+    return ClosedForm(values, f"{SOURCE}, least stage", DETACHED)
+
+
+def adhesionless_cycle(scene: Scene) -> ClosedForm:
+    """Press and pull at the same speed, without adhesion, any spectrum and profile (:class:`Ting`)."""
+    up = scene.loading.steps[0]
+    assert isinstance(up, Ramp)
+    cycle = Ting(scene.material, scene.indenter, rise=up.rate, peak=up.to / up.rate, fall=up.rate)
+    values = (
+        Value("approach_force", float(cycle.force(cycle.peak))),
+        Value("approach_radius", float(cycle.contact_radius(cycle.peak))),
         Value("detachment_time", cycle.detachment()),
     )
-    return ClosedForm(values, "Lee and Radok, Ting: hereditary integrals", (OutcomeKind.DETACHED,))
+    return ClosedForm(values, "Lee and Radok, Ting: hereditary integrals", DETACHED)
 
 
 def punch_ramp(material: Material, radius: float, speed: float, top: float) -> ClosedForm:
-    """A flat punch pressed to ``top``: ``F = 2 a V int_0^(top/V) E*(t) dt``.
-
-    Parameters
-    ----------
-    material : Material
-    radius : float
-        Radius ``a`` of the punch.
-    speed : float
-        ``V``, length over time.
-    top : float
-        Final penetration.
-
-    Returns
-    -------
-    ClosedForm
-        Final force and radius.
-    """
+    """A flat punch pressed to ``top``: ``F = 2 a V int_0^(top/V) E*(t) dt``."""
     carried = float(prony_integrals.relaxation_integral(material, top / speed))
     values = (Value("final_force", 2.0 * radius * speed * carried), Value("final_radius", radius))
     return ClosedForm(values, "Boussinesq's punch under the relaxation integral")
+
+
+def punch_cycles(
+    material: Material, radius: float, top: float, size: float, duration: float, cycles: int
+) -> ClosedForm:
+    """A flat punch swung at frequency one about the relaxed ``top``, all but the last quarter in cycles."""
+    swing = float(punch_oscillation.force(material, radius, 1.0, size, duration))
+    force = 2.0 * radius * material.relaxed_plane_modulus * top + swing
+    loss = cycles * punch_oscillation.loss_per_cycle(material, radius, 1.0, size)
+    return ClosedForm(
+        (Value("final_force", force), Value("dissipated_energy", loss)), "punch under the complex modulus"
+    )

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from validation.drawing.styles import INK, VERMILION
-from validation.stability.verdict import Cell, CellVerdict
+from validation.stability.matrix import Cell, CellVerdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,22 +21,11 @@ LEAST, MOST = -8.0, 0.0  # log10 of the errors that are told apart
 BLANK = "#c9c9c9"  # a field without an error: an answer that there is none
 FAULT = VERMILION
 LETTERS = {
-    "completed": "c",
-    "detached": "d",
-    "refused": "R",
-    "no equilibrium at the start": "N",
-    "step underflow": "U",
-    "step budget exhausted": "B",
-    "not finite": "F",
-    "out of range": "O",
-    "out of the model's range": "Z",
-    "trigger not reached": "T",
-    "breakdown": "L",
-    "interrupted": "I",
-    "hung": "H",
-    "raised": "X",
-    "died": "X",
-}
+    "completed": "c", "detached": "d", "refused": "R", "no equilibrium at the start": "N",
+    "step underflow": "U", "step budget exhausted": "B", "not finite": "F", "out of range": "O",
+    "out of the model's range": "Z", "trigger not reached": "T", "breakdown": "L", "interrupted": "I",
+    "hung": "H", "raised": "X", "died": "X",
+}  # fmt: skip
 LEGEND = (
     "c completed, d detached, R refused, N no equilibrium, U step underflow, B step budget, F not finite, "
     "O out of range, Z contact as short as the process zone, T trigger not reached, L contact lost while "

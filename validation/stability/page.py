@@ -1,4 +1,4 @@
-"""The stiff and extreme matrix: limits in words, heat maps, growth of work, all cells; ``stability.json``.
+"""The matrix as a chapter, a page, Markdown and JSON: limits in words, heat maps, growth of work.
 
 The keys of ``stability.json`` are a fixed contract with whoever reads it.
 """
@@ -6,10 +6,13 @@ The keys of ``stability.json`` are a fixed contract with whoever reads it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from validation.drawing import export
 from validation.measure.difference import Check
@@ -33,9 +36,7 @@ from validation.report.tables import environment
 from validation.runs.folder import to_json, write_whole
 from validation.runs.provenance import stamp
 from validation.stability import heat_map
-from validation.stability import verdict as judged
-from validation.stability.limits import limits, work_growth
-from validation.stability.runner import StabilityMatrix
+from validation.stability.matrix import Cell, CellVerdict, StabilityMatrix
 
 FORMAT = 1
 TITLE = "Stiff and extreme cases"
@@ -48,54 +49,44 @@ EXPLAINED = (
     "the edge, each integrated on its own, leave of the work, relative to the largest of them."
 )
 MAP_DOTS = 150  # per inch of a heat map saved as PNG: its numbers are small
+FEWEST = 3
+"""Least number of stiffnesses that a slope is fitted to."""
+UNBALANCED = 0.05
+"""Residual of the energy balance, relative to the largest energy, from which on it is reported."""
 
 
 def chapter(matrix: StabilityMatrix) -> Chapter:
     """The matrix within a report."""
-    return Chapter(
-        "stability",
-        checks(matrix.cells),
-        (section(matrix),),
-        (summary(matrix),),
-        {"stability": data(matrix)},
-        {"": matrix.wall_seconds},
-    )
+    parts, short = (section(matrix),), (summary(matrix),)
+    seconds = {"": matrix.wall_seconds}
+    return Chapter("stability", checks(matrix.cells), parts, short, {"stability": data(matrix)}, seconds)
 
 
-def checks(cells: Sequence[judged.Cell]) -> list[Check]:
+def checks(cells: Sequence[Cell]) -> list[Check]:
     """No cell at fault: one check for every axis and solver, in the order of the cells."""
-    groups: dict[tuple[str, str], list[judged.Cell]] = {}
-    for cell in cells:
-        groups.setdefault((cell.axis, cell.solver), []).append(cell)
-    return [
-        Check(
-            "stability",
-            solver,
-            f"faults: {axis}",
-            "within tolerance, or no answer reported",
-            0.0,
-            float(sum(cell.fault for cell in group)),
-            not any(cell.fault for cell in group),
-            relation="<=",
-            note="; ".join(f"{cell.label}: {cell.verdict}" for cell in group if cell.fault),
+    found = []
+    for axis, solver in dict.fromkeys((cell.axis, cell.solver) for cell in cells):
+        faults = [one for one in cells if (one.axis, one.solver) == (axis, solver) and one.fault]
+        note = "; ".join(f"{cell.label}: {cell.verdict}" for cell in faults)
+        what, number = "within tolerance, or no answer reported", float(len(faults))
+        check = Check(
+            "stability", solver, f"faults: {axis}", what, 0.0, number, not faults, relation="<=", note=note
         )
-        for (axis, solver), group in groups.items()
-    ]
+        found.append(check)
+    return found
 
 
 def data(matrix: StabilityMatrix, complete: bool = True) -> dict[str, Any]:
     """The matrix in ``report.json``; ``complete`` is false while cells are still missing."""
-    counted = numbers(matrix.cells)
+    numbered = numbers(matrix.cells)
     return {
         "complete": complete,
         "wall_seconds": matrix.wall_seconds,
         "limits": limits(matrix.cells),
-        "growth": [
-            asdict(growth) | {"logarithmic": growth.logarithmic} for growth in work_growth(matrix.cells)
-        ],
+        "growth": [asdict(one) | {"logarithmic": one.logarithmic} for one in work_growth(matrix.cells)],
         "cells": [
             asdict(cell)
-            | {"number": counted[cell.axis, cell.label], "error": cell.error, "worst": cell.worst}
+            | {"number": numbered[cell.axis, cell.label], "error": cell.error, "worst": cell.worst}
             for cell in matrix.cells
         ],
     }
@@ -103,14 +94,16 @@ def data(matrix: StabilityMatrix, complete: bool = True) -> dict[str, Any]:
 
 def write(matrix: StabilityMatrix, folder: Path) -> None:
     """Write ``index.html``, ``stability.md``, ``stability.json`` and ``figures/``."""
-    title, lead = "crosscontact stability", (_lead(matrix),)
+    faults = len(matrix.faults)
+    verdict = f"{faults} at fault" if faults else "no fault"
+    lead = (Paragraph(f"{counted(len(matrix.cells), 'cell')}: {verdict}.", not faults),)
     parts = section(matrix), environment(stamp(), matrix.wall_seconds)
-    short = Document(title, lead, (summary(matrix),))
+    short = Document("crosscontact stability", lead, (summary(matrix),))
     texts = {"stability.json": _json(matrix, True), "stability.md": markdown.text(short)}
-    report.write(folder, Document(title, lead, parts), texts)
+    report.write(folder, Document("crosscontact stability", lead, parts), texts)
 
 
-def write_cells(cells: Sequence[judged.Cell], folder: Path) -> None:
+def write_cells(cells: Sequence[Cell], folder: Path) -> None:
     """Write ``stability.json`` alone, of a matrix that is not complete yet."""
     write_whole(folder / "stability.json", _json(StabilityMatrix(tuple(cells), 0.0), False))
 
@@ -123,57 +116,46 @@ def section(matrix: StabilityMatrix) -> Section:
     """Everything about the matrix."""
     growth = tuple(one.words for one in work_growth(matrix.cells))
     work = Bullets(growth) if growth else Paragraph("No series was long enough.")
-    return Section(
-        TITLE,
-        (
-            Paragraph(EXPLAINED),
-            Section("Limits found", (Bullets(tuple(limits(matrix.cells))), _maps(matrix))),
-            Section("Work against stiffness", (work,)),
-            Fold(f"All {len(matrix.cells)} cells", (_table(matrix, matrix.cells),)),
-        ),
-        "stability",
+    parts = (
+        Paragraph(EXPLAINED),
+        Section("Limits found", (Bullets(tuple(limits(matrix.cells))), _maps(matrix))),
+        Section("Work against stiffness", (work,)),
+        Fold(f"All {len(matrix.cells)} cells", (_table(matrix, matrix.cells),)),
     )
+    return Section(TITLE, parts, "stability")
 
 
 def summary(matrix: StabilityMatrix) -> Section:
     """The limits, and every cell that is not simply within its tolerance."""
-    shown = [cell for cell in matrix.cells if cell.verdict is not judged.CellVerdict.WITHIN]
+    shown = [cell for cell in matrix.cells if cell.verdict is not CellVerdict.WITHIN]
     table = (_table(matrix, shown),) if shown else ()
     return Section(TITLE, (Bullets(tuple(limits(matrix.cells))), *table))
 
 
-def _lead(matrix: StabilityMatrix) -> Paragraph:
-    """How many cells, and how many at fault."""
-    faults = len(matrix.faults)
-    verdict = f"{faults} at fault" if faults else "no fault"
-    return Paragraph(f"{counted(len(matrix.cells), 'cell')}: {verdict}.", not faults)
-
-
-def numbers(cells: Sequence[judged.Cell]) -> dict[tuple[str, str], int]:
+def numbers(cells: Sequence[Cell]) -> dict[tuple[str, str], int]:
     """Cases numbered in their order, from one, by axis and label."""
     return {key: i for i, key in enumerate(dict.fromkeys((cell.axis, cell.label) for cell in cells), 1)}
 
 
 def _maps(matrix: StabilityMatrix) -> Figures:
     """A heat map for every solver."""
-    counted, figures = numbers(matrix.cells), []
+    numbered, figures = numbers(matrix.cells), []
     for solver in dict.fromkeys(cell.solver for cell in matrix.cells):
         name = f"stability-{solver}"
-        drawing = heat_map.draw([cell for cell in matrix.cells if cell.solver == solver], counted)
-        caption = f"{solver}: {heat_map.LEGEND}."
+        drawing = heat_map.draw([cell for cell in matrix.cells if cell.solver == solver], numbered)
         files = {f"{name}.png": export.png(drawing, MAP_DOTS)}
-        figure = Figure(name, caption, wide=True, files=files)
+        figure = Figure(name, f"{solver}: {heat_map.LEGEND}.", wide=True, files=files)
         figures.append(with_drawing(figure, drawing, f"Heat map, {solver}"))
     return Figures(tuple(figures))
 
 
-def _table(matrix: StabilityMatrix, cells: Iterable[judged.Cell]) -> DataTable:
-    counted = numbers(matrix.cells)
-    return DataTable.of(_cells(cell, counted[cell.axis, cell.label]) for cell in cells)
+def _table(matrix: StabilityMatrix, cells: Sequence[Cell]) -> DataTable:
+    numbered = numbers(matrix.cells)
+    return DataTable.of(_row(cell, numbered[cell.axis, cell.label]) for cell in cells)
 
 
-def _cells(cell: judged.Cell, number: int) -> Record:
-    meets = cell.verdict is judged.CellVerdict.WITHIN
+def _row(cell: Cell, number: int) -> Record:
+    meets = cell.verdict is CellVerdict.WITHIN
     return {
         "no.": str(number),
         "axis": cell.axis,
@@ -198,3 +180,106 @@ def _short(value: float | None) -> str:
     if value is None:
         return ""
     return f"{value:.1e}" if math.isfinite(value) else "none given"
+
+
+def limits(cells: Sequence[Cell]) -> list[str]:
+    """Where each solver is accurate, gives no answer, is expensive: sentences, the most serious first."""
+    counts = Counter(cell.verdict for cell in cells)
+    shown = [one for one in CellVerdict if counts[one] or one is CellVerdict.WRONG]
+    sentences = [f"{len(cells)} cells: " + ", ".join(f"{counts[verdict]} {verdict}" for verdict in shown)]
+    for cell in cells:
+        if cell.fault:
+            off = f"{cell.worst} off by {cell.error:.2g}, tolerance {cell.tolerance:.1e} ({cell.outcome})"
+            text = off if cell.errors else f"{cell.outcome}: {cell.reason}"
+            sentences.append(f"{cell.verdict}: {cell.name}: {text}")
+    for solver in dict.fromkeys(cell.solver for cell in cells):
+        sentences += _of_solver(solver, [cell for cell in cells if cell.solver == solver])
+    unknown = [cell.name for cell in cells if cell.verdict is CellVerdict.UNKNOWN]
+    if unknown:
+        sentences.append(f"Not compared, the expected values are missing: {'; '.join(unknown)}.")
+    growths = work_growth(cells)
+    fast = [growth for growth in growths if not growth.logarithmic]
+    if growths:
+        sentences.append(
+            f"Work grows no faster than the logarithm of the stiffness in {len(growths) - len(fast)} of "
+            f"{len(growths)} series (steps and rejected steps; at most 1 + decades times the first)."
+        )
+    return sentences + [growth.words for growth in fast]
+
+
+def _of_solver(solver: str, cells: Sequence[Cell]) -> list[str]:
+    sentences = []
+    silent = [cell for cell in cells if cell.verdict is CellVerdict.DECLINED]
+    if silent:
+        named = "; ".join(f"{cell.axis}, {cell.label} ({cell.outcome})" for cell in silent)
+        sentences.append(f"{solver} reports no answer: {named}.")
+    compared = [one for one in cells if one.verdict is CellVerdict.WITHIN and one.errors and one.tolerance]
+    if compared:
+        worst = max(compared, key=lambda cell: (cell.error or 0.0) / cell.tolerance)
+        sentences.append(
+            f"{solver} comes closest to its tolerance at {worst.axis}, {worst.label}: "
+            f"{worst.worst} {worst.error:.1e} of {worst.tolerance:.1e}."
+        )
+    loose = [cell for cell in cells if (cell.residual or 0.0) > UNBALANCED]
+    if loose:
+        most = max(loose, key=lambda cell: cell.residual or 0.0)
+        sentences.append(
+            f"{solver}: in {len(loose)} of {len(cells)} cells its energy terms, each integrated alone, miss "
+            f"the balance by more than {UNBALANCED:.0%} of the largest; most at {most.axis}, {most.label} "
+            f"({most.residual:.0%})."
+        )
+    slow = max(cells, key=lambda cell: cell.seconds)
+    took = f"{slow.seconds:.1f} s, {slow.steps} steps"
+    return [*sentences, f"{solver} took longest at {slow.axis}, {slow.label}: {took}."]
+
+
+@dataclass(frozen=True)
+class WorkGrowth:
+    """Steps (rejected ones included) of one solver along one series of rising stiffness.
+
+    ``steps = at_first + per_decade * log10(stiffness/first)``, least squares; ``power`` is the slope of
+    ``log(steps)`` over ``log(stiffness)``.
+    """
+
+    axis: str
+    series: str
+    solver: str
+    stiffness: tuple[float, ...]
+    steps: tuple[int, ...]
+    at_first: float
+    per_decade: float
+    power: float
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether nowhere more than ``1 + decades`` times the first: no faster than the logarithm."""
+        decades = np.log10(np.array(self.stiffness) / self.stiffness[0])
+        return bool((np.array(self.steps) <= self.steps[0] * (1.0 + decades)).all())
+
+    @property
+    def words(self) -> str:
+        """One sentence."""
+        decades = math.log10(self.stiffness[-1] / self.stiffness[0])
+        verdict = "no faster than logarithmic" if self.logarithmic else "FASTER than logarithmic"
+        return (
+            f"{self.axis}, {self.series}, {self.solver}: {self.steps[0]} to {self.steps[-1]} steps over "
+            f"{decades:.0f} decades, {self.per_decade:+.1f} a decade (power {self.power:+.3f}): {verdict}."
+        )
+
+
+def work_growth(cells: Sequence[Cell]) -> list[WorkGrowth]:
+    """Every series of every solver, from the cells that have an answer within tolerance."""
+    series: dict[tuple[str, str, str], dict[float, int]] = {}
+    for cell in cells:
+        if cell.series and cell.verdict is CellVerdict.WITHIN and cell.steps:
+            work = series.setdefault((cell.axis, cell.series, cell.solver), {})
+            work[cell.stiffness] = cell.steps + cell.rejected_steps
+    found = []
+    for key, work in series.items():
+        if len(work) >= FEWEST:
+            stiffness, steps = zip(*sorted(work.items()), strict=True)
+            decades = np.log10(np.array(stiffness) / stiffness[0])
+            per_decade, at_first = map(float, np.polyfit(decades, steps, 1))
+            power = float(np.polyfit(decades, np.log10(steps), 1)[0])
+            found.append(WorkGrowth(*key, stiffness, steps, at_first, per_decade, power))
+    return found
