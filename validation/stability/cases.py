@@ -234,10 +234,8 @@ def times() -> Rows:
         of, label = material(time=ratio), f"tau/T = {ratio:g}"
         side, stiffness = "slow" if ratio > 1.0 else "fast", max(ratio, 1.0 / ratio)
         cycle, pull = scene(press_and_pull(TOP), of), pulled(TOP, of=of)  # the approach takes a unit of time
-        expected, more = (
-            elastic_limit(cycle, ratio, 1e-6, 1e6),
-            of_series(f"cycle, {side} response", stiffness),
-        )
+        expected = elastic_limit(cycle, ratio, 1e-6, 1e6)
+        more = of_series(f"cycle, {side} response", stiffness)
         yield StabilityCase(f"{label}, glassy start", cycle, expected, **more)
         more = of_series(f"pull, {side} response", stiffness)
         yield StabilityCase(f"{label}, pulled from rest", pull, PULL, PULLED, **more)
@@ -352,9 +350,8 @@ def hysteresis() -> Rows:
     names = ("start_force", "start_radius", "pull_off_force", "detachment_penetration")
     for share in (0.5, 1e-1, 1e-3):
         label = f"closing at {share:g} of opening"
-        begin = (
-            {} if share > 0.01 else SETTLED
-        )  # below, a glassy contact is shorter than its zone at no depth
+        # Below a hundredth a glassy contact is shorter than its zone at no depth.
+        begin = {} if share > 0.01 else SETTLED
         yield StabilityCase(label, scene(press_and_pull(), adhesion=closing(share), **begin), CYCLE)
         elastic = scene(press_and_pull(), SOFT, closing(share), **SETTLED)
         source = "branches of opening and closing, finite zone"

@@ -113,7 +113,7 @@ def held(scene: Scene, tension: float) -> ClosedForm:
     law = zone_law(scene)
     least = law.pull_off_force_control().contact_radius
     state = law.state(float(brentq(lambda a: law.state(a).force + tension, least, 2.0 * least)))
-    depth = Value("final_penetration", state.penetration, -state.penetration)
+    depth = Value("final_penetration", state.penetration)
     return ClosedForm((*_state("final", state), depth), f"{SOURCE}, E0")
 
 
