@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -145,8 +146,6 @@ NAMES = ("pull_off_force", "loop_energy", CURVE)
 CYCLE = ReferenceRuns(("approach_force", *NAMES), of_largest=("approach_force",))
 PULL = ReferenceRuns(("start_force", *NAMES))
 PEELED = replace(PULL, fine=8, coarse=4)
-HELD_BACK = ReferenceRuns(("approach_force", "pull_off_force", "loop_energy"))
-"""Of an edge that opens without end: no instant of detachment is compared."""
 
 
 def material(contrast: float = CONTRAST, time: float = 1.0, poisson: float = POISSON) -> Material:
@@ -359,23 +358,23 @@ def hysteresis() -> Rows:
         yield StabilityCase(f"{label}, elastic", elastic, branches)
 
 
-def rate() -> Rows:
-    """An edge that takes up more the faster it opens."""
-    laws: list[tuple[str, PowerRate | RateTable]] = [
-        (f"v0 tau/R = {speed:g}, n = 0.5", PowerRate(speed, 0.5)) for speed in (1e-6, 1e-3, 1e3)
-    ]
-    laws.append(("n = 2", PowerRate(1e-2, 2.0)))
-    laws.append(("table of two rows", RateTable((1e-4, 1e-1), (1.2 * WORK, 4.0 * WORK))))
-    for label, law in laws:
-        cycle = scene(press_and_pull(), adhesion=Adhesion(WORK, ZONE, None, law))
-        yield StabilityCase(label, cycle, HELD_BACK)
+def opening(laws: Mapping[str, Adhesion]) -> Rows:
+    """Cycles of an edge that opens without end: no instant of detachment is compared."""
+    names = ReferenceRuns(("approach_force", "pull_off_force", "loop_energy"))
+    for label, law in laws.items():
+        yield StabilityCase(label, scene(press_and_pull(), adhesion=law), names)
 
 
-def stress() -> Rows:
-    """Process zones of fixed stress; at rest 0.018 and 0.0044 of ``R`` long."""
-    for value in (0.15, 0.3):
-        cycle = scene(press_and_pull(), adhesion=Adhesion(WORK, stress=value))
-        yield StabilityCase(f"s/E0* = {value:g}", cycle, HELD_BACK)
+RATES = {
+    f"v0 tau/R = {speed:g}, n = 0.5": Adhesion(WORK, ZONE, None, PowerRate(speed, 0.5))
+    for speed in (1e-6, 1e-3, 1e3)
+} | {
+    "n = 2": Adhesion(WORK, ZONE, None, PowerRate(1e-2, 2.0)),
+    "table of two rows": Adhesion(WORK, ZONE, None, RateTable((1e-4, 1e-1), (1.2 * WORK, 4.0 * WORK))),
+}
+"""An edge that takes up more the faster it opens."""
+STRESSES = {f"s/E0* = {value:g}": Adhesion(WORK, stress=value) for value in (0.15, 0.3)}
+"""Process zones of fixed stress; at rest 0.018 and 0.0044 of ``R`` long."""
 
 
 def table(noise: float) -> TabulatedProfile:
@@ -530,8 +529,8 @@ AXES: Mapping[str, Mapping[str, Callable[[], Rows]]] = {
     "step": {"step": steps},
     "adhesion": {"adhesion": adhesion, "process zone": zones},
     "hysteresis": {"hysteresis": hysteresis},
-    "rate": {"rate": rate},
-    "stress": {"stress": stress},
+    "rate": {"rate": partial(opening, RATES)},
+    "stress": {"stress": partial(opening, STRESSES)},
     "indenter": {"indenter": indenters},
     "loading": {"loading": loading},
     "dead-load": {"dead load": dead_loads},

@@ -187,11 +187,7 @@ def limits(cells: Sequence[Cell]) -> list[str]:
     counts = Counter(cell.verdict for cell in cells)
     shown = [one for one in CellVerdict if counts[one] or one is CellVerdict.WRONG]
     sentences = [f"{len(cells)} cells: " + ", ".join(f"{counts[verdict]} {verdict}" for verdict in shown)]
-    for cell in cells:
-        if cell.fault:
-            off = f"{cell.worst} off by {cell.error:.2g}, tolerance {cell.tolerance:.1e} ({cell.outcome})"
-            text = off if cell.errors else f"{cell.outcome}: {cell.reason}"
-            sentences.append(f"{cell.verdict}: {cell.name}: {text}")
+    sentences += [f"{cell.verdict}: {cell.name}: {_fault(cell)}" for cell in cells if cell.fault]
     for solver in dict.fromkeys(cell.solver for cell in cells):
         sentences += _of_solver(solver, [cell for cell in cells if cell.solver == solver])
     unknown = [cell.name for cell in cells if cell.verdict is CellVerdict.UNKNOWN]
@@ -205,6 +201,12 @@ def limits(cells: Sequence[Cell]) -> list[str]:
             f"{len(growths)} series (steps and rejected steps; at most 1 + decades times the first)."
         )
     return sentences + [growth.words for growth in fast]
+
+
+def _fault(cell: Cell) -> str:
+    if cell.errors:
+        return f"{cell.worst} off by {cell.error:.2g}, tolerance {cell.tolerance:.1e} ({cell.outcome})"
+    return f"{cell.outcome}: {cell.reason}"
 
 
 def _of_solver(solver: str, cells: Sequence[Cell]) -> list[str]:
