@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, CancelledError, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import pytest
@@ -103,6 +103,18 @@ def test_a_process_is_replaced_after_its_tasks():
 
 def broken(future: Future) -> None:
     future.set_exception(BrokenExecutor("all have ended"))
+
+
+def test_processes_that_are_shut_down_answer_no_more():
+    executor = WorkerProcesses(1)
+    (result,) = run_tasks([Task("a", "a", abs, (-3,), time_limit=60.0)], executor)
+    assert (result.value, result.failure) == (3, "")
+    pending = executor.submit(time.sleep, 60.0)
+    executor.shutdown(cancel_futures=True)
+    with pytest.raises(CancelledError):
+        pending.result()
+    with pytest.raises(RuntimeError):
+        executor.submit(abs, -3)
 
 
 @pytest.mark.parametrize(("gone", "said"), [(Future.cancel, "given up"), (broken, "if __name__ == ")])
