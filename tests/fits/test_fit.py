@@ -23,6 +23,7 @@ from contact_scene import (
     Table,
     read_scene,
 )
+from crosscontact.fitting import fit_and_write
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
 from validation.fits.fit_result import InterruptedFit
@@ -112,12 +113,15 @@ def test_an_interrupted_fit_has_its_best_point_and_goes_on_from_its_runs(tmp_pat
         if len(said) == 3:
             raise KeyboardInterrupt
 
-    with pytest.raises(InterruptedFit) as caught:
-        fit_curves([curve], elastic_scene(GUESS), settings, store=Store(tmp_path), progress=stop)
+    with pytest.raises(InterruptedFit) as caught, without_layout():
+        fit_and_write([curve], elastic_scene(GUESS), settings, tmp_path, None, stop)
     best = caught.value.result
     assert best is not None
     assert not best.converged
     assert np.isfinite(best.estimates[0].deviation)
+    [written] = json.loads((tmp_path / "fit.json").read_text())["parameters"]
+    assert written["value"] == best.estimates[0].value
+    assert "interrupted: the best so far" in (tmp_path / "index.html").read_text()
     again = Store(tmp_path)
     found = fit_curves([curve], elastic_scene(GUESS), settings, store=again)
     assert again.taken_over >= 4
