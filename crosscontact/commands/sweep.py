@@ -75,7 +75,8 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
             try:
                 runs = carry_out(plan, table, engine, lambda share, text: progress(share, detail=text))
             except (KeyboardInterrupt, OSError):
-                say(f"kept in {folder}: the same command goes on")
+                kept = f"kept in {folder}: the same command goes on"
+                say(kept if table.holds_answers else "no run is done: there is nothing to keep")
                 raise
         with Progress(f"sweep {name}") as progress:
             progress.phase("drawing and writing")

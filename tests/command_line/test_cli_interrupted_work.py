@@ -36,6 +36,25 @@ def test_what_is_kept_is_said(capsys, tmp_path, monkeypatch, command, done):
     assert said[-2:] == [f"crosscontact: {words}", "crosscontact: interrupted"]
 
 
+@pytest.mark.parametrize("done", [0, 1])
+def test_what_a_sweep_keeps_is_said(capsys, tmp_path, monkeypatch, done):
+    """Without a finished run its folder is gone, too."""
+
+    def work(plan, table, *given):
+        for number in range(done):
+            table.put(f"run {number}", number)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("crosscontact.commands.sweep.carry_out", work)
+    out = tmp_path / "out"
+    assert main(["sweep", "speed-zone", "--jobs", "1", "--out", str(out)]) == 1
+    kept = f"kept in {out}: the same command goes on"
+    words = kept if done else "no run is done: there is nothing to keep"
+    said = capsys.readouterr().err.splitlines()
+    assert said[-2:] == [f"crosscontact: {words}", "crosscontact: interrupted"]
+    assert out.exists() == bool(done)
+
+
 @pytest.mark.parametrize(
     ("action", "work", "words"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import pytest
@@ -88,6 +89,19 @@ def stand_ins(monkeypatch, *names: str) -> list[int | None]:
         monkeypatch.setitem(solvers.SOLVERS, name, method)
         monkeypatch.setitem(schemes.SCHEMES, name, replace(schemes.SCHEMES[name], solver=method))
     return asked
+
+
+@pytest.mark.parametrize(
+    ("command", "runs"),
+    [("compare --solvers reference,bem", 2), ("study --zones 1e-2 1e-4", 6), ("study --poisson 10", 5)],
+)
+def test_commands_of_many_runs_bound_every_one(tmp_path, monkeypatch, command, runs):
+    """Apart from the coarser runs of error estimates."""
+    asked = stand_ins(monkeypatch, "bem", "fem", "reference")
+    monkeypatch.setattr("crosscontact.commands.study.processes", lambda *given, **more: nullcontext())
+    word, *more = command.split()
+    main([word, small_scene(tmp_path), *more, "--jobs", "1", "--max-steps", "30000"])
+    assert asked.count(30_000) == runs
 
 
 def test_a_study_bounds_every_level(tmp_path, monkeypatch):
