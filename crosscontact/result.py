@@ -15,7 +15,7 @@ from crosscontact.arguments import checked_path
 from validation.drawing import run_figures
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
-from validation.measure.scaling import SYMBOLS, unit_sizes
+from validation.measure.scaling import SYMBOLS, kind_of, unit_sizes
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder
 from validation.runs.run import Run, read_run, write_run
@@ -26,29 +26,24 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_UNITS = {"time": "time", "force": "force"}
-_UNITS |= dict.fromkeys(("penetration", "contact_radius", "stage"), "length")
-_UNITS |= dict.fromkeys(("stored_energy", "external_work", "dissipated_energy"), "energy")
-_UNITS |= dict.fromkeys(("branch_dissipation", "machine_energy", "instability_loss"), "energy")
-"""Kind of the unit of a column of the trace."""
 INK: dict[str, Any] = {"color": "#0a0a0a", "linestyle": "-", "linewidth": 1.5}
 """Line of a figure that shows this result alone: black, whichever solver it comes from."""
 
-KEY_MEASURES = {
-    "approach_force": "force",
-    "approach_radius": "length",
-    "peak_force": "force",
-    "peak_time": "time",
-    "pull_off_force": "force",
-    "pull_off_penetration": "length",
-    "pull_off_radius": "length",
-    "detachment_time": "time",
-    "detachment_penetration": "length",
-    "loop_energy": "energy",
-    "dissipated_energy": "energy",
-}
-"""Measures shown for every run, and the kind of their unit."""
-MACHINE_MEASURES = {"stage_at_detachment": "length", "instability_loss": "energy"}
+KEY_MEASURES = (
+    "approach_force",
+    "approach_radius",
+    "peak_force",
+    "peak_time",
+    "pull_off_force",
+    "pull_off_penetration",
+    "pull_off_radius",
+    "detachment_time",
+    "detachment_penetration",
+    "loop_energy",
+    "dissipated_energy",
+)
+"""Measures shown for every run."""
+MACHINE_MEASURES = ("stage_at_detachment", "instability_loss")
 """Those shown after them where the machine is a spring: the last is the energy lost at snaps."""
 
 SCALES_IN_WORDS = (
@@ -229,8 +224,8 @@ class Result:
 
 
 def _unit(column: str) -> str:
-    kind = _UNITS.get(column)
-    return "scene units" if kind is None else f"{kind} in scene units"
+    kind = kind_of(column)
+    return f"{kind} in scene units" if kind else "scene units"
 
 
 def _missing(package: str) -> ImportError:
@@ -242,9 +237,9 @@ def key_numbers(
 ) -> list[tuple[str, ...]]:
     """The key numbers of a run as rows under a head; columns in which there is nothing are left out."""
     units, rows = unit_sizes(scene), [("", "in scene units", "dimensionless", "F/F_JKR", "error estimate")]
-    shown = KEY_MEASURES | (MACHINE_MEASURES if scene.loading.compliance > 0.0 else {})
-    for name, kind in shown.items():
-        value, jkr = measures.get(name), units.get("jkr-force") if kind == "force" else None
+    for name in (*KEY_MEASURES, *(MACHINE_MEASURES if scene.loading.compliance > 0.0 else ())):
+        kind, value = kind_of(name), measures.get(name)
+        jkr = units.get("jkr-force") if kind == "force" else None
         if value is None:
             rows.append((name, "-", "", "", ""))
             continue

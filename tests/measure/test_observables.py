@@ -24,6 +24,7 @@ from contact_scene.run_control import below_zone_outcome
 from validation.cases import load
 from validation.measure.events import end_of_approach, is_located
 from validation.measure.observables import at_last_contact, cycle_losses, measure, observe
+from validation.measure.scaling import SYMBOLS, kind_of, unit_sizes
 
 DETACHED, COMPLETED = OutcomeKind.DETACHED, OutcomeKind.COMPLETED
 
@@ -68,6 +69,16 @@ def test_cycle():
     without = observe(dataclasses.replace(run, **{n: c[:-1] for n, c in run.columns().items()}))
     assert (without.final_force, without.final_radius, without.detachment_radius) == (0, 0, 0.3)
     assert observe(trace([0, 0], [2, 1], [4, -2])).loop_energy == pytest.approx(-1.0)  # a jump counts
+
+
+def test_every_scalar_has_a_kind_and_every_kind_a_size():
+    """Units of tables, figures and data sets follow from it: a scalar without one would be taken for a share."""
+    scene = load("cycle-v0.02").scene
+    scalars = {name for name in measure(trace([], [], []), scene, 0.0) if not name.startswith("counters.")}
+    shares = {"loss_share", "wall_seconds"}
+    assert {name for name in scalars if not kind_of(name)} == shares
+    assert {kind_of(name) for name in scalars} <= {*SYMBOLS, "time", "frequency"}
+    assert unit_sizes(scene).keys() == SYMBOLS.keys()
 
 
 def test_nothing_applies():

@@ -191,5 +191,12 @@ def test_units_follow_the_key_and_the_measure(tmp_path):
     grid = plan(*({"key": key, "values": v} for key, v in values.items()), folder=tmp_path)
     units = Units(length="mm")
     assert [units.named(grid.scene.unit(c.paths[0])) for c in grid.coordinates] == list(keys.values())
-    measures = ("pull_off_force", "loop_energy", "counters.steps")
-    assert [units.named(dimension_of(name)) for name in measures] == ["force", "force mm", "1"]
+    measures = {
+        "pull_off_force": "force",
+        "loop_energy": "force mm",
+        "loss_fall": "force mm",
+        "stage_at_detachment": "mm",
+        "peak_cycle_frequency": "time-1",
+        "counters.steps": "1",
+    }
+    assert {name: units.named(dimension_of(name)) for name in measures} == measures

@@ -40,6 +40,15 @@ WORKS = {"loop_energy": "external_work", "peak_cycle_loss": "stored_energy"}
 SYMBOLS = {"": "", "length": "R", "force": "πE₀R²/(1−ν²)", "energy": "πE₀R³/(1−ν²)", "jkr-force": "F_JKR"}
 _COLUMNS = {"force": "force", "radius": "contact_radius", "penetration": "penetration", "time": "time"}
 _STAGE = "stage"
+_KINDS = {
+    "force": "force",
+    "time": "time",
+    **dict.fromkeys(("radius", "penetration", "stage", "stage_at_detachment"), "length"),
+    **dict.fromkeys((*LOSSES, *WORKS, "external_work", "energy"), "energy"),
+    "peak_cycle_frequency": "frequency",
+}
+"""What is measured, force, length, time, energy or frequency, by the name of a scalar or column, or by its
+last word."""
 
 
 def column_of(name: str) -> str:
@@ -47,12 +56,15 @@ def column_of(name: str) -> str:
     return _STAGE if name.startswith(f"{_STAGE}_") else _COLUMNS.get(name.rpartition("_")[2], "")
 
 
+def kind_of(name: str) -> str:
+    """Kind of a scalar or of a column, as ``"length"``; empty for shares, counters and what is not known."""
+    return _KINDS.get(name) or _KINDS.get(name.rpartition("_")[2], "")
+
+
 def unit_of(name: str) -> str:
-    """Name of the unit in which an observable is stated."""
-    if name == "pull_off_force":
-        return "jkr-force"
-    column = column_of(name)
-    return {"": "energy", "time": "", "force": "force"}.get(column, "length")
+    """Name of the unit in which an observable is stated; empty in units of the scene."""
+    kind = "jkr-force" if name == "pull_off_force" else kind_of(name)
+    return kind if kind in SYMBOLS else ""
 
 
 def unit_sizes(scene: Scene) -> dict[str, float]:

@@ -21,6 +21,7 @@ import numpy as np
 import tomli_w
 
 from contact_scene.errors import SceneError
+from validation.measure.scaling import kind_of
 from validation.runs.folder import move_whole, write_whole
 from validation.runs.store import Columns
 from validation.sweeps.plan import Coordinate, SweepPlan
@@ -40,20 +41,8 @@ HEAD = ("measure", "unit", "runs", "least", "median", "largest", "largest error"
 _STAGE = ".sweep."
 _PACKAGES = {"hdf5": "h5py", "parquet": "pyarrow"}
 _WORDS = {"outcome": "how the run ended", "reason": "why it ended", "warnings": "warnings"}
-_DIMENSIONS = {
-    "force": "force",
-    "radius": "length",
-    "penetration": "length",
-    "stage": "length",
-    "time": "time",
-    "energy": "force length",
-    "branch_dissipation": "force length",
-    "zone_excess": "force length",
-    "peak_cycle_loss": "force length",
-    "instability_loss": "force length",
-    "peak_cycle_frequency": "time-1",
-}
-"""By the name of a measure or the last word of it."""
+_POWERS = {"energy": "force length", "frequency": "time-1", "": "1"}
+"""Kinds of measures that are no unit of their own."""
 
 
 def check_writable(plan: SweepPlan | None = None) -> None:
@@ -131,7 +120,8 @@ def _about_coordinate(one: Coordinate, plan: SweepPlan) -> dict[str, str]:
 
 def dimension_of(measure: str) -> str:
     """Unit of a measure as a product of powers of length, force and time."""
-    return _DIMENSIONS.get(measure) or _DIMENSIONS.get(measure.rpartition("_")[2], "1")
+    kind = kind_of(measure)
+    return _POWERS.get(kind, kind)
 
 
 def _plain(name: str) -> str:
