@@ -18,6 +18,7 @@ from contact_scene import (
     Outcome,
     OutcomeKind,
     Ramp,
+    Table,
     Trace,
 )
 from contact_scene.run_control import below_zone_outcome
@@ -265,7 +266,12 @@ DOWN = Ramp(2.0, 1.0)
         (([0, 2, 2.5], [0, 2, 1.5], [0, 3, 2]), (DOWN, Ramp(-1.0, 1.0)), 2),
         *(
             (([0, 2, 2.5], [0, 2, 1.5], [0, 3, 2]), (DOWN, Ramp(1.0, 1.0), ahead), None)
-            for ahead in (Ramp(2.5, 1.0), Force(4.0, 1.0), Oscillate(1.5, 1.0, 9.0))
+            for ahead in (
+                Ramp(2.5, 1.0),
+                Force(4.0, 1.0),
+                Oscillate(1.5, 1.0, 9.0),
+                Table((0.0, 1.0, 2.0), (1.0, 2.5, 0.0), interpolation="cubic"),
+            )
         ),
     ],
 )

@@ -351,7 +351,10 @@ def _may_reach(trace: Trace, row: int) -> float:
 
 
 def _prescribed_after(loading: Loading, time: float) -> Iterator[float]:
-    """Penetrations at the ends, kinks and crests of the loading after a time; nan where not known."""
+    """Penetrations at the ends and kinks of the loading after a time; nan where not known.
+
+    Of a load step that is not straight between its kinks the largest, wherever in it that is.
+    """
     for step, segment in loading.segments():
         if segment.end <= time:
             continue
@@ -359,7 +362,5 @@ def _prescribed_after(loading: Loading, time: float) -> Iterator[float]:
             yield math.nan
             continue
         yield from (segment.value(at) for at in (*segment.kinks, segment.end) if not at <= time)
-        amplitude = getattr(step, "amplitude", 0.0)
-        if amplitude != 0.0:
-            sinking = max(-getattr(step, "drift", 0.0), 0.0) * (segment.end - segment.start)
-            yield segment.value(segment.start) + abs(amplitude) + sinking
+        if not segment.linear:
+            yield step.largest(segment)
