@@ -13,7 +13,7 @@ from bem_solver.creep import Chain
 from bem_solver.problem import Problem
 from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouched_state
 from bem_solver.trial import TrialContact
-from contact_scene import Force, Hold, Oscillate, Ramp, Scene, Step, Sweep
+from contact_scene import Ramp, Scene, Step
 
 FEWEST_ANNULI, MOST_ANNULI = 16, 4000
 """Bounds on the number of annuli: interpolation at the edge needs the first, a dense matrix the second."""
@@ -118,12 +118,7 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float, divis
             if step.to > penetration:
                 slowest = min(slowest, step.rate)
             penetration = step.to
-        elif isinstance(step, (Hold, Force)):
-            rest = max(rest, step.duration)
-        elif isinstance(step, Oscillate):
-            rest = max(rest, np.pi / step.angular_frequency)  # from one turn to the next
-        elif isinstance(step, Sweep):
-            rest = max(rest, np.sqrt(np.pi / step.chirp))  # to the first turn
+        rest = max(rest, step.longest_rest)
     strength = chain.stress_scale**2 / chain.relaxation / chain.relaxed
     layers = slowest / (2.0 * slope) * chain.relaxation if slope > 0.0 else np.full(len(chain), np.inf)
     too_short = np.maximum(chain.relaxation / rest, 1.0) if rest > 0.0 else np.inf

@@ -112,6 +112,11 @@ class Step:
         """At least the largest value that its control law prescribes."""
         return max(segment.value(segment.start), segment.value(segment.end))
 
+    @property
+    def longest_rest(self) -> float:
+        """Longest time for which the load rests, or takes from one turn to the next; 0 of what goes on."""
+        return 0.0
+
     def cycles_by(self, elapsed: float) -> float:
         """Cycles done when a time has passed since its start, the last not whole; 0 of what is no cycle."""
         return 0.0
@@ -169,6 +174,10 @@ class Hold(Step, Checked):
     until_force: Annotated[Finite | None, Key("force at which it ends", "force")] = None
     kind: ClassVar[str] = "hold"
 
+    @property
+    def longest_rest(self) -> float:
+        return self.duration
+
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         end = time + self.duration
         return straight("penetration", time, end, penetration, penetration, self.trigger)
@@ -186,6 +195,10 @@ class Force(Step, Checked):
     duration: Annotated[NotNegative, Key("how long the force stays", "time")]
     until_penetration: Annotated[Finite | None, Key("penetration at which it ends", "length")] = None
     kind: ClassVar[str] = "force"
+
+    @property
+    def longest_rest(self) -> float:
+        return self.duration
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         return straight("force", time, time + self.duration, self.value, self.value, self.trigger)
@@ -259,6 +272,10 @@ class Oscillate(Cyclic, Checked):
     drift: Annotated[Finite, Key("speed of retraction beside it", "length time-1")] = 0.0
     kind: ClassVar[str] = "oscillate"
 
+    @property
+    def longest_rest(self) -> float:
+        return math.pi / self.angular_frequency
+
     def phase(self, elapsed: float) -> float:
         return self.angular_frequency * elapsed
 
@@ -277,6 +294,10 @@ class Sweep(Cyclic, Checked):
     chirp: Annotated[Positive, Key("angular frequency gained per time", "time-2")]
     duration: Annotated[Positive, Key("how long it goes on", "time")]
     kind: ClassVar[str] = "sweep"
+
+    @property
+    def longest_rest(self) -> float:
+        return math.sqrt(math.pi / self.chirp)  # to the first turn
 
     def phase(self, elapsed: float) -> float:
         return 0.5 * self.chirp * elapsed**2

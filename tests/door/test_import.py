@@ -11,6 +11,10 @@ from pathlib import Path
 import pytest
 
 import crosscontact as cc
+from contact_scene.indenter import SHAPES
+from contact_scene.loading import STEPS
+from contact_scene.material import MODELS
+from contact_scene.temperature_shift import SHIFTS
 from crosscontact.shadowing import PACKAGES
 
 ROOT = Path(__file__).parents[2]
@@ -62,6 +66,7 @@ def test_every_name_is_there():
     for name in cc.__all__:
         assert getattr(cc, name) is not None
     assert set(cc.__all__) <= set(dir(cc))
+    assert {kind.__name__ for kind in (*STEPS, *SHAPES, *MODELS, *SHIFTS)} <= set(cc.__all__)
     with pytest.raises(AttributeError, match="no attribute 'Indentor'"):
         cc.Indentor  # noqa: B018
 

@@ -66,6 +66,14 @@ def test_rate_is_the_derivative_between_kinks(step):
         assert segment.rate(low) == pytest.approx(right, rel=1e-5, abs=1e-6)
 
 
+def test_how_long_a_load_rests():
+    """A quarter of the first cycle of a sweep, half a cycle of an oscillation."""
+    rests = {step.kind: step.longest_rest for step in STEPS}
+    resting = {kind: rest for kind, rest in rests.items() if rest > 0.0}
+    expected = {"hold": 2.5, "force": 2.5, "oscillate": math.pi / 3.0, "sweep": math.sqrt(math.pi / 0.7)}
+    assert resting == pytest.approx(expected)
+
+
 numbers = st.floats(-1e6, 1e6)
 
 
