@@ -73,7 +73,7 @@ def test_cycle():
 
 
 def test_every_scalar_has_a_kind_and_every_kind_a_size():
-    """Units of tables, figures and data sets follow from it: a scalar without one would be taken for a share."""
+    """Units of tables, figures and data sets follow from it: without one a scalar is taken for a share."""
     scene = load("cycle-v0.02").scene
     scalars = {name for name in measure(trace([], [], []), scene, 0.0) if not name.startswith("counters.")}
     shares = {"loss_share", "wall_seconds"}
