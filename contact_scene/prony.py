@@ -19,6 +19,7 @@ before the first point, slower ones look like the relaxed modulus.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
@@ -58,7 +59,7 @@ REFINEMENTS, LAST_REFINEMENTS = 12, 100
 """Evaluations of a refinement while branches are dropped, which starts near its end, and of the last one."""
 
 
-class MeasuredModuli(Checked):
+class MeasuredModuli(Checked, ABC):
     """What both kinds of data have in common: columns of numbers > 0, the first of them ascending."""
 
     columns: ClassVar[tuple[str, ...]]
@@ -88,14 +89,14 @@ class MeasuredModuli(Checked):
         """All moduli, one column after the other."""
         return np.concatenate([getattr(self, name) for name in self.columns[1:]])
 
+    @abstractmethod
     def window(self) -> tuple[float, float]:
         """Shortest and longest time that the rows tell of."""
-        raise NotImplementedError
 
+    @abstractmethod
     def responses(self, times: Array) -> tuple[Array, Array, Array]:
         """What was measured of a relaxed modulus of 1; of branches of modulus 1, a column each; and the
         derivative of these by the log time."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

@@ -97,11 +97,3 @@ class Recovery:
     def displacement(self, unknowns: Array) -> Array:
         """Nodal displacement ``(u_r, u_z)``; shape (n, 2)."""
         return unknowns[self._vector].T
-
-    @property
-    def triangle_volumes(self) -> Array:
-        """Volume of revolution of each linear triangle; shape (4 m,)."""
-        corners = self.points[self.triangles]
-        one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        area = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
-        return 2.0 * np.pi * area * corners[:, :, 0].mean(axis=1)
