@@ -25,7 +25,7 @@ from validation.cases import load
 from validation.fields import chapter, fig3, figures, moments, rendering, section
 from validation.fields.figures import FigureSet
 from validation.fields.quantities import QUANTITIES, SPANNED, ValueKind, colours
-from validation.fields.section import Look, Section, look_at
+from validation.fields.section import AxialSection, Look, look_at
 from validation.report import html
 from validation.report.document import Document
 from validation.runs.run import Run
@@ -78,7 +78,7 @@ def test_no_triangle_near_the_edge_is_folded_over(pulled, drawn):
 
 @pytest.mark.parametrize("scale", [1.0, 5.0])
 def test_marks_and_indenter_sit_on_the_deformed_surface(scale):
-    cut = Section(state(), SCENE, scale)
+    cut = AxialSection(state(), SCENE, scale)
     height = scale * (RADIUS**2 / 2 - 0.03)
     np.testing.assert_allclose(cut.edge, [RADIUS * (1 + 0.01 * scale), height])
     np.testing.assert_allclose(cut.zone[0], cut.edge)
@@ -89,7 +89,7 @@ def test_marks_and_indenter_sit_on_the_deformed_surface(scale):
     side = section.outline(dataclasses.replace(SCENE, indenter=FlatPunch(0.3)), 0.03, 1.0, scale)
     assert side[-2:, 0] == pytest.approx(0.3)
     assert side[-1, 1] > side[-2, 1] == -0.03 * scale
-    assert Section(state(), dataclasses.replace(SCENE, adhesion=None)).zone.size == 0
+    assert AxialSection(state(), dataclasses.replace(SCENE, adhesion=None)).zone.size == 0
 
 
 def test_ranges_of_colours():
@@ -158,7 +158,7 @@ def test_sections_state_their_scale_and_may_be_alike(blank):
     one, other = (shown(each, section.looks([each], SCENE, STRESS)) for each in some)
     assert one[1:3] != other[1:3]
     look = look_at(some[1:], SCENE, STRESS)
-    body = Section(some[1], SCENE, look.scale)
+    body = AxialSection(some[1], SCENE, look.scale)
     inside = body.within(look.view(body))
     sizes, areas = np.abs(STRESS.values(body.state)[inside]), body.areas[inside] / body.areas[inside].sum()
     assert areas[sizes < look.colours.high].sum() < 0.99 <= areas[sizes <= look.colours.high].sum()
@@ -196,7 +196,7 @@ def test_panels_are_alike_and_frames_mark_where_they_stand(blank, monkeypatch):
 
 def test_pixels_have_the_colour_of_the_field_there(can_draw):
     """Mirrored about the axis, white above the surface."""
-    cut, look = Section(state(), SCENE, 2.0), look_at([state()], SCENE, STRESS)
+    cut, look = AxialSection(state(), SCENE, 2.0), look_at([state()], SCENE, STRESS)
     view = look.view(cut)
     size = (400, round(400 / view.aspect))
     image = rendering.picture(lambda plotter: rendering.add_section(plotter, cut, look), size)
@@ -215,7 +215,7 @@ def test_pixels_have_the_colour_of_the_field_there(can_draw):
 
 def test_body_of_revolution(can_draw):
     """The outline of the half in view is turned about the axis; it carries the field."""
-    cut = Section(state(), SCENE, 2.0)
+    cut = AxialSection(state(), SCENE, 2.0)
     look: Look = look_at([cut.state], SCENE, STRESS)
     ring = rendering.turned(rendering.line([cut.edge]))
     np.testing.assert_allclose(np.hypot(*np.asarray(ring.points)[:, :2].T), cut.edge[0], rtol=1e-6)

@@ -62,7 +62,7 @@ LEAST = 1e-12
 
 
 @dataclass(frozen=True)
-class Verdict:
+class AnswerVerdict:
     """A code on a scene: its graded answers, the best one last, and what can be said of it.
 
     ``kind`` is passed, failed, at the Griffith limit, declined or no answer, ``verdict`` the same with more
@@ -86,7 +86,7 @@ class SceneJudgement:
 
     case: Case
     reference: Run | None
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[AnswerVerdict, ...]
 
 
 @dataclass(frozen=True)
@@ -130,13 +130,13 @@ def judge_folder(
     return Judgement(tuple(scenes), folder.codes, tuple(remarks))
 
 
-def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> Verdict:
+def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> AnswerVerdict:
     answers = [one for one in folder.answers if (one.header.code, one.header.scene) == (code, case.name)]
     if base is None or not answers:
         why = folder.declined.get((code, case.name))
         if why is None:
-            return Verdict(code, case.name, "no answer", "no answer")
-        return Verdict(
+            return AnswerVerdict(code, case.name, "no answer", "no answer")
+        return AnswerVerdict(
             code,
             case.name,
             "declined",
@@ -154,7 +154,9 @@ def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> V
     else:
         kind = verdict = "failed"
         reasons = [*best.faults, *([] if track is None else [track.in_words])]
-    return Verdict(code, case.name, kind, verdict, kind != "failed", "; ".join(reasons), tuple(graded), track)
+    return AnswerVerdict(
+        code, case.name, kind, verdict, kind != "failed", "; ".join(reasons), tuple(graded), track
+    )
 
 
 # The report
@@ -274,7 +276,7 @@ def _drawn(scene: SceneJudgement) -> Drawing | None:
     return drawing
 
 
-def _points(one: Verdict, quantity: str) -> list[tuple[float, float, bool]]:
+def _points(one: AnswerVerdict, quantity: str) -> list[tuple[float, float, bool]]:
     """Seconds, error and whether it passed, of every answer that states its run time, fastest first."""
     found = ((grade.answer.header.seconds, grade.error(quantity), grade.passed) for grade in one.answers)
     return sorted((x, y, good) for x, y, good in found if x and y and LEAST < y < float("inf"))
@@ -293,7 +295,7 @@ def data(judgement: Judgement) -> dict[str, Any]:
     return {"format": FORMAT, "environment": stamp(), "remarks": judgement.remarks, "scenes": scenes}
 
 
-def _data_of(one: Verdict) -> dict[str, Any]:
+def _data_of(one: AnswerVerdict) -> dict[str, Any]:
     answers = []
     for graded in one.answers:
         header = graded.answer.header.stated() | {"problem": None}

@@ -22,7 +22,7 @@ from validation.fields import rendering
 from validation.fields.moments import in_contact, key_moments
 from validation.fields.quantities import QUANTITIES, Quantity, ValueKind
 from validation.fields.rendering import INDENTER, MARK, ZONE, NoRendering
-from validation.fields.section import Look, Section, look_at, looks
+from validation.fields.section import AxialSection, Look, look_at, looks
 from validation.measure.events import end_of_approach
 from validation.runs.folder import in_words, write_whole
 
@@ -48,7 +48,7 @@ SMALL = 8.0
 Progress = Callable[[float], None]
 
 
-def draw(axes: Axes, cut: Section, look: Look) -> None:
+def draw(axes: Axes, cut: AxialSection, look: Look) -> None:
     """Draw field, indenter, surface and marks of a section."""
     view = look.view(cut)
     size = (PIXELS, max(2, round(PIXELS / view.aspect)))
@@ -124,7 +124,7 @@ def section(state: FieldState, scene: Scene, pair: tuple[Look, Look]) -> Figure:
     from matplotlib.figure import Figure
     from matplotlib.patches import Rectangle
 
-    cuts = [Section(state, scene, look.scale) for look in pair]
+    cuts = [AxialSection(state, scene, look.scale) for look in pair]
     ratios = [look.view(cut).aspect for look, cut in zip(pair, cuts, strict=True)]
     figure = Figure(figsize=(10.6, 3.9), layout="compressed")
     left, right = figure.subplots(1, 2, width_ratios=ratios)
@@ -149,7 +149,7 @@ def panels(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> Fi
     figure = Figure(figsize=(10.0, 0.6 + 2.85 * rows), layout="compressed")
     grid = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
     for axes, state in zip(grid.flat, states, strict=False):
-        draw(axes, Section(state, scene, look.scale), look)
+        draw(axes, AxialSection(state, scene, look.scale), look)
         axes.label_outer()
         axes.set_title(caption(state), fontsize=SMALL + 1)
     for axes in grid.flat[len(states) :]:
@@ -164,7 +164,7 @@ def body(state: FieldState, scene: Scene, look: Look) -> Figure:
     """The body of revolution seen from above, with colour bar and caption."""
     from matplotlib.figure import Figure
 
-    cut = Section(state, scene, look.scale)
+    cut = AxialSection(state, scene, look.scale)
     figure = Figure(figsize=(8.0, 5.0), layout="constrained")
     axes = figure.subplots()
     axes.imshow(rendering.picture(lambda plotter: rendering.add_body(plotter, cut, look), BODY_PIXELS))
@@ -180,7 +180,7 @@ def interactive(state: FieldState, scene: Scene, quantity: Quantity) -> bool:
     look = look_at([state], scene, quantity)
 
     def fill(plotter: Any) -> None:
-        rendering.add_body(plotter, Section(state, scene, look.scale), look)
+        rendering.add_body(plotter, AxialSection(state, scene, look.scale), look)
         plotter.add_text(f"{caption(state)}\n{quantity.plain}", font_size=9, color="black")
         plotter.add_axes(color="black")
 
@@ -199,7 +199,7 @@ def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Q
         engine: Any = figure.get_layout_engine()
         engine.set(w_pad=0.1)  # inches, between the colour bar and the curve
         left, right = figure.subplots(1, 2, width_ratios=(2.3, 1.0))
-        cut = Section(state, scene, look.scale)
+        cut = AxialSection(state, scene, look.scale)
         draw(left, cut, look)
         left.set_title(f"{caption(state)}\ndisplacements {_times(look.scale)}", fontsize=SMALL + 1)
         _key(left, bool(cut.zone.size), loc="lower left", ncols=2)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.fields.section import Look, Section
+from validation.fields.section import AxialSection, Look
 
 if TYPE_CHECKING:
     import pyvista
@@ -99,7 +99,7 @@ def _plotter(**options: Any) -> Any:
     return plotter
 
 
-def half(cut: Section, look: Look) -> pyvista.PolyData:
+def half(cut: AxialSection, look: Look) -> pyvista.PolyData:
     """The right-hand half of the deformed section, with the ``shade`` of the field."""
     import pyvista
 
@@ -115,7 +115,7 @@ def _coloured(look: Look) -> dict[str, Any]:
     return style | {"lighting": False, "show_scalar_bar": False}
 
 
-def add_section(plotter: Any, cut: Section, look: Look) -> None:
+def add_section(plotter: Any, cut: AxialSection, look: Look) -> None:
     """Put the coloured body on both sides of the axis into a window, the camera on the view."""
     body, view = half(cut, look), look.view(cut)
     for mesh in (body, body.reflect((1.0, 0.0, 0.0))):
@@ -130,7 +130,7 @@ def add_section(plotter: Any, cut: Section, look: Look) -> None:
     plotter.reset_camera_clipping_range()
 
 
-def add_body(plotter: Any, cut: Section, look: Look) -> None:
+def add_body(plotter: Any, cut: AxialSection, look: Look) -> None:
     """Put body of revolution, indenter and marks into a window, a quarter left out to look inside."""
     view = look.view(cut)
     body = half(cut, look).clip("x", origin=(view.right, 0.0, 0.0))

@@ -79,7 +79,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Section:
+class AxialSection:
     """One state, displacements magnified by ``scale``; lines have shape (k, 2), from the axis outwards."""
 
     state: FieldState
@@ -150,7 +150,7 @@ class Look:
     half_width: float | None
     colours: ColourRange
 
-    def view(self, cut: Section) -> View:
+    def view(self, cut: AxialSection) -> View:
         """The part of a section that is shown."""
         return _view(cut, self.half_width)
 
@@ -173,14 +173,14 @@ def looks(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> tup
 def _look(
     states: Sequence[FieldState], scene: Scene, quantity: Quantity, scale: float, half: float | None
 ) -> Look:
-    cut = [Section(state, scene, scale) for state in states]
+    cut = [AxialSection(state, scene, scale) for state in states]
     shown = [one.within(_view(one, half)) for one in cut]
     values = [quantity.values(one.state)[inside] for one, inside in zip(cut, shown, strict=True)]
     areas = [one.areas[inside] for one, inside in zip(cut, shown, strict=True)]
     return Look(quantity, scale, half, colours(quantity.kind, values, areas))
 
 
-def _view(cut: Section, half: float | None) -> View:
+def _view(cut: AxialSection, half: float | None) -> View:
     if half is not None:
         return View(-half, half, -0.8 * half, 0.4 * half)
     (x, y), half = cut.edge, ZONES_NEAR_EDGE * cut.zone_length

@@ -34,7 +34,8 @@ MOST_MISSED = 0.02
 """Part of the range of the penetration by which rows may miss a crest: a dozen even rows a cycle miss theirs
 by 1.7 %. Bumps below it, rounding of rows at nearly the same time, are no crests that rows missed."""
 CREPT = 1e-3
-"""Part of the range of the penetration within which it all but rests, and of the run that this may last."""
+"""Part of the range of the penetration within which it counts as resting, and largest part of the run for
+which it may do so with its time still well known."""
 PARTS = 16
 """Parts of the time between two rows to which the place of an extremum between them is bounded."""
 RUNAWAY = 1.0 / (math.sqrt(2.0) - 1.0)
@@ -45,7 +46,7 @@ STATE = ("time", "penetration", "force", "contact_radius")
 
 
 @dataclass(frozen=True)
-class Extremum:
+class ExtremeRow:
     """The ``row`` of a run at which a column, up to its sign its ``height``, is largest.
 
     Its observables begin with ``name``. Of a plateau it is the first row, or if not ``first`` the last. A
@@ -159,11 +160,13 @@ def has_smooth_crests(loading: Loading) -> bool:
 def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     """Whether an observable of the approach or of the largest force is the same in all right runs.
 
-    Where the approach ends at a smooth crest, time, force and contact radius are those of the row next to it,
-    which lies where the steps of the run happen to end: right runs differ in them by the root of what their
-    rows miss of the penetration. Such is that of a contact that creeps on after its force, or the stage, has
-    turned. Where the penetration is found, under a force, on a spring or to a level, its last digits tell
-    which of two crests is higher, and at which time it is that has all but ceased to creep.
+    It is not where
+
+    - the approach ends at a smooth crest, also that of a contact which creeps on after its force, or the
+      stage, has turned: time, force and radius are those of the row beside it, which is wherever a step of
+      the run ends, and differ by the root of what the rows miss of the penetration;
+    - the penetration is an answer (under a force, on a spring, to a level), and its last digits decide which
+      of two crests is higher, or when a contact that hardly creeps is deepest.
     """
     if not name.startswith(("approach", "peak_force", "peak_time")):
         return True
@@ -185,7 +188,7 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
     return name != "approach_time" or rested <= CREPT * float(np.ptp(trace.time))
 
 
-def extrema(trace: Trace, turns: Array) -> Iterator[Extremum]:
+def extrema(trace: Trace, turns: Array) -> Iterator[ExtremeRow]:
     """End of the approach, largest force and pull-off, as far as a run has them.
 
     ``turns`` are times at which the loading may turn; so may a stage that turns at a force.
@@ -202,14 +205,14 @@ def extrema(trace: Trace, turns: Array) -> Iterator[Extremum]:
         return bool(np.isclose(turns, trace.time[row], rtol=0.0, atol=near).any())
 
     deepest, peak, pulled = end_of_approach(trace), peak_row(trace), pull_off_row(trace)
-    yield Extremum("approach", "penetration", trace.penetration, deepest, True, turned(deepest))
+    yield ExtremeRow("approach", "penetration", trace.penetration, deepest, True, turned(deepest))
     if peak is not None:
-        yield Extremum("peak", "force", trace.force, peak, True, turned(peak))
+        yield ExtremeRow("peak", "force", trace.force, peak, True, turned(peak))
     if pulled is not None:
-        yield Extremum("pull_off", "force", -trace.force, pulled, False, False)
+        yield ExtremeRow("pull_off", "force", -trace.force, pulled, False, False)
 
 
-def left_open(trace: Trace, one: Extremum, error: Array) -> dict[str, float]:
+def left_open(trace: Trace, one: ExtremeRow, error: Array) -> dict[str, float]:
     """How far off each column of the state may be at an extremum; empty if it is located.
 
     It may be wherever its height, as far as it is known, is no lower than in its row; ``error`` is by how
@@ -260,8 +263,8 @@ def after_last_contact(trace: Trace) -> dict[str, float]:
         own = dict(zip(STATE, lost.uncertainty, strict=True))
         return {name: own[name] for name in step}
     vertex, before = (_limit_point(time[rows], radius[rows]) for rows in (slice(-3, None), slice(-4, -1)))
-    told = SAFETY * (abs(vertex - radius[-1]) + abs(vertex - before)) / step["contact_radius"]
-    steps = min(told, RUNAWAY) if math.isfinite(told) else RUNAWAY
+    away = SAFETY * (abs(vertex - radius[-1]) + abs(vertex - before)) / step["contact_radius"]
+    steps = min(away, RUNAWAY) if math.isfinite(away) else RUNAWAY
     return {name: steps * moved for name, moved in step.items()}
 
 
@@ -275,7 +278,7 @@ def _limit_point(time: Array, radius: Array) -> float:
     return float(radius[2] - 0.5 * (u * u / h - w * w / g) / (w / g - u / h))
 
 
-def _is_plateau(trace: Trace, one: Extremum) -> bool:
+def _is_plateau(trace: Trace, one: ExtremeRow) -> bool:
     """Whether the load holds the column at its largest value: from its row on, or until contact is lost."""
     row, radius = one.row, trace.contact_radius
     if one.first:
