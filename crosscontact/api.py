@@ -182,13 +182,10 @@ class SolverComparison:
             result.plot(panels)
         return panels
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        table = of_checks(self.checks)
-        return [table.head, *(tuple(map(str, row)) for row in table.rows)]
-
     def __repr__(self) -> str:
         verdict = "all agree" if self.agree else "they disagree"
-        return "\n".join([f"{self.scene.title or 'a scene'}: {verdict}", *aligned(self._rows())])
+        lines = aligned(of_checks(self.checks).texts)
+        return "\n".join([f"{self.scene.title or 'a scene'}: {verdict}", *lines])
 
     def _repr_html_(self) -> str:
-        return html_table(self._rows())
+        return html_table(of_checks(self.checks).texts)

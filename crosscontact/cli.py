@@ -1,8 +1,8 @@
-"""The command line: ``crosscontact scenes | solve | compare | study | fields | stability | report | ...``.
+"""The command line as a process: streams, interruptions, the folder held, and the exit code.
 
-A command is a file of ``commands``. Exit codes: 0 all
-well; 1 a check failed or a run did not finish, interrupted ones included; 2 bad input, reported in one line.
-Nothing heavy is imported until a command needs it.
+What a command does is a file of ``commands``. Exit codes: 0 all well; 1 a check failed or a run did not
+finish, interrupted ones included; 2 bad input, reported in one line. Nothing heavy is imported until a
+command needs it.
 """
 
 from __future__ import annotations

@@ -88,17 +88,14 @@ class Fit:
         """Write ``index.html``, ``fit.json``, ``scene.toml``, ``fit.png`` and ``fit.svg``."""
         write_fit(self.result, output_folder(checked_path(folder), "folder"))
 
-    def _rows(self) -> list[tuple[str, ...]]:
-        made = table(self.result)
-        return [made.head, *(tuple(map(str, row)) for row in made.rows)]
-
     def __repr__(self) -> str:
-        lines = [lead(self.result).text, *aligned(self._rows()), *(f"  {one}" for one in self.statements)]
-        return "\n".join(lines)
+        rows = aligned(table(self.result).texts)
+        return "\n".join([lead(self.result).text, *rows, *(f"  {one}" for one in self.statements)])
 
     def _repr_html_(self) -> str:
         notes = "".join(f"<li>{escape(one)}</li>" for one in self.statements)
-        return f"<p><b>{escape(lead(self.result).text)}</b></p>{html_table(self._rows())}<ul>{notes}</ul>"
+        rows = html_table(table(self.result).texts)
+        return f"<p><b>{escape(lead(self.result).text)}</b></p>{rows}<ul>{notes}</ul>"
 
 
 def fit(

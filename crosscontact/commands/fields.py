@@ -169,9 +169,9 @@ def _write_moments(
         progress(count / len(recorded.moments), detail=f"{count} of {len(recorded.moments)} moments")
     cost = {name: count - before[name] for name, count in asdict(trace.counters).items()}
     spent = ", ".join(counted(count, plain(name).removesuffix("s")) for name, count in cost.items() if count)
-    told = f"cost of the fields: {spent or 'none'}"
+    spent_on = f"cost of the fields: {spent or 'none'}"
     if series is None:
-        return [told], drawn
+        return [spent_on], drawn
     lists = series.close(
         {
             "solver": trace.solver,
@@ -183,7 +183,7 @@ def _write_moments(
         }
     )
     size, kinds = f"for ParaView: {in_words(series.bytes)}", ["text", *["number"] * (len(HEAD) - 1)]
-    return [*aligned(rows, kinds), told, *(f"written to {file}" for file in lists), size], drawn
+    return [*aligned(rows, kinds), spent_on, *(f"written to {file}" for file in lists), size], drawn
 
 
 def _exit_code(recorded: RecordedFields) -> int:

@@ -122,7 +122,7 @@ def failed(lines: Collection[str]) -> int:
 
 
 def exit_code(failures: Collection[Check]) -> int:
-    """The same of checks."""
+    """Exit code 1 if there are failed checks, each said on stderr in one line; else 0."""
     return failed(
         [
             f"failed: {check.scene}: {check.solver}: {check.quantity}: found {in_digits(check.found)}, "

@@ -53,8 +53,8 @@ def compute(
 
     def on_cell(cell: Cell, cells: list[Cell]) -> None:
         nonlocal due
-        told = f"{len(cells)}/{total} {cell.name}: {cell.verdict}, {cell.seconds:.1f} s"
-        progress(len(cells) / total, told)
+        text = f"{len(cells)}/{total} {cell.name}: {cell.verdict}, {cell.seconds:.1f} s"
+        progress(len(cells) / total, text)
         if folder is not None and time.monotonic() >= due:
             page.write_cells(cells, folder)
             due = time.monotonic() + WRITE_INTERVAL

@@ -75,7 +75,7 @@ def checks(compared: SuiteComparison, others: Sequence[Chapter]) -> list[Check]:
 
 
 def data(compared: SuiteComparison, others: Sequence[Chapter] = ()) -> dict[str, Any]:
-    """``report.json`` with what other evidence has to say."""
+    """Contents of ``report.json``, with the keys of other evidence."""
     judged = checks(compared, others)
     failed = sum(not check.passed for check in judged)
     whole = {
@@ -200,7 +200,7 @@ def overview(compared: SuiteComparison, failures: Sequence[Check], small: Sequen
 
 
 def summary(compared: SuiteComparison, failures: Sequence[Check]) -> tuple[Part, ...]:
-    """The same for a summary: pull-off forces and outcomes, work left out, and what did not pass."""
+    """Parts of ``summary.md``: pull-off forces and outcomes, work left out, and what did not pass."""
     solvers = tuple(dict.fromkeys(name for scene in compared.scenes for name in scene.runs))
     parts: tuple[Part, ...] = (
         Paragraph(f"{compared.wall_seconds:.0f} s on {compared.environment['processor']}."),

@@ -44,7 +44,7 @@ from validation.report.report import Chapter
 from validation.runs.folder import from_json
 from validation.runs.provenance import changes
 
-ROUND_OFF = 1e-10
+UNCHANGED = 1e-10
 """Change, relative as for checks, below which a number counts as unchanged."""
 MORE_WORK = 0.1
 """Relative growth of a work counter beyond which it counts as moved beyond tolerance."""
@@ -54,6 +54,7 @@ MOST = 20
 """Moves that a summary lists, unless more are beyond tolerance."""
 _NOT_COMPARED = ("wall_seconds", "cpu_seconds", "estimate_seconds")
 _NAMED_BY = ("solver", "quantity", "source")
+"""What tells the checks of a scene apart."""
 _ALLOWED = "a report.json written by `crosscontact report`"
 Data = Mapping[str, Any]
 
@@ -199,7 +200,7 @@ def _run(case: Case, solver: str, old: Data, new: Data) -> Iterator[Move]:
         first, second, tolerance = before.get(name), after.get(name), case.tolerance(solver, name)
         if one.missing:
             yield Move(case.name, solver, name, first, second, None, tolerance, beyond=second is None)
-        elif first != second and abs(one.error) > ROUND_OFF:
+        elif first != second and abs(one.error) > UNCHANGED:
             beyond = tolerance is not None and abs(one.error) > tolerance
             yield Move(case.name, solver, name, first, second, one.error, tolerance, beyond)
     counts, now = old.get("counters") or {}, new.get("counters") or {}
@@ -223,10 +224,7 @@ def _numbers(run: Data) -> dict[str, float | None]:
 def _verdicts(scene: str, old: list[Data], new: list[Data]) -> Iterator[Move]:
     words = {True: "passed", False: "failed", None: None}
     before, after = (
-        {
-            tuple(str(c.get(key)) for key in ("solver", "quantity", "source")): bool(c["passed"])
-            for c in checks
-        }
+        {tuple(str(c.get(key)) for key in _NAMED_BY): bool(c["passed"]) for c in checks}
         for checks in (old, new)
     )
     for key in {**before, **after}:

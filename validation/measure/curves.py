@@ -24,9 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Trace
+from contact_scene.trace import Array
 from validation.measure.windows import load_step_ends
-
-Array = NDArray[np.float64]
 
 CURVES = ("force", "contact_radius")
 """Columns that runs are compared by, as curves over time."""
@@ -62,11 +61,11 @@ class RowCurve:
         self.time, self.value, self.touches = time, value, touches
         self.step = np.diff(time)
         least = SHORTEST * float(time[-1] - time[0])
-        apart = self.step > least
-        self.step = np.where(apart, self.step, 0.0)
-        self.secant = np.diff(value) / np.where(apart, self.step, 1.0)
-        self.secant[~apart] = 0.0
-        smooth = _smooth(self.secant, self.step, apart, float(np.abs(value).max()))
+        lasting = self.step > least
+        self.step = np.where(lasting, self.step, 0.0)
+        self.secant = np.diff(value) / np.where(lasting, self.step, 1.0)
+        self.secant[~lasting] = 0.0
+        smooth = _smooth(self.secant, self.step, lasting, float(np.abs(value).max()))
         if corners is not None:
             smooth &= ~np.isclose(time[:, None], corners, rtol=0.0, atol=least).any(axis=1)
         harmonic, three_point = _inner_slopes(self.secant, self.step)
@@ -216,12 +215,12 @@ def interpolation_error(trace: Trace, column: str, spans: Array | None = None) -
 
 
 def movement_interpolation_error(trace: Trace, spans: Array, column: str) -> float:
-    """The same relative to its excursion in the worst window."""
+    """Estimated error of a curve between its rows, relative to its excursion in the worst window."""
     grid = _common_times(trace.time, trace.time, spans)
     if grid.size < 2:
         return 0.0
     curve = column_curve(trace, column, spans)
-    worst = _worst_window(grid, curve.uncertainty(grid), curve.within(grid), spans, 0.0)
+    worst = _worst_window(grid, curve.uncertainty(grid), curve.within(grid), spans, centred=False)
     return 0.0 if worst is None else worst.rms
 
 
@@ -268,7 +267,7 @@ def _common_times(first: Array, second: Array, spans: Array | None = None) -> Ar
 
 
 def _interval_lengths(grid: Array) -> Array:
-    """Lengths of the intervals between times; none between two that rounding holds apart, as of one jump."""
+    """Lengths of the intervals between times; zero where two times of one jump differ by rounding."""
     lengths = np.diff(grid)
     return np.where(lengths > SHORTEST * (grid[-1] - grid[0]), lengths, 0.0)
 
@@ -283,12 +282,11 @@ def _mean_magnitude(apart: Array) -> Array:
 
 
 def _worst_window(
-    grid: Array, apart: Array, values: Array, spans: Array, centred: float = 1.0
+    grid: Array, apart: Array, values: Array, spans: Array, centred: bool = True
 ) -> MovementDistance | None:
     """The window in which ``apart`` is largest, relative to the excursion of ``values``.
 
-    Both are at the points of every interval, shape (5, n - 1); ``centred`` is the share of the mean
-    difference that is left out.
+    Both are at the points of every interval, shape (5, n - 1). ``centred`` leaves the mean of ``apart`` out.
     """
     h = _interval_lengths(grid)
     first, square = (np.concatenate(([0.0], np.cumsum(h * (WEIGHTS @ part)))) for part in (apart, apart**2))
@@ -299,7 +297,7 @@ def _worst_window(
         length = float(grid[end] - grid[begin])
         if length <= 0.0:
             continue
-        mean = centred * (first[end] - first[begin]) / length
+        mean = (first[end] - first[begin]) / length if centred else 0.0
         moved = max(float(highest[begin:end].max() - lowest[begin:end].min()), least)
         rms = float(np.sqrt(max((square[end] - square[begin]) / length - mean**2, 0.0)))
         relative = rms / moved if moved > 0.0 else (np.inf if rms > 0.0 else 0.0)
@@ -308,12 +306,15 @@ def _worst_window(
     return worst
 
 
-def _smooth(secant: Array, step: Array, apart: NDArray[np.bool_], largest: float) -> NDArray[np.bool_]:
-    """Whether the curve passes each row without jump or corner, shape (n,); false at both ends."""
+def _smooth(secant: Array, step: Array, lasting: NDArray[np.bool_], largest: float) -> NDArray[np.bool_]:
+    """Whether the curve passes each row without jump or corner, shape (n,); false at both ends.
+
+    Intervals that are not ``lasting`` are jumps, ``largest`` is the largest magnitude of the column.
+    """
     smooth = np.zeros(step.size + 1, bool)
     if step.size < 2:
         return smooth
-    inner = apart[1:] & apart[:-1]
+    inner = lasting[1:] & lasting[:-1]
     change = np.where(inner, np.abs(np.diff(secant)), 0.0)
     shortest = np.where(inner, np.minimum(step[1:], step[:-1]), 1.0)
     certain = np.maximum(change - 8.0 * np.finfo(float).eps * largest / shortest, 0.0)

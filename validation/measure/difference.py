@@ -20,9 +20,9 @@ from validation.measure.scaling import ROUND_OFF, Magnitudes, column_of
 NO_TIME = "no common interval of time"
 SEVERAL = 3.5
 """Largest error estimate, relative to the tolerance, of a run that is worth comparing. Estimates hold a
-safety factor of three: beyond this the two runs they come from differ by more than the tolerance, and where
-they agree with the reference, they do so by accident. What limits it is the force at which finite elements
-lose a contact that was pulled fast (``retraction-fast``: 3.1 tolerances), where the edge runs away."""
+safety factor of three, so a run beyond it differs from its own coarser run by more than the tolerance, and
+agrees with the reference by accident. The largest estimate that is needed is 3.1: the force at which finite
+elements lose a contact that was pulled fast (``retraction-fast``), where the edge runs away."""
 
 
 class Compared(Protocol):

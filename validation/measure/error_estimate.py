@@ -17,17 +17,18 @@ corner of the force begins to move within an element or a step. At a limit point
 edge moves as the root of the load: radius and force there have half the order.
 
 Curves are known at rows only: what they may do between is added (:mod:`validation.measure.curves`). The
-difference of two runs can vanish by accident, so no scalar is held to be better than the curves of its run
-are in the mean at its order, a penetration than that of the penetrations too (root mean squares are those
-of the last moments, where an edge that runs away is a little early or late); a square, than twice that. An
-energy is no better than the losses of both runs on the way to it. The excess at the edge is a difference,
-uncertain by what its two terms are.
+difference of two runs can vanish by accident. So the estimate of a scalar is at least the mean error of the
+curves of its run, with the factor of its own order; that of a penetration at least the mean error of the
+penetration, too; that of a square at least twice as much. (Not the root mean square, which a short time
+dominates: the end, where an edge that runs away is a little early or late.) An energy is no better than the
+RMS difference of the losses of both runs. The excess at the edge is the difference of two energies, and has
+the errors of both.
 
 An extremum (end of approach, largest force, pull-off) of a run with the error ``e(t)`` lies where
 ``F(t) + e(t)`` is largest: an error that is the same in all rows does not move it. It may be anywhere where
 ``F`` falls short by no more than ``|e - e_row|``, but at least by half of ``e_row``, since how two runs
-differ from row to row may vanish by accident. To that comes what the rows leave open (:mod:`events`), or what
-the solver says of an event that it has located.
+differ from row to row may vanish by accident. To that comes what the rows leave open
+(:mod:`validation.measure.events`), or what the solver says of an event that it has located.
 """
 
 from __future__ import annotations
@@ -183,10 +184,11 @@ def _add(
     compared: bool = False,
     located_by: str = "",
 ) -> None:
-    """Add to the errors at an event how far ``away`` from its row it may be, by column.
+    """Raise the errors at an event by how far ``away`` from its row it may be, by column.
 
-    The difference of two runs has that in it, but for the column that it is ``located_by``: where they are
-    ``compared`` the larger of it, and of the error of the curve with what the place adds, is the estimate.
+    ``compared``: the errors come from the difference of two runs, which holds that distance already but for
+    the column that the event is ``located_by``; there the estimate is the larger of that difference and of
+    the error of the curve with the distance.
     """
     for column, distance_away in away.items():
         key = f"{event}_{'radius' if column == 'contact_radius' else column}"
@@ -198,10 +200,10 @@ def _add(
 
 
 def _losses_apart(run: Trace, other: Trace, spans: Array) -> tuple[float, float]:
-    """How far what two runs dissipate in branches, and in all, lies apart on the way: root mean square.
+    """RMS difference of two runs in what the branches dissipate, and in all that is dissipated.
 
-    What differs to and fro may agree at the end by accident. The heat in the layer at the edge is a square.
-    Where nothing relaxes a contact loses in jumps, at the time of which two runs differ: no such difference.
+    Losses that differ on the way may agree at the end by accident. That of the branches counts twice, as the
+    square of a stress. Zero where nothing relaxes: there losses are jumps, at times that differ a little.
     """
     heat = run.columns().get("branch_dissipation", np.empty(0))
     if not heat.size or heat[-1] <= 0.0 or "branch_dissipation" not in other.columns():

@@ -14,14 +14,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact_scene import Loading, OutcomeKind, Scene, Trace
+from contact_scene.trace import Array
 from validation.measure.events import approach_ended, end_of_approach, last_in_contact, peak_row, pull_off_row
 from validation.measure.scaling import ROUND_OFF
 from validation.measure.windows import cycle_times
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

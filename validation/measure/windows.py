@@ -7,15 +7,13 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_scene import Loading, Step, Trace
 from contact_scene.loading import Segment
+from contact_scene.trace import Array
 from validation.solvers.model_range import MOST_CYCLES
 
-Array = NDArray[np.float64]
-
-AT_LEVEL = 1e-9
+REACHED = 1e-9
 """Part of what a quantity does in a load step to which its level ends the step."""
 
 
@@ -81,7 +79,7 @@ def _end(segment: Segment, trace: Trace, begin: float) -> float:
     columns = (trace.penetration, trace.force, trace.contact_radius)
     excess = np.array([segment.trigger.excess(*(float(column[row]) for column in columns)) for row in rows])
     side = math.copysign(1.0, excess[0])
-    reached = np.flatnonzero(side * excess[1:] <= AT_LEVEL * float(np.ptp(excess)))
+    reached = np.flatnonzero(side * excess[1:] <= REACHED * float(np.ptp(excess)))
     return float(trace.time[rows[1 + reached[0]]]) if reached.size else end
 
 

@@ -1,1 +1,1 @@
-"""Part of crosscontact."""
+"""What evidence hands in to a report, and the forms that a report has."""

@@ -90,6 +90,11 @@ class DataTable:
         """``number``, ``unbroken`` or ``text`` for each column; numbers if most of its cells are."""
         return tuple(self._column(index, title) for index, title in enumerate(self.head))
 
+    @property
+    def texts(self) -> list[tuple[str, ...]]:
+        """Head and rows as text."""
+        return [self.head, *(tuple(map(str, row)) for row in self.rows)]
+
     def _column(self, index: int, title: str) -> str:
         if title in self.unbroken:
             return "unbroken"

@@ -32,7 +32,7 @@ class Chapter:
         Of the run of each solver, which its checks share alike; under the empty name, those that all checks
         share.
     outputs : sequence of str
-        What each check wants to be printed, or nothing.
+        For the ``system-out`` of each check in ``junit.xml``; empty: none.
     """
 
     name: str

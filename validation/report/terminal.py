@@ -15,7 +15,7 @@ def text(part: Part) -> str:
 
 
 def lines(part: Part) -> list[str]:
-    """The same line by line."""
+    """One part, line by line."""
     if isinstance(part, Paragraph):
         return [part.text]
     if isinstance(part, Bullets):
@@ -43,5 +43,4 @@ def aligned(rows: Sequence[Sequence[str]], kinds: Sequence[str] = ()) -> list[st
 
 
 def _table(table: DataTable) -> list[str]:
-    rows = [table.head, *(tuple(map(str, row)) for row in table.rows)]
-    return ([table.caption] if table.caption else []) + aligned(rows, table.columns)
+    return ([table.caption] if table.caption else []) + aligned(table.texts, table.columns)

@@ -165,8 +165,8 @@ def changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> tuple[str, ...]:
 def _version(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     if old.get("program") == new["program"]:
         return []
-    told = old.get("environment")
-    was, now = told if isinstance(told, dict) else {}, new["environment"]
+    stated = old.get("environment")
+    was, now = stated if isinstance(stated, dict) else {}, new["environment"]
     packages, present = was.get("packages") or {}, now["packages"]
     moved = [
         f"{name} {packages.get(name, 'missing')} -> {present.get(name, 'missing')}"
