@@ -1,0 +1,1 @@
+"""Front tracking whose state is the path of the edge, followed by an arclength in load and radius."""

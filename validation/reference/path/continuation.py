@@ -1,0 +1,349 @@
+"""Continuation of the edge along its path, step by step, whatever drives it.
+
+A step goes a way ``h`` in the plane of ``p/T`` and ``a/L``, predicted by the polynomial through the rows since
+the last kink. Then either the radius is what was predicted, and the load parameter is the root of the edge
+condition, which needs one geometry; or, where the edge hardly moves, the other way about; or the edge rests.
+At a limit point of the load the radius is fixed, and nothing special happens.
+
+``T`` is half the time since the leg began: a leg may last 1e8 times as long as what happens first in it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.path import events
+from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.legs import Leg
+from validation.reference.path.path import Rows
+from validation.reference.path.polynomials import DEGREE
+from validation.reference.path.state import Body, State
+from validation.reference.path.trial import Arrival, Trial
+
+Array = NDArray[np.float64]
+
+MOVING = 3e-3
+"""Share of the radius in the direction of the path from which on a step ends at a radius."""
+REJECTED = 1.5
+"""Error, in tolerances, above which a step is repeated."""
+LARGEST_GROWTH, FIRST_GROWTH = 2.0, 3.0
+"""Ratio of successive steps, and that while the order still rises."""
+FIRST_STEP = 1e-3
+"""First step of a leg, in parts of the shortest time and of the zone."""
+SMALLEST_STEP = 1e-10
+"""Below it the edge condition has no root to be found here: see what became of the contact."""
+RESIDUAL = 1e-11
+"""At a root; of zones shorter than 1e-5 of the radius the rounding of the radius leaves more."""
+
+
+class Fixed(StrEnum):
+    """What a step ends at."""
+
+    RADIUS = "radius"
+    LOAD = "load"
+    REST = "rest"
+
+
+@dataclass
+class Plan:
+    """Where a step is to go: ``z = (p/T, a/L, D)`` after a way ``h``, and along what."""
+
+    h: float
+    z: Array
+    tangent: Array
+    fixed: Fixed
+    event: events.Kind = events.Kind.NONE
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A step that satisfies the edge condition, by how much it was mispredicted, and its arclength."""
+
+    trial: Trial
+    arrival: Arrival
+    error: float
+    s: float
+
+
+@dataclass
+class Tracker:
+    """A run in progress.
+
+    ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration. ``slopes``: of the residual over
+    the load parameter and the radius, as last seen; they save evaluations.
+    """
+
+    body: Body
+    law: EdgeLaw
+    state: State
+    tolerance: float
+    L: float
+    depth: float
+    accepted: Callable[[Trial, Arrival, State, float], None] = lambda *_: None
+    leg: Leg = None  # type: ignore[assignment]
+    rows: Rows = None  # type: ignore[assignment]
+    T: float = 1.0
+    T_leg: float = 1.0
+    T_first: float = 1.0
+    h: float = 1.0
+    tangent: Array = field(default_factory=lambda: np.array([1.0, 0.0]))
+    slopes: dict[Fixed, float] = field(default_factory=dict)
+    fails: int = 0
+    evaluations: int = 0
+    geometries: int = 0
+    steps: int = 0
+    rejected: int = 0
+    moving: bool = False
+    vertex: float = math.nan
+    stuck_at: int = -1
+    verbose: bool = False
+    marks: list[events.Mark] = field(default_factory=list)
+
+    # geometry and residual -------------------------------------------------------------------------------------
+
+    @property
+    def noise(self) -> float:
+        """Residual below which there is only rounding."""
+        zone = self.law.zone
+        return max(RESIDUAL, 8.0 * np.finfo(float).eps * self.state.radius / zone) if zone else RESIDUAL
+
+    def trial(self, radius: float, s: float, order: int = DEGREE) -> Trial:
+        """The step from here to a radius."""
+        self.geometries += 1
+        segment = self.rows.segment(s, radius, order)
+        zone = self.law.zone
+        breaks = self.state.breaks(radius, zone) if zone > 0.0 else np.zeros(0)
+        return Trial(self.body, self.state, self.leg, segment, zone, breaks)
+
+    def residual(self, trial: Trial, parameter: float) -> tuple[float, Arrival]:
+        """Of the edge condition, at the end of a trial at a load parameter."""
+        self.evaluations += 1
+        arrival = trial.arrive(parameter)
+        return self.law.residual(trial, arrival, self.T_leg / self.L, not self.leg.timed), arrival
+
+    # a leg -----------------------------------------------------------------------------------------------------
+
+    def begin(self, leg: Leg, T_leg: float) -> None:
+        """A new leg: a kink of the path."""
+        self.leg, self.T_leg, self.T = leg, T_leg, T_leg
+        self.state = replace(self.state, parameter=leg.start)
+        state = self.state
+        self.rows = Rows.at(leg.start, state.time, state.depth, state.radius, state.force)
+        new = state.radius == 0.0
+        self.restart(np.array([0.0, 1.0]) if new else np.array([1.0, 0.0]))
+        if leg.timed:
+            self.T_first = self.T = T_leg * self.h
+            self.h = 1e-2 if new else 1.0
+
+    def restart(self, tangent: Array | None = None, h: float | None = None, declare: bool = True) -> None:
+        """A kink at the last row."""
+        self.rows.restart()
+        self.slopes = {}
+        self.moving, self.vertex = False, math.nan
+        self.tangent = np.array([1.0, 0.0]) if tangent is None else tangent
+        radius, zone = self.state.radius, self.law.zone
+        if h is None:
+            quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
+            h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
+            h = max(h, 1e-9 if self.leg.timed else 1e-4)
+        self.h = h
+        if declare and all(abs(radius - kink) > 1e-9 * radius for kink in self.state.kinks):
+            self.state = replace(self.state, kinks=(*self.state.kinks, radius))
+
+    def rescale(self) -> None:
+        """The scale of time grows with the time since the leg began; segments keep their polynomials."""
+        if not self.leg.timed:
+            return
+        wanted = min(self.T_leg, max(0.5 * (self.state.parameter - self.leg.start), self.T_first))
+        if wanted == self.T:
+            return
+        table = self.rows.table
+        direction = self.tangent
+        if len(table) > 1:
+            direction = np.diff(table[-2:, [1, 4]], axis=0)[0] / (self.T, self.L)
+            direction = direction / np.hypot(*direction)
+        ratio = self.T / wanted
+        self.h *= math.hypot(direction[0] * ratio, direction[1])
+        self.tangent = self.tangent * (ratio, 1.0)
+        self.tangent = self.tangent / np.hypot(*self.tangent)
+        self.T = wanted
+        self.rows.measure(self.T, self.L)
+
+    def step(self) -> events.Kind:
+        """One attempt; what it came to."""
+        self.rescale()
+        state = self.state
+        plan = events.plan(self)
+        correction = self._correct(plan)
+        error = math.inf if correction is None else correction.error / self.tolerance
+        if len(self.rows) == 1 and correction is not None:
+            error = 0.0  # nothing to judge by: the first step is small
+        if correction is not None and error <= REJECTED and plan.fixed is Fixed.RADIUS:
+            rise = correction.trial.segment.parameter + self.rows_rise(correction) * correction.trial.segment.basis
+            falling = float(rise @ np.arange(len(rise))) < 0.0
+            if falling and plan.event not in (events.Kind.FOLD, events.Kind.END):
+                error = math.inf  # beyond a limit point that was not foreseen
+        if self.verbose:
+            at = correction and (correction.arrival.parameter, correction.trial.radius)
+            print(self.steps, plan.fixed, plan.event, f"h {plan.h:.2e} e {error:.2g} m {len(self.rows)}", at, flush=True)
+        if correction is None or error > REJECTED:
+            return self._reject(plan, error)
+        self.fails = 0
+        events.finish(self, plan, correction)
+        if plan.event is events.Kind.NONE:
+            rising = len(self.rows) <= DEGREE + 1 and self.steps
+            order = min(len(self.rows), DEGREE + 1)
+            growth = 0.9 * max(error, 1e-5) ** (-1.0 / order)
+            self.h = plan.h * min(FIRST_GROWTH if rising else LARGEST_GROWTH, max(0.3, growth))
+        return plan.event
+
+    def rows_rise(self, correction: Correction) -> float:
+        """Load parameter gained in a step."""
+        return correction.arrival.parameter - self.state.parameter
+
+    def _reject(self, plan: Plan, error: float) -> events.Kind:
+        """Try a shorter step; where none is short enough, look what became of the contact."""
+        self.rejected += 1
+        self.fails += 1
+        order = min(len(self.rows), DEGREE + 1)
+        self.h = plan.h * (max(0.2, 0.9 * error ** (-1.0 / order)) if math.isfinite(error) else 0.25)
+        self.slopes = {}
+        if self.h < SMALLEST_STEP or self.fails > 40:
+            self.fails = 0
+            return events.Kind.LOST
+        return events.Kind.REJECTED
+
+    # the corrector ---------------------------------------------------------------------------------------------
+
+    def _correct(self, plan: Plan) -> Correction | None:
+        if plan.fixed is Fixed.RADIUS:
+            return self._at_radius(plan)
+        if plan.fixed is Fixed.REST:
+            rested = self._at_rest(plan)
+            if rested is not None:
+                return rested
+            plan.fixed = Fixed.LOAD
+        return self._at_load(plan)
+
+    def chord(self, plan: Plan, p: float, a: float) -> float:
+        """Arclength of a point by its chord from the last row."""
+        last = self.rows.last
+        return float(last[0] + math.hypot((p - last[1]) / self.T, (a - last[4]) / self.L))
+
+    def mispredicted(self, plan: Plan, p: float, a: float, D: float) -> float:
+        """Distance of a corrected point from the predicted one across the path."""
+        off_p, off_a = p / self.T - plan.z[0], a / self.L - plan.z[1]
+        across = abs(off_p * plan.tangent[1] - off_a * plan.tangent[0])
+        return math.hypot(across, D / self.depth - plan.z[2]) if self.leg.free else across
+
+    def _at_radius(self, plan: Plan) -> Correction | None:
+        """The load parameter at which the edge is at the predicted radius."""
+        p, a = plan.z[0] * self.T, plan.z[1] * self.L
+        s = self.chord(plan, p, a)
+        trial = self.trial(a, s)
+        found = self.solve_parameter(trial, p, 1e-3 * self.h * self.T)
+        if found is None:
+            return None
+        arrival, steepness = found
+        new = self.state.radius == 0.0
+        far = abs(arrival.parameter - p) > 10.0 * plan.h * self.T
+        if (far and not new) or arrival.parameter > self.leg.end * (1.0 + 1e-12):
+            return None
+        error = self.mispredicted(plan, arrival.parameter, a, arrival.depth)
+        rounding = 10.0 * self.noise / abs(steepness or math.inf) / self.T
+        return Correction(trial, arrival, max(error - rounding, 0.0), s)
+
+    def solve_parameter(self, trial: Trial, p: float, size: float) -> tuple[Arrival, float] | None:
+        """The end of a trial at which the edge condition holds, and the slope of the residual."""
+        ends: dict[float, Arrival] = {}
+
+        def function(at: float) -> float:
+            value, ends[at] = self.residual(trial, at)
+            return value
+
+        earliest = self.state.parameter
+        p = max(p, earliest)
+        root = self._secants(function, p, size, Fixed.RADIUS, 1e-13 * self.T, earliest)
+        return None if root is None else (ends[root], self.slopes.get(Fixed.RADIUS, math.inf))
+
+    def _at_load(self, plan: Plan) -> Correction | None:
+        """The radius at which the edge is at the predicted load."""
+        p, guess = plan.z[0] * self.T, plan.z[1] * self.L
+        state, zone = self.state, self.law.zone
+        trials: dict[float, tuple[Trial, Arrival]] = {}
+
+        def function(a: float) -> float:
+            if a < self.least_radius or a > self.law.rim:
+                return math.nan
+            trial = self.trial(a, self.chord(plan, p, a))
+            value, arrival = self.residual(trial, p)
+            trials[a] = trial, arrival
+            return value
+
+        size = 1e-3 * max(plan.h, 1e-6) * self.L * min(1.0, zone / self.L if zone else 1.0)
+        if self.law.rated and guess >= state.radius and plan.fixed is Fixed.LOAD and self.leg.timed:
+            function(state.radius)
+            _, arrival = trials[state.radius]
+            allowed = events.allowed_speed(self.law, arrival.integral)
+            guess = state.radius - max(allowed * (p - state.parameter), 1e-3 * size)
+        root = self._secants(function, guess, size, Fixed.LOAD, 1e-14 * self.L, -math.inf)
+        if root is None or abs(root - guess) > 10.0 * max(plan.h, 1e-9) * self.L:
+            return None
+        trial, arrival = trials[root]
+        error = self.mispredicted(plan, p, root, arrival.depth)
+        return Correction(trial, arrival, error, self.chord(plan, p, root))
+
+    def _at_rest(self, plan: Plan) -> Correction | None:
+        """The edge stays; if it would set off within the step, that ends there. ``None``: it moves at once."""
+        p, a = plan.z[0] * self.T, self.state.radius
+        trial = self.trial(a, self.chord(plan, p, a))
+
+        def pull(at: float) -> tuple[float, Arrival]:
+            self.evaluations += 1
+            arrival = trial.arrive(at)
+            return self.law.pulls(trial, arrival), arrival
+
+        value, arrival = pull(p)
+        if value != 0.0:
+            start = self.state.parameter
+            if pull(start)[0] != 0.0:
+                return None
+            p, arrival = events.departure(pull, start, p, 1e-13 * self.T)
+            plan.event = events.Kind.DEPARTURE
+        error = abs(arrival.depth / self.depth - plan.z[2]) if self.leg.free and plan.event is events.Kind.NONE else 0.0
+        return Correction(trial, arrival, error, self.chord(plan, p, a))
+
+    @property
+    def least_radius(self) -> float:
+        """Radius below which no contact is followed."""
+        return 1.05 * self.law.zone if self.law.zone else 1e-6 * self.L
+
+    def _secants(
+        self, function: Callable[[float], float], x: float, size: float, of: Fixed, narrow: float, least: float
+    ) -> float | None:
+        """Root by secants; where rounding stops them, the best point if it is one."""
+        f = function(x)
+        if abs(f) < self.noise:
+            return x
+        slope = self.slopes.get(of)
+        after = x - f / slope if slope else (x + size if of is Fixed.RADIUS else x - math.copysign(size, f))
+        best = abs(f), x
+        for _ in range(12):
+            after = max(after, least)
+            value = function(after)
+            if not math.isfinite(value) or value == f or after == x:
+                break
+            slope = (value - f) / (after - x)
+            best = min(best, (abs(value), after))
+            x, f = after, value
+            after = x - f / slope
+            if abs(f) < self.noise or abs(after - x) < narrow:
+                self.slopes[of] = slope
+                return x
+        return best[1] if best[0] < 100.0 * self.noise else None

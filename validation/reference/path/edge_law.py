@@ -1,0 +1,68 @@
+"""What the edge asks for: a residual that rises with the radius through zero where the edge is stable.
+
+An edge that opens takes up ``work``, or ``w(v)``; one that closes ``closing``. In between it rests, as it does
+at the rim of a flat face as long as it does not open, and where it has a rate law at fixed time. Without
+adhesion no tension is left at the edge and no overlap next to it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from contact_scene import Adhesion
+from validation.reference.path.trial import Arrival, Trial
+from validation.reference.rated_edge import opening_speed
+
+
+@dataclass(frozen=True)
+class EdgeLaw:
+    """``rim``: radius beyond which there is no indenter."""
+
+    adhesion: Adhesion | None
+    rim: float = math.inf
+
+    @property
+    def zone(self) -> float:
+        """Length of the process zone; 0 without adhesion."""
+        return self.adhesion.zone if self.adhesion else 0.0
+
+    @property
+    def rated(self) -> bool:
+        """Whether an opening edge takes up what its speed tells."""
+        return self.adhesion is not None and self.adhesion.rate is not None
+
+    def rests(self, radius: float) -> bool:
+        """Whether an edge at that radius may rest at a range of loads."""
+        adhesion = self.adhesion
+        return radius >= self.rim or (adhesion is not None and not adhesion.reversible)
+
+    def pulls(self, trial: Trial, arrival: Arrival) -> float:
+        """How far a resting edge is beyond its range: positive opens, negative closes, 0 rests."""
+        value, adhesion = arrival.integral, self.adhesion
+        if adhesion is None:
+            return max(-value, 0.0)
+        if value > adhesion.work:
+            return value / adhesion.work - 1.0
+        return 0.0 if trial.radius >= self.rim else min(value / adhesion.closing - 1.0, 0.0)
+
+    def residual(self, trial: Trial, arrival: Arrival, scale: float, at_once: bool) -> float:
+        """Residual at an edge that has come to the end of a trial.
+
+        ``scale``: time over length, of the run. ``at_once``: time stands, and no speed is finite.
+        """
+        value, adhesion = arrival.integral, self.adhesion
+        if adhesion is None:
+            strain = abs(arrival.depth) + abs(float(trial.body.transform(trial.radius + 0.0 * trial.behind.x[:1])[0]))
+            return -value / strain if strain > 0.0 else 0.0
+        if trial.direction == 0.0 and self.rests(trial.radius):
+            return self.pulls(trial, arrival)
+        if trial.direction > 0.0:
+            return value / adhesion.closing - 1.0
+        if not self.rated or trial.direction == 0.0:
+            return value / adhesion.work - 1.0
+        if at_once:
+            return value / adhesion.opening(math.inf) - 1.0
+        # the speed the law allows against that of the path: regular at rest, where w(v) has an infinite slope
+        allowed, speed = opening_speed(adhesion, value), -trial.speed(arrival)
+        return (allowed - speed) * scale if value > adhesion.work or speed > 0.0 else value / adhesion.work - 1.0

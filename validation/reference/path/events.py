@@ -1,0 +1,262 @@
+"""What a step ends at, seen ahead on the predictor, and what follows from having got there.
+
+- the end of the leg;
+- a corner: the edge, or an end of its zone, comes to where the path once had a kink. The residual then has
+  another slope; the step lands there if that is more than the tolerance;
+- a turn of the edge; the start of one that has rested;
+- a fold: the load parameter has a maximum over the radius. It is approached from this side and landed on
+  when its place no longer changes; there the contact jumps to another radius, or is lost;
+- the smallest contact that is followed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.trial import Arrival
+from validation.reference.rated_edge import opening_speed
+
+if TYPE_CHECKING:
+    from validation.reference.path.continuation import Correction, Plan, Tracker
+
+Array = NDArray[np.float64]
+
+AFTER_CORNER, AFTER_TURN = 0.02, 0.1
+"""First step after a corner and after a turn, in the step before."""
+AHEAD = 1.5
+"""How far beyond a step, in its way, a turn or fold is looked for."""
+TOWARDS_FOLD = 0.75
+"""Share of the way to a fold that a step goes until the place of the fold is known."""
+OVER = 1.0
+"""Misprediction by a corner passed over, in tolerances, from which on it is landed on."""
+
+
+class Kind(StrEnum):
+    """What a step came to."""
+
+    NONE = ""
+    REJECTED = "rejected"
+    END = "end of the leg"
+    LEVEL = "level"
+    CORNER = "corner"
+    TURN = "turn"
+    DEPARTURE = "departure"
+    TOWARDS = "towards a fold"
+    FOLD = "fold"
+    LEAST = "smallest radius"
+    RIM = "rim"
+    LOST = "lost"
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An event of the path, at a row."""
+
+    kind: Kind
+    row: int
+
+
+def allowed_speed(law: EdgeLaw, integral: float) -> float:
+    """Speed at which an edge with a rate law opens."""
+    return opening_speed(law.adhesion, integral)
+
+
+def departure(
+    pull: Callable[[float], tuple[float, Arrival]], start: float, end: float, narrow: float
+) -> tuple[float, Arrival]:
+    """The first load parameter at which a resting edge sets off: by halves, as it is zero while it rests."""
+    low, high = start, end
+    value, arrival = pull(high)
+    while high - low > narrow:
+        middle = 0.5 * (low + high)
+        value, there = pull(middle)
+        if value == 0.0:
+            low = middle
+        else:
+            high, arrival = middle, there
+    return high, arrival
+
+
+def plan(tracker: Tracker) -> Plan:
+    """The next step, shortened to the first event on its way."""
+    from validation.reference.path.continuation import MOVING, Fixed, Plan
+
+    coefficients = tracker.rows.predictor(tracker.T, tracker.L, tracker.depth, tracker.tangent)
+    orders = np.arange(len(coefficients))
+    end = tracker.leg.end / tracker.T
+    m = len(tracker.rows)
+
+    def place(h: float) -> Array:
+        return h**orders @ coefficients
+
+    def slope(h: float) -> Array:
+        return h ** orders[:-1] @ (orders[1:, None] * coefficients[1:])
+
+    def made(h: float, event: Kind = Kind.NONE, fixed: Fixed | None = None) -> Plan:
+        tangent = slope(h)[:2]
+        tangent = tangent / np.hypot(*tangent)
+        if fixed is None:
+            fixed = Fixed.RADIUS if abs(tangent[1]) > MOVING else Fixed.LOAD
+        return Plan(h, place(h), tangent, fixed, event)
+
+    h, here, first = tracker.h, coefficients[0], slope(0.0)
+    resting = tracker.law.rests(tracker.state.radius) and not tracker.moving and here[1] > 0.0
+    last = place(h)
+    if last[0] >= end - 1e-9 * h:
+        if m > 1 and last[0] > end and here[0] < end:
+            h = brentq(lambda x: place(x)[0] - end, 0.0, h)
+        planned = made(h, Kind.END, Fixed.REST if resting else Fixed.LOAD)
+        planned.z[0] = end
+    elif resting:
+        return made(h, fixed=Fixed.REST)
+    elif m > 1 and last[0] + 0.3 * (last[0] - here[0]) > end:
+        planned = made(0.6 * h)
+    else:
+        planned = made(h)
+    if resting:
+        return planned
+    if m > 2:
+        planned = _turn_or_fold(tracker, planned, made, place, slope, first)
+    at = _corner(tracker, planned)
+    if at is not None:
+        corner, kind = at
+        along = lambda x: place(x)[1] * tracker.L - corner  # noqa: E731
+        if along(0.0) * along(planned.h) < 0.0:
+            planned = made(brentq(along, 0.0, planned.h), kind, Fixed.RADIUS)
+        else:
+            planned = made(planned.h, kind, Fixed.RADIUS)
+        planned.z[1] = corner / tracker.L
+    return planned
+
+
+def _turn_or_fold(
+    tracker: Tracker,
+    planned: Plan,
+    made: Callable[..., Plan],
+    place: Callable[[float], Array],
+    slope: Callable[[float], Array],
+    first: Array,
+) -> Plan:
+    from validation.reference.path.continuation import Fixed
+
+    h = planned.h
+    ahead = slope(AHEAD * h)
+    if abs(first[1]) > 1e-5 and first[1] * ahead[1] < 0.0:
+        at = brentq(lambda x: slope(x)[1], 0.0, AHEAD * h)
+        if at <= h:
+            return made(at, Kind.TURN, Fixed.LOAD)
+        return made(0.6 * at)
+    if planned.fixed is Fixed.RADIUS and first[0] > 0.0 > ahead[0] and tracker.law.zone > 0.0:
+        at = brentq(lambda x: slope(x)[0], 0.0, AHEAD * h)
+        vertex, before = float(place(at)[1]), tracker.vertex
+        tracker.vertex = vertex
+        if abs(vertex - before) < 0.1 * tracker.tolerance:
+            return made(at, Kind.FOLD, Fixed.RADIUS)
+        return made(min(h, TOWARDS_FOLD * at), Kind.TOWARDS if TOWARDS_FOLD * at < h else Kind.NONE)
+    return planned
+
+
+def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind] | None:
+    """The first radius on the way at which the slope of the residual changes by more than the tolerance."""
+    state, zone, L = tracker.state, tracker.law.zone, tracker.L
+    a, end = state.radius, planned.z[1] * L
+    way = math.copysign(1.0, end - a) if end != a else 0.0
+    found: list[tuple[float, Kind]] = []
+    if way < 0.0 and end < tracker.least_radius:
+        found.append((tracker.least_radius, Kind.LEAST))
+    if way > 0.0 and end > tracker.law.rim:
+        found.append((tracker.law.rim, Kind.RIM))
+    if way and state.kinks and len(tracker.rows) > 1 and abs(planned.tangent[1]) > 1e-7:
+        kinks = np.array(state.kinks)
+        corners = np.concatenate((kinks - zone, kinks + zone)) if zone else kinks
+        near = 1e-7 * zone if zone else 1e-9 * a
+        ahead = way * (corners - a)
+        within = np.flatnonzero((ahead > near) & (ahead < way * (end - a) * 1.01))
+        found += [(float(corners[i]), Kind.CORNER) for i in within]
+    return min(found, key=lambda each: way * each[0]) if found else None
+
+
+def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
+    """Take a step, and what its event asks for next."""
+    accept(tracker, correction)
+    h = planned.h
+    match planned.event:
+        case Kind.CORNER:
+            table = tracker.rows.table
+            chord = np.diff(table[-2:, [1, 4]], axis=0)[0] / (tracker.T, tracker.L)
+            tracker.restart(chord / np.hypot(*chord), AFTER_CORNER * tracker.h, declare=False)
+        case Kind.TURN:
+            tracker.restart(h=AFTER_TURN * h)
+        case Kind.DEPARTURE:
+            tracker.restart()
+            tracker.moving = True
+        case Kind.RIM:
+            tracker.restart()
+        case Kind.TOWARDS:
+            tracker.h = h
+        case _:
+            pass
+
+
+def accept(tracker: Tracker, correction: Correction) -> None:
+    """Commit a step."""
+    before = tracker.state
+    state = correction.trial.state_after(correction.arrival)
+    tracker.accepted(correction.trial, correction.arrival, state, correction.s)
+    tracker.rows.append(
+        correction.s, state.parameter, state.time, state.depth, state.radius, state.force
+    )
+    tracker.state = state
+    tracker.steps += 1
+    if correction.trial.direction:
+        tracker.moving = True
+    del before
+
+
+def lost(tracker: Tracker, at_fold: bool) -> bool:
+    """At a fixed load parameter: whether there is no other stable edge. If there is, the contact goes there."""
+    from validation.reference.path.continuation import Correction
+
+    tracker.leg = replace(tracker.leg)
+    tracker.restart()
+    state, zone = tracker.state, tracker.law.zone
+    a, p = state.radius, state.parameter
+    last = getattr(tracker, "last_direction", -1.0)
+    way = last or -1.0
+    least = tracker.least_radius
+    ends = {}
+
+    def residual(radius: float) -> float:
+        trial = tracker.trial(radius, tracker.rows.last[0] + abs(radius - a) / tracker.L, 1)
+        value, arrival = tracker.residual(trial, p)
+        ends[radius] = trial, arrival
+        return value
+
+    near = max(0.05 * zone, 1e-3 * a) if at_fold else 1e-3 * (zone or a)
+    if a + way * near > least and residual(a + way * near) * way > 0.0:
+        if tracker.stuck_at == tracker.steps:
+            return True
+        tracker.stuck_at = tracker.steps
+        return False
+    radii = a + (least - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5 if way < 0.0 else a * np.geomspace(1.0, 3.0, 17)[1:]
+    before = math.nan, math.nan
+    for radius in radii:
+        value = residual(float(radius))
+        if before[1] * way < 0.0 <= value * way:
+            at = brentq(residual, *sorted((float(radius), before[0])), xtol=1e-14 * a)
+            residual(at)
+            trial, arrival = ends[at]
+            accept(tracker, Correction(trial, arrival, 0.0, tracker.rows.last[0] + abs(at - a) / tracker.L))
+            tracker.restart()
+            return False
+        before = float(radius), value
+    return True

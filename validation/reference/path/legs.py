@@ -1,0 +1,64 @@
+"""Load steps as legs: stretches over which the load is smooth in one parameter.
+
+A jump of the load is a leg of its own. Time stands, and the parameter is the share of the jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from contact_scene import Segment
+from contact_scene.segment import Control
+
+AT_LOAD = 1e-12
+"""Difference from the load that a leg begins with, relative to it, which is rounding and no jump."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """From parameter ``start`` to ``end``; ``rate``: of a penetration that is linear in time."""
+
+    control: Control
+    value: Callable[[float], float]
+    start: float
+    end: float
+    timed: bool
+    rate: float | None = None
+    compliance: float = 0.0
+    kink: bool = True
+
+    @property
+    def free(self) -> bool:
+        """Whether the penetration follows from the balance of forces."""
+        return self.control != "penetration"
+
+
+def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
+    """The jump of the load with which a load step begins, if it does."""
+    have, first = segment.present(penetration, force), segment.value(segment.start)
+    if abs(first - have) <= AT_LOAD * max(abs(have), abs(first)):
+        return None
+
+    def value(share: float) -> float:
+        return have + (first - have) * share
+
+    return Leg(segment.control, value, 0.0, 1.0, False, None, segment.compliance)
+
+
+def timed_legs(segment: Segment, stops: tuple[float, ...] = ()) -> Iterator[Leg]:
+    """What a load step is made of between its kinks and the times that are asked for."""
+    kinks = {segment.start, segment.end, *segment.kinks}
+    cuts = sorted(kinks | {stop for stop in stops if segment.start < stop < segment.end})
+    for begin, end in zip(cuts[:-1], cuts[1:], strict=True):
+        straight = segment.linear and segment.control == "penetration"
+        yield Leg(
+            segment.control,
+            segment.value,
+            begin,
+            end,
+            True,
+            segment.rate(begin) if straight else None,
+            segment.compliance,
+            begin in kinks,
+        )

@@ -1,0 +1,105 @@
+"""Rows of a run since the last kink, and the polynomials of ``u`` in [0, 1] through them and one more.
+
+A row is ``(s, p, t, D, a, F)``: arclength, load parameter, time, penetration, radius, force. The load parameter
+is the time while the load moves in time, and the share of a jump while time stands. Arclength is the length of
+the chords in the plane of ``p/T`` and ``a/L``; when the scales change only chords do, segments stay as they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.path.polynomials import DEGREE, ORDERS, powers
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One step: coefficients relative to its start.
+
+    ``parameter`` and ``depth`` are those with end values as at the start; ``basis`` times what the end value
+    differs by is to be added.
+    """
+
+    way: Array
+    parameter: Array
+    depth: Array
+    basis: Array
+
+    def cut(self, u: float, rise: float, sinking: float) -> Segment:
+        """The part up to ``u`` of the segment with these end values of parameter and penetration."""
+        scale = u**ORDERS
+        parameter, depth = self.parameter + rise * self.basis, self.depth + sinking * self.basis
+        return Segment(self.way * scale, parameter * scale, depth * scale, np.zeros_like(self.basis))
+
+
+@dataclass
+class Rows:
+    """The last rows since a kink, at most as many as a polynomial takes; the newest last."""
+
+    table: Array
+    kept: int = field(default=DEGREE + 1, repr=False)
+
+    @classmethod
+    def at(cls, p: float, t: float, D: float, a: float, F: float) -> Rows:
+        """A first row."""
+        return cls(np.array([[0.0, p, t, D, a, F]]))
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    @property
+    def last(self) -> Array:
+        """The newest row."""
+        return self.table[-1]
+
+    def restart(self) -> None:
+        """A kink at the newest row."""
+        self.table = self.table[-1:]
+
+    def append(self, s: float, p: float, t: float, D: float, a: float, F: float) -> None:
+        """One row more."""
+        self.table = np.vstack((self.table[-(self.kept - 1) :], [s, p, t, D, a, F]))
+
+    def measure(self, T: float, L: float) -> None:
+        """Arclengths anew in other scales; the newest row keeps its own."""
+        if len(self.table) > 1:
+            chord = np.hypot(np.diff(self.table[:, 1]) / T, np.diff(self.table[:, 4]) / L)
+            self.table[:-1, 0] = self.table[-1, 0] - chord[::-1].cumsum()[::-1]
+
+    def _through(self, s: float, order: int) -> tuple[Array, Array]:
+        """Rows and the matrix that takes their differences from the newest, and that of the end, to powers."""
+        rows = self.table[-order:]
+        at = np.append((rows[:, 0] - rows[-1, 0]) / (s - rows[-1, 0]), 1.0)
+        return rows - rows[-1], np.linalg.inv(powers(at, len(rows)))
+
+    def segment(self, s: float, a: float, order: int = DEGREE) -> Segment:
+        """The step that ends at arclength and radius."""
+        rows, matrix = self._through(s, order)
+        coefficients = np.zeros((DEGREE + 1, 4))
+        n = len(matrix)
+        coefficients[:n, 0] = matrix @ np.append(rows[:, 4], a - self.last[4])
+        coefficients[:n, 1] = matrix[:, :-1] @ rows[:, 1]
+        coefficients[:n, 2] = matrix[:, :-1] @ rows[:, 3]
+        coefficients[:n, 3] = matrix[:, -1]
+        return Segment(*coefficients.T.copy())
+
+    def force(self, s: float, F: float, order: int = DEGREE) -> Array:
+        """Coefficients of the force over the step that ends at arclength and force."""
+        rows, matrix = self._through(s, order)
+        coefficients = matrix @ np.append(rows[:, 5], F - self.last[5])
+        coefficients[0] += self.last[5]
+        return coefficients
+
+    def predictor(self, T: float, L: float, depth: float, tangent: Array) -> Array:
+        """``(p/T, a/L, D/depth)`` in powers of the way from the newest row (m, 3)."""
+        values = self.table[:, [1, 4, 3]] / (T, L, depth)
+        if len(values) == 1:
+            return np.vstack((values, [*tangent, 0.0]))
+        way = self.table[:, 0] - self.last[0]
+        matrix = powers(way / -way[0], len(way) - 1)
+        return np.linalg.solve(matrix, values) / ((-way[0]) ** np.arange(len(way)))[:, None]

@@ -1,0 +1,295 @@
+"""A step to a given radius, ending at any load parameter: what is the same for all of them is computed once.
+
+That is where the quadrature points lie and what they carry when the step begins, where on the step the edge
+passes those that change sides, and the matrix of the closure. What is left is to fade: two to four
+exponentials an array, and two products.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.path import fields
+from validation.reference.path.closure import closure_matrix
+from validation.reference.path.memory import (
+    COLLOCATION,
+    NODES,
+    PATH_AT_NODES,
+    Collocation,
+    Motion,
+    Ramp,
+    collocation,
+)
+from validation.reference.path.path import Segment
+from validation.reference.path.polynomials import horner, inverse, powers
+from validation.reference.path.state import Body, State
+from validation.reference.tracking.rheology import total
+
+Array = NDArray[np.float64]
+_NONE = np.zeros(0)
+
+
+@dataclass(frozen=True)
+class Points:
+    """Radii with what they carry when the step begins; ``passed`` change sides where ``u_powers`` say."""
+
+    x: Array
+    G: Array
+    carried: Array
+    passed: NDArray[np.intp]
+    u_powers: Array
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """The end of a step at one load parameter; ``integral`` is that of the closure, or the edge strain."""
+
+    parameter: float
+    duration: float
+    motion: Motion
+    integral: float
+    free: float = 0.0
+
+    @property
+    def depth(self) -> float:
+        """Penetration."""
+        return self.motion.end()[1]
+
+
+class Trial:
+    """The step from a state along a segment; its end radius is where the segment ends.
+
+    ``zone`` 0: without adhesion. ``breaks``: of the closure, in the way from the inner end of the zone.
+    """
+
+    def __init__(self, body: Body, state: State, leg: object, segment: Segment, zone: float, breaks: Array) -> None:
+        self.body, self.state, self.leg, self.segment, self.zone = body, state, leg, segment, zone
+        self.radius = state.radius + float(segment.way.sum())
+        self.direction = float(np.sign(self.radius - state.radius))
+        self.matrix = _NONE
+        if zone > 0.0 and len(breaks):
+            s, self.weight, self.matrix = closure_matrix(self.radius, zone, breaks)
+            self.behind = self._points(self.radius - zone + s)
+            self.ahead = self._points(self.radius + s)
+        else:
+            self.behind = self.ahead = self._points(np.array([self.radius]))
+        self.guess = 0.0
+
+    # what does not depend on the end ---------------------------------------------------------------------------
+
+    def _points(self, x: Array, u: Array | None = None) -> Points:
+        state, rheology = self.state, self.body.rheology
+        G = self.body.transform(x)
+        _, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
+        if u is not None:
+            return Points(x, G, carried, np.arange(len(x)), powers(u, COLLOCATION))
+        low, high = sorted((state.radius, self.radius))
+        passed = np.flatnonzero((x > low) & (x < high))
+        u = _NONE
+        if len(passed):
+            way = np.broadcast_to(self.segment.way, (len(passed), len(self.segment.way)))
+            u = inverse(way, x[passed] - state.radius)
+        return Points(x, G, carried, passed, powers(u, COLLOCATION))
+
+    @cached_property
+    def swept(self) -> tuple[fields.Sweep, Points] | None:
+        """The points that the step passes, in the entries they will be kept in."""
+        if self.direction == 0.0:
+            return None
+        cuts = self.state.cuts(self.radius, self.zone)
+        swept = fields.sweep(self.state.radius, self.segment.way, cuts)
+        return swept, self._points(swept.x, swept.u)
+
+    # an end ----------------------------------------------------------------------------------------------------
+
+    def arrive(self, parameter: float) -> Arrival:
+        """The end of the step at a load parameter."""
+        state, leg, rheology = self.state, self.leg, self.body.rheology
+        rise = self.segment.parameter + (parameter - state.parameter) * self.segment.basis
+        clock = rise if leg.timed else np.zeros_like(rise)
+        free = 0.0
+        if leg.rate is not None:
+            motion: Motion = Ramp(rheology.times, clock, state.memory, state.depth, leg.rate)
+        elif leg.control == "penetration":
+            at = state.parameter + PATH_AT_NODES @ rise
+            given = np.array([leg.value(p) for p in at]) - state.depth
+            given[0] = 0.0
+            motion = collocation(rheology.times, clock, state.memory, state.depth, given, 0.0 * given).motion()
+        else:
+            family = collocation(
+                rheology.times,
+                clock,
+                state.memory,
+                state.depth,
+                PATH_AT_NODES @ self.segment.depth,
+                PATH_AT_NODES @ self.segment.basis,
+            )
+            free = self._balance(family, clock, parameter)
+            motion = family.motion(free)
+        duration = float(clock.sum())
+        return Arrival(parameter, duration, motion, self._integral(motion, duration), free)
+
+    def _balance(self, family: Collocation, clock: Array, parameter: float) -> float:
+        """What the penetration changes by in the step, for the load to be what it has to: it is affine in it."""
+        leg, state = self.leg, self.state
+        if not self.segment.basis.any():  # a part of a step that is known
+            return 0.0
+        size = 1e-2 * max(abs(state.depth), abs(float(self.body.transform(np.array([self.radius]))[0])))
+        duration = float(clock.sum())
+        one = self.force(family.motion(self.guess), duration)
+        slope = (self.force(family.motion(self.guess + size), duration) - one) / size
+        lack = leg.value(parameter) - leg.compliance * one
+        if leg.control == "force":
+            free = self.guess + (leg.value(parameter) - one) / slope
+        else:
+            free = self.guess + (lack - state.depth - self.guess) / (1.0 + leg.compliance * slope)
+        self.guess = free
+        return free
+
+    def _integral(self, motion: Motion, duration: float) -> float:
+        """Closure integral, negative where the zone is pressed and would overlap; without zone the strain."""
+        rheology = self.body.rheology
+        if self.zone > 0.0:
+            if not len(self.matrix):
+                return 0.0
+            q, d = self.stress(self.behind, motion, duration), self.opening(self.ahead, motion, duration)
+            value = float(d @ (self.matrix @ q))
+            pressed = self.weight @ q > 0.0 and self.weight @ d < 0.0
+            return -abs(value) if pressed else value
+        if self.direction > 0.0:
+            return -float(self.opening(self.ahead, motion, duration)[0])
+        return float(self.stress(self.behind, motion, duration)[0]) / rheology.glassy
+
+    def stress(self, points: Points, motion: Motion, duration: float) -> Array:
+        """``q`` of points in contact at the end."""
+        rheology = self.body.rheology
+        memory, depth = motion.end()
+        q = rheology.relaxed * (depth - points.G) + points.carried @ np.exp(-duration / rheology.times)
+        q += rheology.moduli @ memory
+        if self.direction > 0.0 and len(points.passed):
+            at = points.passed
+            q[at] = rheology.relaxed * (depth - points.G[at]) + total(self._covered(points, motion, duration))
+        return q
+
+    def opening(self, points: Points, motion: Motion, duration: float) -> Array:
+        """``d`` of free points at the end."""
+        rheology = self.body.rheology
+        d = points.carried @ np.exp(-duration / rheology.retardation)
+        if self.direction < 0.0 and len(points.passed):
+            d[points.passed] = total(self._released(points, motion, duration)[1])
+        return d - (motion.end()[1] - points.G)
+
+    def _released(self, points: Points, motion: Motion, duration: float) -> tuple[Array, Array]:
+        """Unit strains of points released on the way, when they were and at the end."""
+        rheology, at = self.body.rheology, points.passed
+        elapsed = points.u_powers[:, : len(motion.clock)] @ motion.clock
+        memory, depth = motion.during(points.u_powers)
+        branches = points.carried[at] * np.exp(-elapsed[:, None] / rheology.times) + rheology.moduli * memory
+        units = rheology.release(branches, depth - points.G[at])
+        return units, units * np.exp(-(duration - elapsed[:, None]) / rheology.retardation)
+
+    def _covering(self, points: Points, motion: Motion, duration: float) -> tuple[Array, Array, Array]:
+        """Branch forces of points covered on the way when they were, memories then, and times since."""
+        rheology, at = self.body.rheology, points.passed
+        elapsed = (points.u_powers[:, : len(motion.clock)] @ motion.clock)[:, None]
+        memory, depth = motion.during(points.u_powers)
+        units = points.carried[at] * np.exp(-elapsed / rheology.retardation)
+        return rheology.cover(units, depth - points.G[at]), memory, elapsed
+
+    def _covered(self, points: Points, motion: Motion, duration: float) -> Array:
+        """Branch forces of points covered on the way at the end."""
+        rheology = self.body.rheology
+        branches, memory, elapsed = self._covering(points, motion, duration)
+        fading = np.exp(-(duration - elapsed) / rheology.times)
+        return branches * fading + rheology.moduli * (motion.end()[0] - fading * memory)
+
+    def force(self, motion: Motion, duration: float) -> float:
+        """``F = 2 int_0^a q dx``: what the contact held before has faded, what it gained is integrated."""
+        rheology, state, a = self.body.rheology, self.state, self.radius
+        memory, depth = motion.end()
+        fading = np.exp(-duration / rheology.times)
+        gained = rheology.moduli * (memory - fading * state.memory)
+        branches = fading * (state.held - self._lost[0]) + gained * min(a, state.radius)
+        if self.direction > 0.0:
+            swept, points = self.swept
+            branches = branches + swept.weight @ self._covered(points, motion, duration)
+        elastic = rheology.relaxed * (depth * a - self.body.transform.integral(a))
+        return 2.0 * (elastic + float(branches.sum()))
+
+    @cached_property
+    def _lost(self) -> tuple[Array, Array]:
+        """What the swept radii held as the step began: integrals of what they carry, and of its square."""
+        state, rheology = self.state, self.body.rheology
+        if self.direction == 0.0:
+            return 0.0 * state.memory, 0.0 * state.memory
+        swept, points = self.swept
+        carried = points.carried
+        if self.direction < 0.0:
+            carried = carried + rheology.moduli * state.memory
+        lost = swept.weight @ carried, swept.weight @ carried**2
+        return lost if self.direction < 0.0 else (0.0 * lost[0], lost[1])
+
+    # acceptance ------------------------------------------------------------------------------------------------
+
+    def state_after(self, arrival: Arrival) -> State:
+        """The state at the end: integrals over contact and free surface recur exactly (Q of b^2, H of e^2)."""
+        state, rheology, motion = self.state, self.body.rheology, arrival.motion
+        memory, depth = motion.end()
+        fading = np.exp(-arrival.duration / rheology.times)
+        recovering = np.exp(-arrival.duration / rheology.retardation)
+        gained = rheology.moduli * (memory - fading * state.memory)
+        low = min(self.radius, state.radius)
+        lost, lost_squares = self._lost
+        receding = self.direction < 0.0
+        held = state.held - lost
+        squares = state.held_squares - (lost_squares if receding else 0.0)
+        squares = fading**2 * squares + 2.0 * fading * gained * held + gained**2 * low
+        held = fading * held + gained * low
+        free = (state.free_squares - (lost_squares if self.direction > 0.0 else 0.0)) * recovering**2
+        surface = state.surface
+        if self.direction != 0.0:
+            swept, points = self.swept
+            elapsed = points.u_powers[:, : len(motion.clock)] @ motion.clock
+            if receding:
+                carried, strains = self._released(points, motion, arrival.duration)
+                free = free + swept.weight @ strains**2
+            else:
+                covered = self._covered(points, motion, arrival.duration)
+                held, squares = held + swept.weight @ covered, squares + swept.weight @ covered**2
+                branches, then, _ = self._covering(points, motion, arrival.duration)
+                carried = branches - rheology.moduli * then
+            surface = fields.passed(surface, swept, state.radius, state.time, elapsed, carried, not receding)
+        return replace(
+            state,
+            parameter=arrival.parameter,
+            time=state.time + arrival.duration,
+            depth=depth,
+            radius=self.radius,
+            force=self.force(motion, arrival.duration),
+            memory=memory,
+            surface=surface,
+            held=held,
+            held_squares=squares,
+            free_squares=free,
+        )
+
+    def part(self, u: float, arrival: Arrival) -> tuple[Trial, float]:
+        """The step cut off at ``u``, without closure, and its load parameter: a point of the dense path."""
+        rise = arrival.parameter - self.state.parameter
+        segment = self.segment.cut(u, rise, arrival.free)
+        trial = Trial(self.body, self.state, self.leg, segment, self.zone, _NONE)
+        return trial, self.state.parameter + float(segment.parameter.sum())
+
+    def speed(self, arrival: Arrival) -> float:
+        """``da/dt`` at the end."""
+        orders = np.arange(len(self.segment.way))
+        slope = float(self.segment.way @ orders)
+        return slope / float(arrival.motion.clock @ orders)
+
+    def way_at(self, u: float) -> float:
+        """Radius at ``u``."""
+        return self.state.radius + float(horner(self.segment.way, np.array(u)))
