@@ -100,10 +100,11 @@ class Tracker:
     steps: int = 0
     rejected: int = 0
     moving: bool = False
+    direction: float = -1.0
     vertex: float = math.nan
     stuck_at: int = -1
     verbose: bool = False
-    marks: list[events.Mark] = field(default_factory=list)
+    level: events.Level | None = None
 
     # geometry and residual -------------------------------------------------------------------------------------
 
@@ -195,6 +196,7 @@ class Tracker:
         if correction is None or error > REJECTED:
             return self._reject(plan, error)
         self.fails = 0
+        correction = events.to_level(self, plan, correction)
         events.finish(self, plan, correction)
         if plan.event is events.Kind.NONE:
             rising = len(self.rows) <= DEGREE + 1 and self.steps

@@ -21,8 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from contact_scene import Trigger
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.trial import Arrival
+from validation.reference.path.state import State
+from validation.reference.path.trial import Arrival, Trial
 from validation.reference.rated_edge import opening_speed
 
 if TYPE_CHECKING:
@@ -57,12 +59,44 @@ class Kind(StrEnum):
     LOST = "lost"
 
 
-@dataclass(frozen=True)
-class Mark:
-    """An event of the path, at a row."""
+@dataclass
+class Level:
+    """The level that ends a load step, and the side of it on which the path is."""
 
-    kind: Kind
-    row: int
+    trigger: Trigger
+    side: float
+
+    @classmethod
+    def of(cls, trigger: Trigger | None, state: State) -> Level | None:
+        """That of a load step which begins at a state."""
+        if trigger is None:
+            return None
+        return cls(trigger, trigger.side(trigger.excess(state.depth, state.force, state.radius)))
+
+    def excess(self, depth: float, force: float, radius: float) -> float:
+        """How far beyond the level, seen from the side it is approached from."""
+        return -self.side * self.trigger.excess(depth, force, radius)
+
+
+def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correction:
+    """The step cut where the path comes to the level: a root on the dense path."""
+    level, trial, arrival = tracker.level, correction.trial, correction.arrival
+    if level is None or not tracker.leg.timed:
+        return correction
+    force = trial.force(arrival.motion, arrival.duration)
+    if level.excess(arrival.depth, force, trial.radius) < 0.0:
+        return correction
+
+    def excess(u: float) -> tuple[float, Trial, Arrival]:
+        part, p = trial.part(u, arrival)
+        end = part.arrive(p)
+        return level.excess(end.depth, part.force(end.motion, end.duration), part.radius), part, end
+
+    at = brentq(lambda u: excess(u)[0], 1e-9, 1.0, xtol=1e-13) if excess(1e-9)[0] < 0.0 < excess(1.0)[0] else 1.0
+    _, part, end = excess(at)
+    planned.event = Kind.LEVEL
+    last = tracker.rows.last[0]
+    return replace(correction, trial=part, arrival=end, s=last + at * (correction.s - last))
 
 
 def allowed_speed(law: EdgeLaw, integral: float) -> float:
@@ -209,7 +243,6 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
 
 def accept(tracker: Tracker, correction: Correction) -> None:
     """Commit a step."""
-    before = tracker.state
     state = correction.trial.state_after(correction.arrival)
     tracker.accepted(correction.trial, correction.arrival, state, correction.s)
     tracker.rows.append(
@@ -218,20 +251,17 @@ def accept(tracker: Tracker, correction: Correction) -> None:
     tracker.state = state
     tracker.steps += 1
     if correction.trial.direction:
-        tracker.moving = True
-    del before
+        tracker.moving, tracker.direction = True, correction.trial.direction
 
 
 def lost(tracker: Tracker, at_fold: bool) -> bool:
     """At a fixed load parameter: whether there is no other stable edge. If there is, the contact goes there."""
     from validation.reference.path.continuation import Correction
 
-    tracker.leg = replace(tracker.leg)
     tracker.restart()
     state, zone = tracker.state, tracker.law.zone
     a, p = state.radius, state.parameter
-    last = getattr(tracker, "last_direction", -1.0)
-    way = last or -1.0
+    way = tracker.direction
     least = tracker.least_radius
     ends = {}
 

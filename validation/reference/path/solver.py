@@ -7,14 +7,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from contact_scene import Scene, Segment
 from validation.reference.path import events
-from validation.reference.path.continuation import Correction, Tracker
+from validation.reference.path.continuation import Tracker
+
+from validation.reference.path.energies import force_polynomial, force_slopes, work
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.legs import Leg, jump, timed_legs
-from validation.reference.path.polynomials import DEGREE, gauss, horner
+from validation.reference.path.polynomials import gauss
 from validation.reference.path.state import Body, State, start_state
 from validation.reference.path.trial import Arrival, Trial
 from validation.reference.tracking.abel import transform
@@ -74,12 +76,15 @@ class Run:
             state = tracker.state
             segment = loading.segment(step, state.time, state.depth, state.force)
             self.segment = segment
+            tracker.level = events.Level.of(segment.trigger, state)
             first = jump(segment, state.depth, state.force)
             legs = ([first] if first else []) + list(timed_legs(segment))
             for leg in legs:
                 ending = self._follow(leg, deepest)
                 if ending is not events.Kind.END:
                     break
+            if not self.outcome and segment.trigger is not None and ending is events.Kind.END:
+                self.outcome = "trigger not reached"
             if self.outcome:
                 return self
         self.outcome = "completed"
@@ -148,40 +153,37 @@ class Run:
         return rheology.relaxed * strain + branches + units
 
     def _record(self, trial: Trial, arrival: Arrival, state: State, s: float) -> None:
-        force = self.tracker.rows.force(s, state.force, DEGREE)
-        depth = arrival.motion.depth_slope()
-        slope = depth[1:] * np.arange(1, len(depth))
-        self._watch(trial, arrival, state, force)
-        self._row(state, float(_WEIGHTS @ (horner(force, _POINTS) * horner(slope, _POINTS))))
+        table = self.tracker.rows.table
+        first, last = force_slopes(self.body, trial, arrival, state)
+        before = None
+        if len(table) > 1:
+            back = (table[-2, 0] - table[-1, 0]) / (s - table[-1, 0])
+            before = (float(back), float(table[-2, 5]))
+        force = force_polynomial((trial.state.force, first), (state.force, last), before)
+        if trial.leg.control != "force" and first < 0.0 < last and min(trial.state.force, state.force) < 0.0:
+            self._watch(trial, arrival)
+        self._row(state, work(force, arrival.motion.depth_slope()))
 
-    def _watch(self, trial: Trial, arrival: Arrival, state: State, force: Array) -> None:
-        """The least force, where it lies within a step, from the dense path."""
-        before, after = self.forces[-1], state.force
-        if trial.leg.control == "force" or not (before < 0.0 > after) or min(before, after) > 0.9 * self.least_force:
-            return
-        first, last = force[1] if len(force) > 1 else 0.0, float(force @ np.arange(len(force)))
-        if first > 0.3 * abs(last) or last < -0.3 * abs(first):
-            return
+    def _watch(self, trial: Trial, arrival: Arrival) -> None:
+        """The least force, which lies within this step, from the dense path."""
 
         def of(u: float) -> float:
             part, p = trial.part(u, arrival)
             end = part.arrive(p)
             return part.force(end.motion, end.duration)
 
-        if of(0.03) < before and of(0.97) < after:
-            found = minimize_scalar(of, bounds=(0.0, 1.0), method="bounded", options={"xatol": 3e-3})
-            self.least_force = min(self.least_force, found.fun)
+        found = minimize_scalar(of, bounds=(0.0, 1.0), method="bounded", options={"xatol": 3e-3})
+        self.least_force = min(self.least_force, float(found.fun))
 
     def measures(self) -> dict[str, float]:
-        """Scalars to compare."""
+        """Scalars to compare; the work is that of the stage."""
+        compliance = self.scene.loading.compliance
         return {
             "pull_off": max(-self.least_force, 0.0),
             "time": self.times[-1],
             "radius": self.radii[-1],
             "largest": max(self.radii),
-            "work": self.works[-1],
+            "work": self.works[-1] + 0.5 * compliance * (self.forces[-1] ** 2 - self.forces[0] ** 2),
             "stored": self.stored[-1],
         }
 
-
-_ = brentq, Correction
