@@ -12,6 +12,7 @@ ends of the zone, graded towards both, and where the table of passages has edges
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,23 +44,27 @@ def points(breaks: Array) -> tuple[Array, Array]:
 
 
 def closure_matrix(radius: float, zone: float, breaks: Array) -> tuple[Array, Array, Array]:
-    """Points ``s`` (m,), weights (m,) and ``W`` (m, m), rows of ``d``."""
+    """Points ``s`` (m,), weights (m,) and ``W`` (m, m), rows of ``d`` without the weights of theirs."""
     s, weight = points(breaks)
     m = len(s)
     x, y = radius - zone + s, radius + s
-    panel = np.arange(m) // COUNT
-    later = np.where(panel[:, None] < panel, weight, 0.0)
-    within = np.lib.stride_tricks.as_strided(
-        later, (m // COUNT, COUNT, COUNT), (later.itemsize * COUNT * (m + 1), later.itemsize * m, later.itemsize)
-    )
+    matrix = _later(m) * weight
+    within = np.lib.stride_tricks.as_strided(matrix, (m // COUNT, COUNT, COUNT), (8 * COUNT * (m + 1), 8 * m, 8))
     within[...] = np.diff(breaks)[:, None, None] * _REST
     if zone > NEAR_AXIS * radius:
-        later *= _kernel_slopes(x, y - zone, zone)
+        matrix *= _kernel_slopes(x, y - zone, zone)
     else:
         v = (s / zone) ** _POWERS
-        later *= v.T @ (kernel_slope(radius - zone, zone).T @ v)
-    later[np.arange(m), np.arange(m)] += 0.5 * math.pi / np.sqrt(x * y)
-    return s, weight, weight[:, None] * later * (-1.0 / (math.pi**2 * zone))
+        matrix *= v.T @ (kernel_slope(radius - zone, zone).T @ v)
+    matrix.ravel()[:: m + 1] += 0.5 * math.pi / np.sqrt(x * y)
+    return s, weight, matrix
+
+
+@lru_cache(maxsize=64)
+def _later(count: int) -> Array:
+    """One for every pair of points of which the second lies in a later panel."""
+    panel = np.arange(count) // COUNT
+    return (panel[:, None] < panel).astype(float)
 
 
 def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:

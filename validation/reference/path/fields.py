@@ -2,13 +2,15 @@
 
 A radius is a Prony element by itself. In contact it carries ``C_k = b_k - E_k M_k(t)``, which fades as
 ``exp(-t/tau_k)``; outside unit strains ``e_j``, which fade as ``exp(-t/theta_j)``. So what it was left with
-when the edge passed it last, and when that was, is all there is to know. Both are smooth along the path; the
-table has an entry for every part of the path that is still the last to have passed its radii:
+when the edge passed it last, and when that was, is all there is to know. The table has an entry for every part
+of the path that is still the last to have passed its radii. Both are smooth along the path, not over the
+radius: where the edge turns they go with the root of the distance. So they are polynomials of ``g`` with
 
-    x = x_0 + way(w),   t = t_0 + clock(w),   C or e at t = carried(w),   w in [0, 1].
+    x = x_0 + X (c g + (1 - c) g^2),    0 <= g <= 1,
 
-What a step leaves behind depends on what was there before; where two entries met before, the new ones meet,
-too. Where neighbours disagree the edge has turned, or rested: a kink, found by looking at it.
+the parabola that leaves and arrives with the slopes of the path. What a step leaves behind depends on what was
+there before; where two entries met before, the new ones meet, too. Where neighbours disagree the edge has
+turned, or rested: a kink, found by looking at it.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.polynomials import DEGREE, gauss, horner, inverse, powers
+from validation.reference.path.polynomials import derivative, gauss, horner, inverse, powers
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -26,41 +28,45 @@ Flags = NDArray[np.bool_]
 NODES, WEIGHTS = gauss(6)
 """Points of an entry: a polynomial of degree 5 where the path has degree 4."""
 _TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
-_TO_WAY = np.linalg.pinv(powers(NODES, DEGREE))
 
 
 @dataclass(frozen=True)
 class Passages:
     """Entry i holds the radii in ``(edges[i], edges[i + 1]]``; beyond the last nothing has ever been.
 
-    ``shape`` is a part of what is carried that goes as the indenter, ``G(x)``: exact in the state of a start.
+    ``parabola`` (l, 3): ``x_0, X, c``. ``time`` (l,). ``left`` (l, 6, n + 1): coefficients of the time of passage
+    after ``time``, and of what is carried. ``shape`` (l, n): a part of that which goes as the indenter, ``G(x)``:
+    exact in the state of a start.
     """
 
     edges: Array
     held: Flags
-    start: Array
-    way: Array
-    clock: Array
-    carried: Array
+    parabola: Array
+    time: Array
+    left: Array
     shape: Array
 
     def at(self, x: Array, G: Array, time: float, times: Array, retardation: Array) -> tuple[Flags, Array]:
         """Which radii (m,) are in contact, and what they carry (m, n) at a time."""
         if not len(self.held):
             return np.zeros(len(x), bool), np.zeros((len(x), len(times)))
-        entry = np.searchsorted(self.edges, x) - 1
-        beyond = entry >= len(self.held)
-        entry = np.clip(entry, 0, len(self.held) - 1)
-        way, start = self.way[entry], self.start[entry]
-        w = inverse(way, x - start[:, 0])
-        elapsed = time - start[:, 1] - horner(self.clock[entry], w)
+        entry = self.edges.searchsorted(x) - 1
+        beyond = x > self.edges[-1]
+        np.minimum(entry, len(self.held) - 1, out=entry)
+        start, whole, linear = self.parabola[entry].T
+        share = np.minimum(np.maximum((x - start) / whole, 0.0), 1.0)
+        root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
+        g = 2.0 * share / np.maximum(linear + root, 1e-300)
+        g = g[:, None]
+        coefficients = self.left[entry]
+        left = coefficients[:, -1] * g
+        for order in range(coefficients.shape[1] - 2, 0, -1):
+            left += coefficients[:, order]
+            left *= g
+        left += coefficients[:, 0]
         held = self.held[entry]
-        coefficients = self.carried[entry]
-        carried = coefficients[:, -1].copy()
-        for order in range(coefficients.shape[1] - 2, -1, -1):
-            carried *= w[:, None]
-            carried += coefficients[:, order]
-        carried += self.shape[entry] * G[:, None]
+        elapsed = time - self.time[entry] - left[:, 0]
+        carried = left[:, 1:] + self.shape[entry] * G[:, None]
         carried *= np.exp(-elapsed[:, None] / np.where(held[:, None], times, retardation))
         if beyond.any():
             carried[beyond], held = 0.0, held & ~beyond
@@ -70,29 +76,27 @@ class Passages:
 def untouched(radius: float, time: float, held: Array, shape: Array) -> Passages:
     """A contact of that radius on a surface never touched before; what it carries is ``held + shape G``."""
     entries = 1 if radius > 0.0 else 0
-    carried = np.zeros((entries, len(NODES), len(held)))
-    carried[:, 0] = held
-    way = np.zeros((entries, DEGREE + 1))
-    way[:, 1] = radius
+    left = np.zeros((entries, len(NODES), len(held) + 1))
+    left[:, 0, 1:] = held
     return Passages(
         np.array([0.0, radius][: entries + 1]),
         np.ones(entries, bool),
-        np.array([[0.0, time]])[:entries],
-        way,
-        np.zeros_like(way),
-        carried,
+        np.array([[0.0, radius, 1.0]])[:entries],
+        np.array([time])[:entries],
+        left,
         np.tile(shape, (entries, 1)),
     )
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """The radii a step passes, in the entries it will leave: ``cuts`` (l + 1,) along the way.
+    """The radii a step passes, in the entries it will leave between ``cuts``, in their order along the way.
 
     ``u`` (l * 6,): where on the step; ``x`` and ``weight``: radii and weights of an integral over them.
     """
 
     cuts: Array
+    parabola: Array
     u: Array
     x: Array
     weight: Array
@@ -100,39 +104,34 @@ class Sweep:
 
 def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
     """Points of a step from ``radius`` along ``radius + way(u)``, cut at radii in their order along it."""
-    ends = np.concatenate(([0.0], inverse(np.broadcast_to(way, (len(cuts) - 2, len(way))), cuts[1:-1] - radius), [1.0]))
-    width = np.diff(ends)
-    u = (ends[:-1, None] + width[:, None] * NODES).ravel()
-    slope = horner(way[1:] * np.arange(1, len(way)), u)
-    return Sweep(cuts, u, radius + horner(way, u), np.abs(slope) * (width[:, None] * WEIGHTS).ravel())
+    ends = np.zeros(len(cuts))
+    ends[1:-1], ends[-1] = inverse(way, cuts[1:-1] - radius), 1.0
+    whole = np.diff(cuts)
+    slopes = horner(derivative(way), ends)
+    linear = 1.0 + 0.5 * np.diff(ends) * (slopes[:-1] - slopes[1:]) / whole
+    linear = np.minimum(np.maximum(linear, 0.0), 2.0)[:, None]
+    x = cuts[:-1, None] + whole[:, None] * NODES * (linear + (1.0 - linear) * NODES)
+    weight = np.abs(whole[:, None]) * WEIGHTS * (linear + 2.0 * (1.0 - linear) * NODES)
+    x = x.ravel()
+    parabola = np.column_stack((cuts[:-1], whole, linear))
+    return Sweep(cuts, parabola, inverse(way, x - radius), x, weight.ravel())
 
 
-def passed(
-    before: Passages, swept: Sweep, radius: float, time: float, elapsed: Array, carried: Array, held: bool
-) -> Passages:
+def passed(before: Passages, swept: Sweep, time: float, elapsed: Array, carried: Array, held: bool) -> Passages:
     """The table after a step: ``carried`` (m, n) by the points of the sweep at ``elapsed`` (m,) after ``time``."""
-    entries, nodes = len(swept.cuts) - 1, len(NODES)
-    x = np.column_stack((np.zeros(entries), swept.x.reshape(entries, nodes) - swept.cuts[:-1, None]))
-    t = elapsed.reshape(entries, nodes)
-    way = x[:, 1:] @ _TO_WAY.T
-    clock = t @ _TO_WAY.T
-    start = np.column_stack((swept.cuts[:-1], np.full(entries, time)))
-    start[:, 0] += way[:, 0]
-    start[:, 1] += clock[:, 0]
-    way[:, 0] = clock[:, 0] = 0.0
-    values = np.einsum("ij,ejk->eik", _TO_POWERS, carried.reshape(entries, nodes, -1))
-    new = (np.full(entries, held), start, way, clock, values, np.zeros((entries, carried.shape[1])))
+    parabola = swept.parabola
+    entries = len(parabola)
+    values = np.column_stack((elapsed, carried)).reshape(entries, len(NODES), -1)
+    left = np.matmul(_TO_POWERS, values)
+    new = (np.full(entries, held), parabola, np.full(entries, time), left, np.zeros((entries, carried.shape[1])))
     edges = swept.cuts
     if edges[-1] < edges[0]:
         edges, new = edges[::-1], tuple(array[::-1] for array in new)
-    low, high = edges[0], edges[-1]
-    first = int(np.searchsorted(before.edges, low, side="left"))  # edges[:first] lie below the sweep
-    last = int(np.searchsorted(before.edges, high, side="right"))  # edges[last:] beyond it
+    first = int(before.edges.searchsorted(edges[0], side="left"))  # edges[:first] lie below the sweep
+    last = int(before.edges.searchsorted(edges[-1], side="right"))  # edges[last:] beyond it
     below, above = slice(0, first), slice(last - 1, len(before.held))  # entries cut by its ends stay in part
+    old = before.held, before.parabola, before.time, before.left, before.shape
     return Passages(
         np.concatenate((before.edges[:first], edges, before.edges[last:])),
-        *(
-            np.concatenate((getattr(before, name)[below], part, getattr(before, name)[above]))
-            for name, part in zip(("held", "start", "way", "clock", "carried", "shape"), new, strict=True)
-        ),
+        *(np.concatenate((was[below], part, was[above])) for was, part in zip(old, new, strict=True)),
     )

@@ -20,16 +20,16 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 
 def horner(coefficients: Array, u: Array) -> Array:
-    """Values of polynomials whose coefficients lie along the last axis."""
-    value = coefficients[..., -1] + 0.0 * u
-    for order in range(coefficients.shape[-1] - 2, -1, -1):
-        value = value * u + coefficients[..., order]
+    """Values of a polynomial."""
+    value = coefficients[-1] + 0.0 * u
+    for coefficient in coefficients[-2::-1].tolist():
+        value = value * u + coefficient
     return value
 
 
 def derivative(coefficients: Array) -> Array:
     """Coefficients of the derivative."""
-    return coefficients[..., 1:] * np.arange(1, coefficients.shape[-1])
+    return coefficients[1:] * np.arange(1, len(coefficients))
 
 
 def powers(u: Array, degree: int) -> Array:
@@ -37,22 +37,24 @@ def powers(u: Array, degree: int) -> Array:
     return np.vander(u, degree + 1, increasing=True)
 
 
-def inverse(coefficients: Array, rise: Array) -> Array:
-    """``u`` at which monotone polynomials without constant term (m, n) have come to ``rise`` (m,).
+def inverse(way: Array, rise: Array) -> Array:
+    """``u`` (m,) at which a monotone polynomial without constant term has come to ``rise`` (m,).
 
-    Where one sets off or arrives with no slope, a turn of the edge, it is a square root: the parabola with
+    Where it sets off or arrives with no slope, a turn of the edge, it is a square root: the parabola with
     the same slopes at both ends tells where to begin.
     """
-    whole = coefficients.sum(axis=-1)
-    share = np.clip(rise / whole, 0.0, 1.0)
-    slopes = derivative(coefficients)
-    first = np.clip(1.0 + 0.5 * (slopes[..., 0] - slopes.sum(axis=-1)) / whole, 0.0, 2.0)
-    root = np.sqrt(np.maximum(first * first + 4.0 * (1.0 - first) * share, 0.0))
-    u = np.where(first + root > 0.0, 2.0 * share / np.maximum(first + root, 1e-300), 0.0)
+    if not len(rise):
+        return rise
+    whole, slopes = float(way.sum()), derivative(way)
+    share = np.minimum(np.maximum(rise / whole, 0.0), 1.0)
+    linear = min(max(1.0 + 0.5 * float(slopes[0] - slopes.sum()) / whole, 0.0), 2.0)
+    root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
+    u = 2.0 * share / np.maximum(linear + root, 1e-300)
     for _ in range(8):
         slope = horner(slopes, u)
-        step = (horner(coefficients, u) - rise) / np.where(slope == 0.0, whole, slope)
-        u = np.clip(u - step, 0.0, 1.0)
-        if np.abs(step).max(initial=0.0) < 1e-8:  # quadratic: one more would be below rounding
+        slope[slope == 0.0] = whole
+        step = (horner(way, u) - rise) / slope
+        u = np.minimum(np.maximum(u - step, 0.0), 1.0)
+        if np.abs(step).max() < 1e-8:  # quadratic: one more would be below rounding
             break
     return u

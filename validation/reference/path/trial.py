@@ -7,6 +7,7 @@ exponentials an array, and two products.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -73,27 +74,30 @@ class Trial:
         self.matrix = _NONE
         if zone > 0.0 and len(breaks):
             s, self.weight, self.matrix = closure_matrix(self.radius, zone, breaks)
-            self.behind = self._points(self.radius - zone + s)
-            self.ahead = self._points(self.radius + s)
+            self.behind, self.ahead = self._points(np.concatenate((self.radius - zone + s, self.radius + s)))
         else:
-            self.behind = self.ahead = self._points(np.array([self.radius]))
+            self.behind, self.ahead = self._points(np.array([self.radius, self.radius]))
         self.guess = 0.0
 
     # what does not depend on the end ---------------------------------------------------------------------------
 
-    def _points(self, x: Array, u: Array | None = None) -> Points:
+    def _points(self, x: Array) -> tuple[Points, Points]:
+        """Points behind and ahead of the end, as many of each; those that change sides are all on one side."""
+        low, high = sorted((self.state.radius, self.radius))
+        G, carried = self._carried(x)
+        passed = np.flatnonzero((x > low) & (x < high))
+        u_powers = powers(inverse(self.segment.way, x[passed] - self.state.radius), COLLOCATION)
+        count = len(x) // 2
+        sides = []
+        for side, moving in ((slice(0, count), self.direction > 0.0), (slice(count, None), self.direction < 0.0)):
+            which = (passed - (side.start or 0), u_powers) if moving else (passed[:0], u_powers[:0])
+            sides.append(Points(x[side], G[side], carried[side], *which))
+        return sides[0], sides[1]
+
+    def _carried(self, x: Array) -> tuple[Array, Array]:
         state, rheology = self.state, self.body.rheology
         G = self.body.transform(x)
-        _, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
-        if u is not None:
-            return Points(x, G, carried, np.arange(len(x)), powers(u, COLLOCATION))
-        low, high = sorted((state.radius, self.radius))
-        passed = np.flatnonzero((x > low) & (x < high))
-        u = _NONE
-        if len(passed):
-            way = np.broadcast_to(self.segment.way, (len(passed), len(self.segment.way)))
-            u = inverse(way, x[passed] - state.radius)
-        return Points(x, G, carried, passed, powers(u, COLLOCATION))
+        return G, state.surface.at(x, G, state.time, rheology.times, rheology.retardation)[1]
 
     @cached_property
     def swept(self) -> tuple[fields.Sweep, Points] | None:
@@ -102,7 +106,8 @@ class Trial:
             return None
         cuts = self.state.cuts(self.radius, self.zone)
         swept = fields.sweep(self.state.radius, self.segment.way, cuts)
-        return swept, self._points(swept.x, swept.u)
+        u_powers = powers(swept.u, COLLOCATION)
+        return swept, Points(swept.x, *self._carried(swept.x), np.arange(len(swept.x)), u_powers)
 
     # an end ----------------------------------------------------------------------------------------------------
 
@@ -157,7 +162,7 @@ class Trial:
             if not len(self.matrix):
                 return 0.0
             q, d = self.stress(self.behind, motion, duration), self.opening(self.ahead, motion, duration)
-            value = float(d @ (self.matrix @ q))
+            value = float((self.weight * d) @ (self.matrix @ q)) * (-1.0 / (math.pi**2 * self.zone))
             pressed = self.weight @ q > 0.0 and self.weight @ d < 0.0
             return -abs(value) if pressed else value
         if self.direction > 0.0:
@@ -262,7 +267,7 @@ class Trial:
                 held, squares = held + swept.weight @ covered, squares + swept.weight @ covered**2
                 branches, then, _ = self._covering(points, motion, arrival.duration)
                 carried = branches - rheology.moduli * then
-            surface = fields.passed(surface, swept, state.radius, state.time, elapsed, carried, not receding)
+            surface = fields.passed(surface, swept, state.time, elapsed, carried, not receding)
         return replace(
             state,
             parameter=arrival.parameter,
