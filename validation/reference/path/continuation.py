@@ -52,7 +52,7 @@ class Fixed(StrEnum):
 
 @dataclass
 class Plan:
-    """Where a step is to go: ``z = (p/T, a/L, D)`` after a way ``h``, and along what."""
+    """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and along what."""
 
     h: float
     z: Array
@@ -105,6 +105,7 @@ class Tracker:
     stuck_at: int = -1
     verbose: bool = False
     level: events.Level | None = None
+    largest_force: float = 0.0
 
     # geometry and residual -------------------------------------------------------------------------------------
 
@@ -146,7 +147,7 @@ class Tracker:
         """A kink at the last row."""
         self.rows.restart()
         self.slopes = {}
-        self.moving, self.vertex = False, math.nan
+        self.moving, self.vertex = tangent is not None and self.moving, math.nan
         self.tangent = np.array([1.0, 0.0]) if tangent is None else tangent
         radius, zone = self.state.radius, self.law.zone
         if h is None:
@@ -154,8 +155,9 @@ class Tracker:
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
             h = max(h, 1e-9 if self.leg.timed else 1e-4)
         self.h = h
-        if declare and all(abs(radius - kink) > 1e-9 * radius for kink in self.state.kinks):
-            self.state = replace(self.state, kinks=(*self.state.kinks, radius))
+        if all(abs(radius - kink) > 1e-9 * radius for kink in self.state.kinks + self.state.corners):
+            name = "kinks" if declare else "corners"
+            self.state = replace(self.state, **{name: (*getattr(self.state, name), radius)})
 
     def rescale(self) -> None:
         """The scale of time grows with the time since the leg began; segments keep their polynomials."""
@@ -318,7 +320,11 @@ class Tracker:
                 return None
             p, arrival = events.departure(pull, start, p, 1e-13 * self.T)
             plan.event = events.Kind.DEPARTURE
-        error = abs(arrival.depth / self.depth - plan.z[2]) if self.leg.free and plan.event is events.Kind.NONE else 0.0
+        error = 0.0
+        if plan.event is not events.Kind.DEPARTURE:  # nothing moves: what the rows have to show is the load
+            self.largest_force = max(self.largest_force, abs(self.state.force))
+            force = trial.force(arrival.motion, arrival.duration) / (self.largest_force or 1.0)
+            error = math.hypot(arrival.depth / self.depth - plan.z[2], 10.0 * (force - plan.z[3] / (self.largest_force or 1.0)))
         return Correction(trial, arrival, error, self.chord(plan, p, a))
 
     @property

@@ -88,18 +88,11 @@ class Rows:
         coefficients[:n, 3] = matrix[:, -1]
         return Segment(*coefficients.T.copy())
 
-    def force(self, s: float, F: float, order: int = DEGREE) -> Array:
-        """Coefficients of the force over the step that ends at arclength and force."""
-        rows, matrix = self._through(s, order)
-        coefficients = matrix @ np.append(rows[:, 5], F - self.last[5])
-        coefficients[0] += self.last[5]
-        return coefficients
-
     def predictor(self, T: float, L: float, depth: float, tangent: Array) -> Array:
-        """``(p/T, a/L, D/depth)`` in powers of the way from the newest row (m, 3)."""
-        values = self.table[:, [1, 4, 3]] / (T, L, depth)
+        """``(p/T, a/L, D/depth, F)`` in powers of the way from the newest row (m, 4)."""
+        values = self.table[:, [1, 4, 3, 5]] / (T, L, depth, 1.0)
         if len(values) == 1:
-            return np.vstack((values, [*tangent, 0.0]))
+            return np.vstack((values, [*tangent, 0.0, 0.0]))
         way = self.table[:, 0] - self.last[0]
         matrix = powers(way / -way[0], len(way) - 1)
         return np.linalg.solve(matrix, values) / ((-way[0]) ** np.arange(len(way)))[:, None]

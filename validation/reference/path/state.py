@@ -17,10 +17,10 @@ __all__ = ["Body", "State", "start_state"]
 
 Array = NDArray[np.float64]
 _POINTS, _WEIGHTS = gauss(8)
-GRADING = 0.3
-"""Least distance of two cuts over that to the next kink: layers of any thickness are resolved."""
-SPACING = 0.1
-"""Largest distance of cuts within old fields, in zones; without a zone in tenths of the radius."""
+SKIPPED = 1.5
+"""Distance of breaks in entries of the table: every other where they are alike, each where they are graded."""
+SPARSE, SPACING = 0.03, 0.1
+"""Distance of breaks away from kinks and corners, at least and at most, in zones (or tenths of the radius)."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,8 @@ class State:
     """A row of the path and all that lies behind it.
 
     ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``:
-    ``int e_j^2 dx`` over the free surface. ``kinks``: radii at which the path had a kink.
+    ``int e_j^2 dx`` over the free surface. ``kinks``: radii at which the load had a kink or the edge turned;
+    ``corners``: at which the path had one for that.
     """
 
     parameter: float
@@ -42,6 +43,7 @@ class State:
     held_squares: Array
     free_squares: Array
     kinks: tuple[float, ...] = ()
+    corners: tuple[float, ...] = ()
 
     def edges_between(self, low: float, high: float) -> Array:
         """Edges of the table strictly between two radii."""
@@ -49,16 +51,19 @@ class State:
         first, last = np.searchsorted(edges, low, side="right"), np.searchsorted(edges, high, side="left")
         return edges[first:last]
 
-    def thinned(self, edges: Array, spacing: float) -> Array:
-        """Edges that rise, the closer the nearer to a kink; kinks themselves stay."""
-        if not len(edges):
+    def thinned(self, edges: Array, size: float) -> Array:
+        """Edges that rise, as close as the rows that left them where the path was not smooth, else sparse."""
+        if len(edges) < 3:
             return edges
-        kinks = np.array(self.kinks)
-        away = np.abs(edges[:, None] - kinks).min(axis=1, initial=math.inf)
-        least = np.minimum(GRADING * away, spacing)
+        marks = np.array(self.kinks + self.corners)
+        away = np.abs(edges[:, None] - marks).min(axis=1, initial=math.inf)
+        width = np.diff(edges, prepend=-math.inf, append=math.inf)
+        width = np.minimum(width[:-1], width[1:])
+        least = np.minimum(np.maximum(SKIPPED * width, np.minimum(0.3 * away, SPARSE * size)), SPACING * size)
+        sure = away < 1e-12 * edges
         kept, last = [], -math.inf
-        for x, apart in zip(edges.tolist(), least.tolist(), strict=True):
-            if x - last > apart or apart < 1e-12 * x:
+        for x, apart, mark in zip(edges.tolist(), least.tolist(), sure.tolist(), strict=True):
+            if mark or x - last >= apart:
                 kept.append(x)
                 last = x
         return np.array(kept)
@@ -66,15 +71,15 @@ class State:
     def cuts(self, radius: float, zone: float) -> Array:
         """Radii from here to another, in that order, between which the fields passed are smooth."""
         low, high = sorted((self.radius, radius))
-        inner = self.thinned(self.edges_between(low, high), SPACING * (zone or 0.1 * high))
+        inner = self.thinned(self.edges_between(low, high), zone or 0.1 * high)
         inner = inner[(inner - low > 1e-9 * (high - low)) & (high - inner > 1e-9 * (high - low))]
         cuts = np.concatenate(([low], inner, [high]))
         return cuts if radius > self.radius else cuts[::-1]
 
     def breaks(self, radius: float, zone: float) -> Array:
         """Breaks of the closure at a radius, from the inner end of the zone."""
-        behind = self.thinned(self.edges_between(radius - zone, radius), SPACING * zone) - (radius - zone)
-        ahead = self.thinned(self.edges_between(radius, radius + zone), SPACING * zone) - radius
+        behind = self.thinned(self.edges_between(radius - zone, radius), zone) - (radius - zone)
+        ahead = self.thinned(self.edges_between(radius, radius + zone), zone) - radius
         breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(radius, zone)))
         breaks = np.unique(breaks[(breaks >= 0.0) & (breaks <= zone)])
         breaks = breaks[np.append(True, np.diff(breaks) > 1e-12 * zone)]
