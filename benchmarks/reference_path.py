@@ -1,20 +1,23 @@
 """Built-in scenes by the reference and by the path of the edge, side by side.
 
-    python -m benchmarks.reference_path --oracle FILE [--tolerance 1e-4] [SCENE ...]
+    python -m benchmarks.reference_path --oracle FILE [--tolerance 1e-4] [SCENE ...] [FAMILY:FIRST-LAST ...]
 
-FILE keeps what the reference says at resolution 32 and what its default costs; made where it lacks a scene.
+A random scene is compared with the default of the reference, which is cheaper than 32 by a factor of three. FILE keeps what the reference says at resolution 32 and what its default costs; made where it lacks a scene.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import signal
 import time
-import traceback
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from benchmarks.random_scenes import random_scene
 from contact_scene import Scene, Trace
 from validation.cases import load
 from validation.reference.path.solver import Run
@@ -22,6 +25,8 @@ from validation.scenes import names
 from validation.solvers import REFERENCE, SOLVERS
 
 FINE = 32
+LONGEST = 60.0
+"""Of a run, in seconds."""
 MEASURES = ("pull_off", "time", "radius", "largest", "work")
 
 
@@ -40,13 +45,43 @@ def measures(trace: Trace) -> dict[str, float]:
     }
 
 
-def oracle_of(scene: Scene) -> dict[str, dict[str, float]]:
+class TooLong(Exception):
+    """A run that takes longer than it may."""
+
+
+def within(seconds: float, task: Callable[[], Any]) -> Any:
+    """What a task returns; :class:`TooLong` where it takes longer."""
+
+    def late(*_: object) -> None:
+        raise TooLong(f"more than {seconds:g} s")
+
+    signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        return task()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def scene_of(name: str) -> Scene | None:
+    """A built-in scene, or a random one, FAMILY:SEED."""
+    family, _, seed = name.partition(":")
+    if not seed:
+        return load(name).scene
+    drawn = random_scene(family, int(seed))
+    return drawn.scene if drawn else None
+
+
+def oracle_of(name: str) -> dict[str, dict[str, float]]:
     """The reference, fine and as it comes."""
-    answers = {}
-    for name, resolution in (("fine", FINE), ("default", None)):
+    scene, answers = scene_of(name), {}
+    for fineness, resolution in (("fine", FINE), ("default", None)):
+        if ":" in name and resolution:
+            continue
         began = time.process_time()
-        answers[name] = measures(SOLVERS[REFERENCE].solve(scene, resolution))
-        answers[name]["seconds"] = time.process_time() - began
+        answers[fineness] = measures(within(LONGEST, lambda: SOLVERS[REFERENCE].solve(scene, resolution)))
+        answers[fineness]["seconds"] = time.process_time() - began
+    answers.setdefault("fine", answers["default"])
     return answers
 
 
@@ -55,7 +90,7 @@ def compared(name: str, oracle: dict[str, dict[str, float]], tolerance: float) -
     fine, default = oracle["fine"], oracle["default"]
     began = time.process_time()
     try:
-        run = Run(load(name).scene, tolerance).run()
+        run = within(LONGEST, lambda: Run(scene_of(name), tolerance).run())
     except Exception as error:
         return f"{name:22s} FAILED {type(error).__name__}: {str(error)[:80]} | {fine['outcome']}"
     seconds = time.process_time() - began
@@ -72,6 +107,16 @@ def compared(name: str, oracle: dict[str, dict[str, float]], tolerance: float) -
     )
 
 
+def spread(given: list[str]) -> list[str]:
+    """Names, those of FAMILY:FIRST-LAST one by one."""
+    names = []
+    for name in given:
+        family, _, seeds = name.partition(":")
+        first, _, last = seeds.partition("-")
+        names += [f"{family}:{seed}" for seed in range(int(first), int(last) + 1)] if last else [name]
+    return names
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -80,12 +125,13 @@ def main() -> None:
     parser.add_argument("scenes", nargs="*")
     given = parser.parse_args()
     known = json.loads(given.oracle.read_text()) if given.oracle.exists() else {}
-    for name in given.scenes or names():
+    for name in spread(given.scenes) or names():
+        if scene_of(name) is None:
+            continue
         if name not in known:
             try:
-                known[name] = oracle_of(load(name).scene)
+                known[name] = oracle_of(name)
             except Exception as error:
-                traceback.print_exc()
                 print(name, "has no oracle:", error)
                 continue
             given.oracle.write_text(json.dumps(known))
