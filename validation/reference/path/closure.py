@@ -1,18 +1,19 @@
-"""The closure integral as one matrix between ``q`` behind the edge and ``d`` ahead of it.
+"""The closure integral, a form between ``q`` behind the edge and ``d`` ahead of it.
 
 With ``x = a - da + s`` behind and ``y = a + s`` ahead, ``0 < s < da``, and the kernel of
 :mod:`validation.reference.tracking.closure`,
 
-    I = -1/(pi^2 da) int_0^da d(s) [ (pi/2) q(s)/sqrt(x y) + int_s^da q(s') dK/dx(s', s) ds' ] ds = d^T W q.
+    I = -1/(pi^2 da) int_0^da d(s) [ (pi/2) q(s)/sqrt(x y) + int_s^da q(s') dK/dx(s', s) ds' ] ds.
 
-``W`` depends on radius, zone and points alone. The points are those of Gauss in panels between breaks: the
+Its kernel depends on radius, zone and points alone, and is a polynomial in both of degree 5, so that the inner
+integral is a running sum of moments of ``q``. The points are those of Gauss in panels between breaks: the
 ends of the zone, graded towards both, and where the table of passages has edges.
 """
 
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,7 @@ BASE = np.unique(np.concatenate(([0.0, 0.5, 1.0], _GRADED, 1.0 - _GRADED)))
 NEAR_AXIS = 0.45
 """Zone over radius from which on the kernel is no polynomial of degree 5 but taken point by point."""
 _RING = np.cos(np.pi * (np.arange(24) + 0.5) / 24)
-_POWERS = np.arange(6)[:, None]
+ORDER = 6
 
 
 def points(breaks: Array) -> tuple[Array, Array]:
@@ -43,28 +44,49 @@ def points(breaks: Array) -> tuple[Array, Array]:
     return (breaks[:-1, None] + width[:, None] * POINTS).ravel(), (width[:, None] * WEIGHTS).ravel()
 
 
-def closure_matrix(radius: float, zone: float, breaks: Array) -> tuple[Array, Array, Array]:
-    """Points ``s`` (m,), weights (m,) and ``W`` (m, m), rows of ``d`` without the weights of theirs."""
+@dataclass(frozen=True)
+class Closure:
+    """The closure at one radius; ``s``, ``weight`` (m,): points and weights, from the inner end of the zone."""
+
+    zone: float
+    s: Array
+    weight: Array
+    width: Array
+    main: Array
+    moments: Array
+    kernel: Array
+
+    def integral(self, q: Array, d: Array) -> float:
+        """``I`` of stresses behind and openings ahead; negative where the zone is pressed and would overlap."""
+        opened = self.weight * d
+        if self.kernel.shape != (ORDER, ORDER):  # near the axis: point by point
+            inner = self.kernel @ q
+        else:
+            panels = (self.moments * q).reshape(ORDER, -1, COUNT)
+            totals = (panels @ WEIGHTS) * self.width
+            later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
+            rest = (panels @ _REST.T) * self.width[:, None] + later[:, :, None]
+            inner = (self.moments * (self.kernel @ rest.reshape(ORDER, -1))).sum(axis=0)
+        value = float(opened @ (self.main * q + inner)) * (-1.0 / (math.pi**2 * self.zone))
+        return -abs(value) if self.weight @ q > 0.0 and opened.sum() < 0.0 else value
+
+
+def closure(radius: float, zone: float, breaks: Array) -> Closure:
+    """The closure at a radius, by Gauss in panels between breaks."""
     s, weight = points(breaks)
-    m = len(s)
     x, y = radius - zone + s, radius + s
-    matrix = _later(m) * weight
-    within = np.lib.stride_tricks.as_strided(matrix, (m // COUNT, COUNT, COUNT), (8 * COUNT * (m + 1), 8 * m, 8))
-    within[...] = np.diff(breaks)[:, None, None] * _REST
+    width = np.diff(breaks)
+    main = 0.5 * math.pi / np.sqrt(x * y)
     if zone > NEAR_AXIS * radius:
-        matrix *= _kernel_slopes(x, y - zone, zone)
-    else:
-        v = (s / zone) ** _POWERS
-        matrix *= v.T @ (kernel_slope(radius - zone, zone).T @ v)
-    matrix.ravel()[:: m + 1] += 0.5 * math.pi / np.sqrt(x * y)
-    return s, weight, matrix
-
-
-@lru_cache(maxsize=64)
-def _later(count: int) -> Array:
-    """One for every pair of points of which the second lies in a later panel."""
-    panel = np.arange(count) // COUNT
-    return (panel[:, None] < panel).astype(float)
+        m = len(s)
+        panel = np.arange(m) // COUNT
+        matrix = np.where(panel[:, None] < panel, weight, 0.0)
+        for first, h in zip(range(0, m, COUNT), width.tolist(), strict=True):
+            matrix[first : first + COUNT, first : first + COUNT] = h * _REST
+        return Closure(zone, s, weight, width, main, s[None, :], matrix * _kernel_slopes(x, y - zone, zone))
+    moments = np.ones((ORDER, len(s)))
+    np.multiply.accumulate(np.broadcast_to(s / zone, (ORDER - 1, len(s))), axis=0, out=moments[1:])
+    return Closure(zone, s, weight, width, main, moments, kernel_slope(radius - zone, zone).T)
 
 
 def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:

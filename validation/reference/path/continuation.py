@@ -18,7 +18,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path import events
+from validation.reference.path import events, kinks
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.legs import Leg
 from validation.reference.path.path import Rows
@@ -38,6 +38,8 @@ FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
+CORNERS = 8
+"""Corners near which breaks of the closure stay dense: older ones are smooth enough."""
 RESIDUAL = 1e-11
 """At a root; of zones shorter than 1e-5 of the radius the rounding of the radius leaves more."""
 
@@ -155,9 +157,15 @@ class Tracker:
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
             h = max(h, 1e-9 if self.leg.timed else 1e-4)
         self.h = h
-        if all(abs(radius - kink) > 1e-9 * radius for kink in self.state.kinks + self.state.corners):
-            name = "kinks" if declare else "corners"
-            self.state = replace(self.state, **{name: (*getattr(self.state, name), radius)})
+        state = self.state
+        if declare:
+            state = replace(state, kinks=kinks.faded(self))
+        if all(abs(radius - kink) > 1e-9 * radius for kink in state.kinks + state.corners):
+            if declare:
+                state = replace(state, kinks=(*state.kinks, radius))
+            else:
+                state = replace(state, corners=(*state.corners, radius)[-CORNERS:])
+        self.state = state
 
     def rescale(self) -> None:
         """The scale of time grows with the time since the leg began; segments keep their polynomials."""

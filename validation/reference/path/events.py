@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from contact_scene import Trigger
+from validation.reference.path import kinks
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
@@ -201,21 +202,19 @@ def _turn_or_fold(
 
 def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind] | None:
     """The first radius on the way at which the slope of the residual changes by more than the tolerance."""
-    state, zone, L = tracker.state, tracker.law.zone, tracker.L
-    a, end = state.radius, planned.z[1] * L
+    L = tracker.L
+    a, end = tracker.state.radius, planned.z[1] * L
     way = math.copysign(1.0, end - a) if end != a else 0.0
     found: list[tuple[float, Kind]] = []
     if way < 0.0 and end < tracker.least_radius:
         found.append((tracker.least_radius, Kind.LEAST))
     if way > 0.0 and end > tracker.law.rim:
         found.append((tracker.law.rim, Kind.RIM))
-    if way and state.kinks and len(tracker.rows) > 1 and abs(planned.tangent[1]) > 1e-7:
-        kinks = np.array(state.kinks)
-        corners = np.concatenate((kinks - zone, kinks + zone)) if zone else kinks
-        near = 1e-7 * zone if zone else 1e-9 * a
-        ahead = way * (corners - a)
-        within = np.flatnonzero((ahead > near) & (ahead < way * (end - a) * 1.01))
-        found += [(float(corners[i]), Kind.CORNER) for i in within]
+    if way and len(tracker.rows) > 1 and abs(planned.tangent[1]) > 1e-7:
+        at, sources = kinks.corners(tracker, way, end)
+        if len(at):
+            weight = kinks.weights(tracker, planned, at, sources)
+            found += [(float(at[i]), Kind.CORNER) for i in np.flatnonzero(weight > OVER)]
     return min(found, key=lambda each: way * each[0]) if found else None
 
 

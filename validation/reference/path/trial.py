@@ -7,7 +7,6 @@ exponentials an array, and two products.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import fields
-from validation.reference.path.closure import closure_matrix
+from validation.reference.path.closure import Closure, closure
 from validation.reference.path.memory import (
     COLLOCATION,
     NODES,
@@ -71,9 +70,10 @@ class Trial:
         self.body, self.state, self.leg, self.segment, self.zone = body, state, leg, segment, zone
         self.radius = state.radius + float(segment.way.sum())
         self.direction = float(np.sign(self.radius - state.radius))
-        self.matrix = _NONE
+        self.closure: Closure | None = None
         if zone > 0.0 and len(breaks):
-            s, self.weight, self.matrix = closure_matrix(self.radius, zone, breaks)
+            self.closure = closure(self.radius, zone, breaks)
+            s = self.closure.s
             self.behind, self.ahead = self._points(np.concatenate((self.radius - zone + s, self.radius + s)))
         else:
             self.behind, self.ahead = self._points(np.array([self.radius, self.radius]))
@@ -156,15 +156,13 @@ class Trial:
         return free
 
     def _integral(self, motion: Motion, duration: float) -> float:
-        """Closure integral, negative where the zone is pressed and would overlap; without zone the strain."""
+        """Closure integral; without a zone the strain at the edge."""
         rheology = self.body.rheology
         if self.zone > 0.0:
-            if not len(self.matrix):
+            if self.closure is None:
                 return 0.0
             q, d = self.stress(self.behind, motion, duration), self.opening(self.ahead, motion, duration)
-            value = float((self.weight * d) @ (self.matrix @ q)) * (-1.0 / (math.pi**2 * self.zone))
-            pressed = self.weight @ q > 0.0 and self.weight @ d < 0.0
-            return -abs(value) if pressed else value
+            return self.closure.integral(q, d)
         if self.direction > 0.0:
             return -float(self.opening(self.ahead, motion, duration)[0])
         return float(self.stress(self.behind, motion, duration)[0]) / rheology.glassy

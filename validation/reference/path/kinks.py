@@ -1,0 +1,101 @@
+"""Kinks of the fields, weighed by what they do to the path.
+
+Where the load has a kink or the edge turns, the fields it leaves have a jump, or a jump of slope. The edge feels
+it where an end of its zone comes to that radius, or the edge itself does: at ``c - da``, ``c + da`` and ``c``
+the slope of the residual over the radius changes, by the product of the jump on one side and of the field that
+the closure pairs it with on the other. Passing over it unseen mispredicts the path by that change, over the
+distance passed, over the gradient of the residual.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.tracking.rheology import total
+
+if TYPE_CHECKING:
+    from validation.reference.path.continuation import Plan, Tracker
+
+Array = NDArray[np.float64]
+NEARBY = 0.02
+"""Distance from a kink at which the fields are compared, in zones: a thinner layer counts as a jump."""
+
+FADED = 1e-3
+"""Jump, in tolerances and the field at the edge, below which a kink is forgotten."""
+
+
+def corners(tracker: Tracker, way: float, end: float) -> tuple[Array, Array]:
+    """Radii on the way at which the residual may have a kink, and the kinks they come from."""
+    state, zone = tracker.state, tracker.law.zone
+    kinks = np.array(state.kinks)
+    shifts = (-zone, 0.0, zone) if zone else (0.0,)
+    at = np.concatenate([kinks + shift for shift in shifts])
+    ahead = way * (at - state.radius)
+    near = 1e-7 * zone if zone else 1e-9 * state.radius
+    within = np.flatnonzero((ahead > near) & (ahead < 1.01 * way * (end - state.radius)))
+    return at[within], np.tile(kinks, len(shifts))[within]
+
+
+def weights(tracker: Tracker, plan: Plan, at: Array, kinks: Array) -> Array:
+    """Misprediction of a step that passes over each, in tolerances."""
+    a, zone, law = tracker.state.radius, tracker.law.zone, tracker.law
+    gradient = _gradient(tracker, plan)
+    if not zone or not gradient:
+        return np.full(len(at), math.inf)
+    jump, bend, apart, (inner, stress, opening, outer) = _probed(tracker, kinks)
+    inside = kinks < a
+    partner = np.where(inside, opening, stress)
+    partner = np.where(at == kinks, np.where(inside, outer, inner), partner)
+    factor = 0.5 * math.pi / (a * math.pi**2 * zone * (law.adhesion.work if law.adhesion else 1.0))
+    passed = np.minimum(abs(plan.z[1] * tracker.L - a), zone)
+    change = factor * np.abs(partner) * (jump * passed + 0.5 * bend / apart * passed**2)
+    return change / gradient / tracker.tolerance
+
+
+def _probed(tracker: Tracker, kinks: Array) -> tuple[Array, Array, Array, Array]:
+    """Jumps of the fields at kinks, of their slopes times a distance, that distance; the fields at the edge.
+
+    Those are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
+    """
+    state, body = tracker.state, tracker.body
+    rheology, a = body.rheology, state.radius
+    size = tracker.law.zone or 0.1 * a
+    apart = np.minimum(NEARBY * size, np.maximum(np.abs(kinks - a) / 3.0, 1e-9 * a))
+    probes = (kinks[:, None] + apart[:, None] * np.array([-2.0, -1.0, 1.0, 2.0])).ravel()
+    edge = np.array([a - size, a * (1.0 - 1e-12), a * (1.0 + 1e-12), a + size])
+    x = np.concatenate((np.maximum(probes, 0.0), edge))
+    G = body.transform(x)
+    held, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
+    gap = state.depth - G
+    stress = rheology.relaxed * gap + float(rheology.moduli @ state.memory)
+    field = total(carried) + np.where(held, stress, -gap)
+    one, two, three, four = field[:-4].reshape(-1, 4).T
+    return np.abs(three - two), np.abs(four - three - two + one), apart, field[-4:]
+
+
+def faded(tracker: Tracker) -> tuple[float, ...]:
+    """The kinks that are left, without those whose fields have become smooth."""
+    state = tracker.state
+    kinks = np.array(state.kinks)
+    if state.radius == 0.0 or len(kinks) < 2:
+        return state.kinks
+    jump, bend, _, edge = _probed(tracker, kinks)
+    scale = np.where(kinks < state.radius, np.abs(edge[:2]).max(), np.abs(edge[2:]).max())
+    left = jump + bend > FADED * tracker.tolerance * scale
+    left |= np.abs(kinks - state.radius) < (tracker.law.zone or 0.1 * state.radius)
+    return tuple(kinks[left].tolist())
+
+
+def _gradient(tracker: Tracker, plan: Plan) -> float:
+    """Of the residual over the plane of ``p/T`` and ``a/L``, from a slope and the direction of the path."""
+    from validation.reference.path.continuation import Fixed
+
+    if Fixed.RADIUS in tracker.slopes:
+        return abs(tracker.slopes[Fixed.RADIUS]) * tracker.T / max(abs(plan.tangent[1]), 1e-300)
+    if Fixed.LOAD in tracker.slopes:
+        return abs(tracker.slopes[Fixed.LOAD]) * tracker.L / max(abs(plan.tangent[0]), 1e-300)
+    return 0.0
