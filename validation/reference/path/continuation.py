@@ -38,10 +38,14 @@ FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
+TURNED = 0.01
+"""Slope back, in the mean slope of a step, from which on the edge has turned in it: 1e-5 of the step is lost."""
+STILL = 1e-6
+"""Travel of the edge, in zones, below which it is at rest."""
 CORNERS = 8
 """Corners near which breaks of the closure stay dense: older ones are smooth enough."""
-RESIDUAL = 1e-11
-"""At a root; of zones shorter than 1e-5 of the radius the rounding of the radius leaves more."""
+RESIDUAL = 1e-12
+"""At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
 
 
 class Fixed(StrEnum):
@@ -115,7 +119,12 @@ class Tracker:
     def noise(self) -> float:
         """Residual below which there is only rounding."""
         zone = self.law.zone
-        return max(RESIDUAL, 8.0 * np.finfo(float).eps * self.state.radius / zone) if zone else RESIDUAL
+        return max(10.0 * RESIDUAL, 8.0 * np.finfo(float).eps * self.state.radius / zone) if zone else 10.0 * RESIDUAL
+
+    @property
+    def still(self) -> float:
+        """Travel that changes nothing an edge can see."""
+        return STILL * (self.law.zone or 1e-3 * self.L)
 
     def trial(self, radius: float, s: float, order: int = DEGREE) -> Trial:
         """The step from here to a radius."""
@@ -198,8 +207,10 @@ class Tracker:
         if correction is not None and error <= REJECTED and plan.fixed is Fixed.RADIUS:
             rise = correction.trial.segment.parameter + self.rows_rise(correction) * correction.trial.segment.basis
             falling = float(rise @ np.arange(len(rise))) < 0.0
-            if falling and plan.event not in (events.Kind.FOLD, events.Kind.END):
+            if falling and self.law.zone and plan.event not in (events.Kind.FOLD, events.Kind.END):
                 error = math.inf  # beyond a limit point that was not foreseen
+        if error <= REJECTED and correction.trial.direction and self._turns(correction.trial):
+            error = math.inf
         if self.verbose:
             at = correction and (correction.arrival.parameter, correction.trial.radius)
             print(self.steps, plan.fixed, plan.event, f"h {plan.h:.2e} e {error:.2g} m {len(self.rows)}", at, flush=True)
@@ -214,6 +225,12 @@ class Tracker:
             growth = 0.9 * max(error, 1e-5) ** (-1.0 / order)
             self.h = plan.h * min(FIRST_GROWTH if rising else LARGEST_GROWTH, max(0.3, growth))
         return plan.event
+
+    def _turns(self, trial: Trial) -> bool:
+        """Whether the edge turns within a step: then its path is no function of the radius."""
+        way, orders = trial.segment.way, np.arange(DEGREE + 1)
+        slopes = np.array([way[1], way @ orders]) * trial.direction
+        return bool(slopes.min() < -TURNED * abs(trial.radius - trial.state.radius) - self.still)
 
     def rows_rise(self, correction: Correction) -> float:
         """Load parameter gained in a step."""
@@ -268,7 +285,7 @@ class Tracker:
         if (far and not new) or arrival.parameter > self.leg.end * (1.0 + 1e-12):
             return None
         error = self.mispredicted(plan, arrival.parameter, a, arrival.depth)
-        rounding = 10.0 * self.noise / abs(steepness or math.inf) / self.T
+        rounding = self.noise / abs(steepness or math.inf) / self.T
         return Correction(trial, arrival, max(error - rounding, 0.0), s)
 
     def solve_parameter(self, trial: Trial, p: float, size: float) -> tuple[Arrival, float] | None:
@@ -287,6 +304,8 @@ class Tracker:
     def _at_load(self, plan: Plan) -> Correction | None:
         """The radius at which the edge is at the predicted load."""
         p, guess = plan.z[0] * self.T, plan.z[1] * self.L
+        if p <= self.state.parameter:
+            return None
         state, zone = self.state, self.law.zone
         trials: dict[float, tuple[Trial, Arrival]] = {}
 
@@ -326,7 +345,9 @@ class Tracker:
             start = self.state.parameter
             if pull(start)[0] != 0.0:
                 return None
-            p, arrival = events.departure(pull, start, p, 1e-13 * self.T)
+            p = events.departure(lambda at: pull(at)[0], start, p, 1e-13 * self.T)
+            trial = self.trial(a, self.chord(plan, p, a))
+            arrival = trial.arrive(p)
             plan.event = events.Kind.DEPARTURE
         error = 0.0
         if plan.event is not events.Kind.DEPARTURE:  # nothing moves: what the rows have to show is the load
@@ -345,7 +366,7 @@ class Tracker:
     ) -> float | None:
         """Root by secants; where rounding stops them, the best point if it is one."""
         f = function(x)
-        if abs(f) < self.noise:
+        if abs(f) < RESIDUAL:
             return x
         slope = self.slopes.get(of)
         after = x - f / slope if slope else (x + size if of is Fixed.RADIUS else x - math.copysign(size, f))
@@ -359,7 +380,7 @@ class Tracker:
             best = min(best, (abs(value), after))
             x, f = after, value
             after = x - f / slope
-            if abs(f) < self.noise or abs(after - x) < narrow:
+            if abs(f) < RESIDUAL or abs(after - x) < narrow:
                 self.slopes[of] = slope
                 return x
-        return best[1] if best[0] < 100.0 * self.noise else None
+        return best[1] if best[0] < 10.0 * self.noise else None

@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 
 AFTER_CORNER, AFTER_TURN = 0.02, 0.1
 """First step after a corner and after a turn, in the step before."""
+AT_TURN = 0.3
+"""Speed at a turn foreseen, in that at the start of the step, above which it is none."""
 AHEAD = 1.5
 """How far beyond a step, in its way, a turn or fold is looked for."""
 TOWARDS_FOLD = 0.75
@@ -105,20 +107,16 @@ def allowed_speed(law: EdgeLaw, integral: float) -> float:
     return opening_speed(law.adhesion, integral)
 
 
-def departure(
-    pull: Callable[[float], tuple[float, Arrival]], start: float, end: float, narrow: float
-) -> tuple[float, Arrival]:
-    """The first load parameter at which a resting edge sets off: by halves, as it is zero while it rests."""
+def departure(pull: Callable[[float], float], start: float, end: float, narrow: float) -> float:
+    """The first load parameter at which a resting edge sets off: by halves, as the pull is zero before."""
     low, high = start, end
-    value, arrival = pull(high)
     while high - low > narrow:
         middle = 0.5 * (low + high)
-        value, there = pull(middle)
-        if value == 0.0:
+        if pull(middle) == 0.0:
             low = middle
         else:
-            high, arrival = middle, there
-    return high, arrival
+            high = middle
+    return high
 
 
 def plan(tracker: Tracker) -> Plan:
@@ -137,11 +135,12 @@ def plan(tracker: Tracker) -> Plan:
         return h ** orders[:-1] @ (orders[1:, None] * coefficients[1:])
 
     def made(h: float, event: Kind = Kind.NONE, fixed: Fixed | None = None) -> Plan:
-        tangent = slope(h)[:2]
+        there, tangent = place(h), slope(h)[:2]
         tangent = tangent / np.hypot(*tangent)
         if fixed is None:
-            fixed = Fixed.RADIUS if abs(tangent[1]) > MOVING else Fixed.LOAD
-        return Plan(h, place(h), tangent, fixed, event)
+            moves = abs(tangent[1]) > MOVING and abs(there[1] - here[1]) * tracker.L > tracker.still
+            fixed = Fixed.RADIUS if moves else Fixed.LOAD
+        return Plan(h, there, tangent, fixed, event)
 
     h, here, first = tracker.h, coefficients[0], slope(0.0)
     resting = tracker.law.rests(tracker.state.radius) and not tracker.moving and here[1] > 0.0
@@ -187,9 +186,10 @@ def _turn_or_fold(
     ahead = slope(AHEAD * h)
     if abs(first[1]) > 1e-5 and first[1] * ahead[1] < 0.0:
         at = brentq(lambda x: slope(x)[1], 0.0, AHEAD * h)
-        if at <= h:
+        if at > h:
+            return made(0.6 * at)
+        if place(at)[0] > place(0.0)[0]:
             return made(at, Kind.TURN, Fixed.LOAD)
-        return made(0.6 * at)
     if planned.fixed is Fixed.RADIUS and first[0] > 0.0 > ahead[0] and tracker.law.zone > 0.0:
         at = brentq(lambda x: slope(x)[0], 0.0, AHEAD * h)
         vertex, before = float(place(at)[1]), tracker.vertex
@@ -228,16 +228,28 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             chord = np.diff(table[-2:, [1, 4]], axis=0)[0] / (tracker.T, tracker.L)
             tracker.restart(chord / np.hypot(*chord), AFTER_CORNER * tracker.h, declare=False)
         case Kind.TURN:
-            tracker.restart(h=AFTER_TURN * h)
+            if _has_come_to_rest(correction):
+                tracker.restart(h=AFTER_TURN * h)
+            else:
+                planned.event = Kind.NONE
         case Kind.DEPARTURE:
             tracker.restart()
             tracker.moving = True
+            tracker.direction = -1.0 if tracker.law.pulls(correction.trial, correction.arrival) >= 0.0 else 1.0
+            if runs_away(tracker):
+                planned.event = Kind.FOLD
         case Kind.RIM:
             tracker.restart()
         case Kind.TOWARDS:
             tracker.h = h
         case _:
             pass
+
+
+def _has_come_to_rest(correction: Correction) -> bool:
+    """Whether the edge is as slow at the end of a step as a turn was foreseen to make it."""
+    way = correction.trial.segment.way
+    return abs(float(way @ np.arange(len(way)))) <= AT_TURN * abs(float(way[1]))
 
 
 def accept(tracker: Tracker, correction: Correction) -> None:
@@ -251,6 +263,19 @@ def accept(tracker: Tracker, correction: Correction) -> None:
     tracker.steps += 1
     if correction.trial.direction:
         tracker.moving, tracker.direction = True, correction.trial.direction
+
+
+def runs_away(tracker: Tracker) -> bool:
+    """Whether an edge that has just set off is driven the more the farther it gets."""
+    if tracker.law.rated and tracker.leg.timed:
+        return False
+    state = tracker.state
+    values = []
+    for share in (0.01, 0.02):
+        radius = state.radius + tracker.direction * share * (tracker.law.zone or state.radius)
+        trial = tracker.trial(radius, tracker.rows.last[0] + share, 1)
+        values.append(tracker.residual(trial, state.parameter)[0] * tracker.direction)
+    return values[1] < values[0] < 0.0
 
 
 def lost(tracker: Tracker, at_fold: bool) -> bool:

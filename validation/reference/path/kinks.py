@@ -36,7 +36,7 @@ def corners(tracker: Tracker, way: float, end: float) -> tuple[Array, Array]:
     at = np.concatenate([kinks + shift for shift in shifts])
     ahead = way * (at - state.radius)
     near = 1e-7 * zone if zone else 1e-9 * state.radius
-    within = np.flatnonzero((ahead > near) & (ahead < 1.01 * way * (end - state.radius)))
+    within = np.flatnonzero((at > 0.0) & (ahead > near) & (ahead < 1.01 * way * (end - state.radius)))
     return at[within], np.tile(kinks, len(shifts))[within]
 
 
