@@ -81,7 +81,8 @@ class Correction:
 class Tracker:
     """A run in progress.
 
-    ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration. ``slopes``: of the residual over
+    ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration; ``L_run`` the largest of the radius,
+    ``turn`` where the edge set off. ``slopes``: of the residual over
     the load parameter and the radius, as last seen; they save evaluations.
     """
 
@@ -89,12 +90,14 @@ class Tracker:
     law: EdgeLaw
     state: State
     tolerance: float
-    L: float
+    L_run: float
     depth: float
     accepted: Callable[[Trial, Arrival, State, float], None] = lambda *_: None
     leg: Leg = None  # type: ignore[assignment]
     rows: Rows = None  # type: ignore[assignment]
     T: float = 1.0
+    L: float = 1.0
+    turn: float = 0.0
     T_leg: float = 1.0
     T_first: float = 1.0
     h: float = 1.0
@@ -124,7 +127,7 @@ class Tracker:
     @property
     def still(self) -> float:
         """Travel that changes nothing an edge can see."""
-        return STILL * (self.law.zone or 1e-3 * self.L)
+        return STILL * (self.law.zone or 1e-3 * self.L_run)
 
     def trial(self, radius: float, s: float, order: int = DEGREE) -> Trial:
         """The step from here to a radius."""
@@ -138,13 +141,14 @@ class Tracker:
         """Of the edge condition, at the end of a trial at a load parameter."""
         self.evaluations += 1
         arrival = trial.arrive(parameter)
-        return self.law.residual(trial, arrival, self.T_leg / self.L, not self.leg.timed), arrival
+        return self.law.residual(trial, arrival, self.T_leg / self.L_run, not self.leg.timed), arrival
 
     # a leg -----------------------------------------------------------------------------------------------------
 
     def begin(self, leg: Leg, T_leg: float) -> None:
         """A new leg: a kink of the path."""
         self.leg, self.T_leg, self.T = leg, T_leg, T_leg
+        self.L = min(self.L_run, self.law.zone or self.L_run)
         self.state = replace(self.state, parameter=leg.start)
         state = self.state
         self.rows = Rows.at(leg.start, state.time, state.depth, state.radius, state.force)
@@ -168,6 +172,7 @@ class Tracker:
         self.h = h
         state = self.state
         if declare:
+            self.turn = radius
             state = replace(state, kinks=kinks.faded(self))
         if all(abs(radius - kink) > 1e-9 * radius for kink in state.kinks + state.corners):
             if declare:
@@ -177,23 +182,28 @@ class Tracker:
         self.state = state
 
     def rescale(self) -> None:
-        """The scale of time grows with the time since the leg began; segments keep their polynomials."""
-        if not self.leg.timed:
+        """Scales grow with the time since the leg began and the way since the edge turned.
+
+        Segments keep their polynomials; only chords change.
+        """
+        T, L = self.T, self.L_run
+        if self.leg.timed:
+            T = min(self.T_leg, max(0.5 * (self.state.parameter - self.leg.start), self.T_first))
+        if self.law.zone:
+            L = min(L, max(0.5 * abs(self.state.radius - self.turn), self.law.zone))
+        if (T, L) == (self.T, self.L):
             return
-        wanted = min(self.T_leg, max(0.5 * (self.state.parameter - self.leg.start), self.T_first))
-        if wanted == self.T:
-            return
+        ratio = np.array([self.T / T, self.L / L])
         table = self.rows.table
         direction = self.tangent
         if len(table) > 1:
             direction = np.diff(table[-2:, [1, 4]], axis=0)[0] / (self.T, self.L)
             direction = direction / np.hypot(*direction)
-        ratio = self.T / wanted
-        self.h *= math.hypot(direction[0] * ratio, direction[1])
-        self.tangent = self.tangent * (ratio, 1.0)
+        self.h *= math.hypot(*(direction * ratio))
+        self.tangent = self.tangent * ratio
         self.tangent = self.tangent / np.hypot(*self.tangent)
-        self.T = wanted
-        self.rows.measure(self.T, self.L)
+        self.T, self.L = T, L
+        self.rows.measure(T, L)
 
     def step(self) -> events.Kind:
         """One attempt; what it came to."""
@@ -359,7 +369,7 @@ class Tracker:
     @property
     def least_radius(self) -> float:
         """Radius below which no contact is followed."""
-        return 1.05 * self.law.zone if self.law.zone else 1e-6 * self.L
+        return 1.05 * self.law.zone if self.law.zone else 1e-6 * self.L_run
 
     def _secants(
         self, function: Callable[[float], float], x: float, size: float, of: Fixed, narrow: float, least: float
