@@ -42,6 +42,8 @@ TURNED = 0.01
 """Slope back, in the mean slope of a step, from which on the edge has turned in it: 1e-5 of the step is lost."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
+SEEN = 1e6
+"""Difference of two radii, in zones and the rounding of the residual, from which the residual tells its slope."""
 CORNERS = 8
 """Corners near which breaks of the closure stay dense: older ones are smooth enough."""
 RESIDUAL = 1e-12
@@ -328,6 +330,7 @@ class Tracker:
             return value
 
         size = 1e-3 * max(plan.h, 1e-6) * self.L * min(1.0, zone / self.L if zone else 1.0)
+        size = max(size, zone * min(0.01, SEEN * self.noise))
         if self.law.rated and guess >= state.radius and plan.fixed is Fixed.LOAD and self.leg.timed:
             function(state.radius)
             _, arrival = trials[state.radius]
@@ -376,7 +379,8 @@ class Tracker:
     ) -> float | None:
         """Root by secants; where rounding stops them, the best point if it is one."""
         f = function(x)
-        if abs(f) < RESIDUAL:
+        enough = RESIDUAL if of is Fixed.RADIUS else self.noise
+        if abs(f) < enough:
             return x
         slope = self.slopes.get(of)
         after = x - f / slope if slope else (x + size if of is Fixed.RADIUS else x - math.copysign(size, f))
@@ -390,7 +394,7 @@ class Tracker:
             best = min(best, (abs(value), after))
             x, f = after, value
             after = x - f / slope
-            if abs(f) < RESIDUAL or abs(after - x) < narrow:
+            if abs(f) < enough or abs(after - x) < narrow:
                 self.slopes[of] = slope
                 return x
         return best[1] if best[0] < 10.0 * self.noise else None
