@@ -44,6 +44,8 @@ STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 SEEN = 1e6
 """Difference of two radii, in zones and the rounding of the residual, from which the residual tells its slope."""
+UNFORESEEN = 1e-2
+"""Longest first step after a kink, in the scale of the radius, whichever way the edge then turns out to go."""
 CORNERS = 8
 """Corners near which breaks of the closure stay dense: older ones are smooth enough."""
 RESIDUAL = 1e-12
@@ -337,7 +339,8 @@ class Tracker:
             allowed = events.allowed_speed(self.law, arrival.integral)
             guess = state.radius - max(allowed * (p - state.parameter), 1e-3 * size)
         root = self._secants(function, guess, size, Fixed.LOAD, 1e-14 * self.L, -math.inf)
-        if root is None or abs(root - guess) > 10.0 * max(plan.h, 1e-9) * self.L:
+        near = 10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN  # after a kink no direction is known
+        if root is None or abs(root - guess) > near * self.L:
             return None
         trial, arrival = trials[root]
         error = self.mispredicted(plan, p, root, arrival.depth)
