@@ -102,6 +102,7 @@ class Tracker:
     T: float = 1.0
     L: float = 1.0
     turn: float = 0.0
+    zone: float = 0.0
     T_leg: float = 1.0
     T_first: float = 1.0
     h: float = 1.0
@@ -137,9 +138,10 @@ class Tracker:
         """The step from here to a radius."""
         self.geometries += 1
         segment = self.rows.segment(s, radius, order)
-        zone = self.law.zone
-        breaks = self.state.breaks(radius, zone) if zone > 0.0 else np.zeros(0)
-        return Trial(self.body, self.state, self.leg, segment, zone, breaks)
+        if self.law.cohesive:
+            zone = min(self.zone or self.law.zone, 0.5 * radius)
+            return Trial(self.body, self.state, self.leg, segment, zone, self.law.cohesive, self.law.zone)
+        return Trial(self.body, self.state, self.leg, segment, self.law.zone)
 
     def residual(self, trial: Trial, parameter: float) -> tuple[float, Arrival]:
         """Of the edge condition, at the end of a trial at a load parameter."""
@@ -375,6 +377,8 @@ class Tracker:
     @property
     def least_radius(self) -> float:
         """Radius below which no contact is followed."""
+        if self.law.cohesive:
+            return 1e-2 * self.law.zone
         return 1.05 * self.law.zone if self.law.zone else 1e-6 * self.L_run
 
     def _secants(

@@ -28,6 +28,11 @@ class EdgeLaw:
         return self.adhesion.zone if self.adhesion else 0.0
 
     @property
+    def cohesive(self) -> float:
+        """Stress of a zone whose length follows from it; 0 of one whose length is fixed."""
+        return (self.adhesion.stress or 0.0) if self.adhesion else 0.0
+
+    @property
     def rated(self) -> bool:
         """Whether an opening edge takes up what its speed tells."""
         return self.adhesion is not None and self.adhesion.rate is not None

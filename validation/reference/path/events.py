@@ -260,6 +260,7 @@ def accept(tracker: Tracker, correction: Correction) -> None:
         correction.s, state.parameter, state.time, state.depth, state.radius, state.force
     )
     tracker.state = state
+    tracker.zone = correction.trial.zone
     tracker.steps += 1
     if correction.trial.direction:
         tracker.moving, tracker.direction = True, correction.trial.direction

@@ -32,7 +32,7 @@ def corners(tracker: Tracker, way: float, end: float) -> tuple[Array, Array]:
     """Radii on the way at which the residual may have a kink, and the kinks they come from."""
     state, zone = tracker.state, tracker.law.zone
     kinks = np.array(state.kinks)
-    shifts = (-zone, 0.0, zone) if zone else (0.0,)
+    shifts = (-zone, 0.0, zone) if zone and not tracker.law.cohesive else (0.0,)
     at = np.concatenate([kinks + shift for shift in shifts])
     ahead = way * (at - state.radius)
     near = 1e-7 * zone if zone else 1e-9 * state.radius

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from validation.reference.path import fields
 from validation.reference.path.closure import Closure, closure
+from validation.reference.path.cohesive_zone import zone_length
+from validation.reference.path.legs import Leg
 from validation.reference.path.memory import (
     COLLOCATION,
     NODES,
@@ -30,7 +32,6 @@ from validation.reference.path.state import Body, State
 from validation.reference.tracking.rheology import total
 
 Array = NDArray[np.float64]
-_NONE = np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -63,21 +64,49 @@ class Arrival:
 class Trial:
     """The step from a state along a segment; its end radius is where the segment ends.
 
-    ``zone`` 0: without adhesion. ``breaks``: of the closure, in the way from the inner end of the zone.
+    ``zone`` 0: without adhesion. ``cohesive``: stress of a zone whose length follows, ``zone`` is a guess.
     """
 
-    def __init__(self, body: Body, state: State, leg: object, segment: Segment, zone: float, breaks: Array) -> None:
-        self.body, self.state, self.leg, self.segment, self.zone = body, state, leg, segment, zone
+    def __init__(
+        self,
+        body: Body,
+        state: State,
+        leg: Leg,
+        segment: Segment,
+        zone: float,
+        cohesive: float = 0.0,
+        at_rest: float = 0.0,
+        closed: bool = True,
+    ) -> None:
+        self.body, self.state, self.leg, self.segment = body, state, leg, segment
+        self.zone, self.cohesive, self.zone_at_rest = zone, cohesive, at_rest
         self.radius = state.radius + float(segment.way.sum())
         self.direction = float(np.sign(self.radius - state.radius))
         self.closure: Closure | None = None
-        if zone > 0.0 and len(breaks):
-            self.closure = closure(self.radius, zone, breaks)
-            s = self.closure.s
-            self.behind, self.ahead = self._points(np.concatenate((self.radius - zone + s, self.radius + s)))
-        else:
-            self.behind, self.ahead = self._points(np.array([self.radius, self.radius]))
         self.guess = 0.0
+        if closed and zone > 0.0 and not cohesive:
+            self._close(zone)
+        elif zone == 0.0:
+            self.behind, self.ahead = self._points(np.array([self.radius, self.radius]))
+        self.closed = closed
+
+    def _close(self, zone: float, breaks: Array | None = None) -> None:
+        """Set up the closure over a zone."""
+        self.zone = zone
+        self.closure = closure(self.radius, zone, self.state.breaks(self.radius, zone) if breaks is None else breaks)
+        s = self.closure.s
+        self.behind, self.ahead = self._points(np.concatenate((self.radius - zone + s, self.radius + s)))
+
+    def _close_at_stress(self, motion: Motion, duration: float) -> None:
+        """Set up the closure over the zone that a cohesive stress makes at this end of the step."""
+
+        def stress(x: Array) -> Array:
+            return self.stress(self._points(np.concatenate((x, x)))[0], motion, duration)
+
+        edges = self.state.thinned(self.state.edges_between(0.0, self.radius), self.zone)
+        zone = zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
+        if self.closure is None or abs(zone - self.zone) > 1e-13 * zone:
+            self._close(zone)
 
     # what does not depend on the end ---------------------------------------------------------------------------
 
@@ -159,8 +188,11 @@ class Trial:
         """Closure integral; without a zone the strain at the edge."""
         rheology = self.body.rheology
         if self.zone > 0.0:
-            if self.closure is None:
+            if not self.closed:
                 return 0.0
+            if self.cohesive:
+                self._close_at_stress(motion, duration)
+            assert self.closure is not None
             q, d = self.stress(self.behind, motion, duration), self.opening(self.ahead, motion, duration)
             return self.closure.integral(q, d)
         if self.direction > 0.0:
@@ -284,7 +316,7 @@ class Trial:
         """The step cut off at ``u``, without closure, and its load parameter: a point of the dense path."""
         rise = arrival.parameter - self.state.parameter
         segment = self.segment.cut(u, rise, arrival.free)
-        trial = Trial(self.body, self.state, self.leg, segment, self.zone, _NONE)
+        trial = Trial(self.body, self.state, self.leg, segment, self.zone, closed=False)
         return trial, self.state.parameter + float(segment.parameter.sum())
 
     def speed(self, arrival: Arrival) -> float:
