@@ -101,6 +101,7 @@ class Tracker:
     rows: Rows = None  # type: ignore[assignment]
     T: float = 1.0
     L: float = 1.0
+    began: float = 0.0
     turn: float = 0.0
     zone: float = 0.0
     T_leg: float = 1.0
@@ -130,6 +131,11 @@ class Tracker:
         return max(10.0 * RESIDUAL, 8.0 * np.finfo(float).eps * self.state.radius / zone) if zone else 10.0 * RESIDUAL
 
     @property
+    def least_scale(self) -> float:
+        """Scale of the radius where the edge sets off."""
+        return self.law.zone or (1e-2 * self.L_run if self.state.radius > 0.0 else self.L_run)
+
+    @property
     def still(self) -> float:
         """Travel that changes nothing an edge can see."""
         return STILL * (self.law.zone or 1e-3 * self.L_run)
@@ -154,7 +160,7 @@ class Tracker:
     def begin(self, leg: Leg, T_leg: float) -> None:
         """A new leg: a kink of the path."""
         self.leg, self.T_leg, self.T = leg, T_leg, T_leg
-        self.L = min(self.L_run, self.law.zone or self.L_run)
+        self.L, self.began = min(self.L_run, self.least_scale), leg.start
         self.state = replace(self.state, parameter=leg.start)
         state = self.state
         self.rows = Rows.at(leg.start, state.time, state.depth, state.radius, state.force)
@@ -187,6 +193,12 @@ class Tracker:
                 state = replace(state, corners=(*state.corners, radius)[-CORNERS:])
         self.state = state
 
+    def turn_at(self, h: float) -> None:
+        """The edge turns at the last row; the next step is ``h``, and the scales grow anew from there."""
+        self.restart(h=h)
+        if self.leg.timed:
+            self.T_first, self.began = h * self.T, self.state.parameter
+
     def rescale(self) -> None:
         """Scales grow with the time since the leg began and the way since the edge turned.
 
@@ -194,9 +206,8 @@ class Tracker:
         """
         T, L = self.T, self.L_run
         if self.leg.timed:
-            T = min(self.T_leg, max(0.5 * (self.state.parameter - self.leg.start), self.T_first))
-        if self.law.zone:
-            L = min(L, max(0.5 * abs(self.state.radius - self.turn), self.law.zone))
+            T = min(self.T_leg, max(0.5 * (self.state.parameter - self.began), self.T_first))
+        L = min(L, max(0.5 * abs(self.state.radius - self.turn), self.least_scale))
         if (T, L) == (self.T, self.L):
             return
         ratio = np.array([self.T / T, self.L / L])

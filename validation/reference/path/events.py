@@ -229,7 +229,7 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             tracker.restart(chord / np.hypot(*chord), AFTER_CORNER * tracker.h, declare=False)
         case Kind.TURN:
             if _has_come_to_rest(correction):
-                tracker.restart(h=AFTER_TURN * h)
+                tracker.turn_at(AFTER_TURN * h)
             else:
                 planned.event = Kind.NONE
         case Kind.DEPARTURE:
