@@ -37,11 +37,13 @@ AFTER_CORNER, AFTER_TURN = 0.02, 0.1
 """First step after a corner and after a turn, in the step before."""
 AT_TURN = 0.3
 """Speed at a turn foreseen, in that at the start of the step, above which it is none."""
+SHARP, AFTER_BEND = 30.0, 0.1
+"""Misprediction up to which the rows before a corner go on to predict the path, from shorter steps."""
 AHEAD = 1.5
 """How far beyond a step, in its way, a turn or fold is looked for."""
 TOWARDS_FOLD = 0.75
 """Share of the way to a fold that a step goes until the place of the fold is known."""
-OVER = 1.0
+OVER = 3.0
 """Misprediction by a corner passed over, in tolerances, from which on it is landed on."""
 
 
@@ -53,6 +55,7 @@ class Kind(StrEnum):
     END = "end of the leg"
     LEVEL = "level"
     CORNER = "corner"
+    BEND = "slight corner"
     TURN = "turn"
     DEPARTURE = "departure"
     TOWARDS = "towards a fold"
@@ -214,7 +217,8 @@ def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind] | None:
         at, sources = kinks.corners(tracker, way, end)
         if len(at):
             weight = kinks.weights(tracker, planned, at, sources)
-            found += [(float(at[i]), Kind.CORNER) for i in np.flatnonzero(weight > OVER)]
+            for i in np.flatnonzero(weight > OVER):
+                found.append((float(at[i]), Kind.CORNER if weight[i] > SHARP else Kind.BEND))
     return min(found, key=lambda each: way * each[0]) if found else None
 
 
@@ -227,6 +231,8 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             table = tracker.rows.table
             chord = np.diff(table[-2:, [1, 4]], axis=0)[0] / (tracker.T, tracker.L)
             tracker.restart(chord / np.hypot(*chord), AFTER_CORNER * tracker.h, declare=False)
+        case Kind.BEND:
+            tracker.h = AFTER_BEND * tracker.h
         case Kind.TURN:
             if _has_come_to_rest(correction):
                 tracker.turn_at(AFTER_TURN * h)

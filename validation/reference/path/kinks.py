@@ -86,7 +86,7 @@ def faded(tracker: Tracker) -> tuple[float, ...]:
     jump, bend, _, edge = _probed(tracker, kinks)
     scale = np.where(kinks < state.radius, np.abs(edge[:2]).max(), np.abs(edge[2:]).max())
     left = jump + bend > FADED * tracker.tolerance * scale
-    left |= np.abs(kinks - state.radius) < (tracker.law.zone or 0.1 * state.radius)
+    left |= np.abs(kinks - state.radius) < 1e-6 * (tracker.law.zone or state.radius)
     return tuple(kinks[left].tolist())
 
 
