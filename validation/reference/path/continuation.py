@@ -48,6 +48,10 @@ UNFORESEEN = 1e-2
 """Longest first step after a kink, in the scale of the radius, whichever way the edge then turns out to go."""
 CORNERS = 8
 """Corners near which breaks of the closure stay dense: older ones are smooth enough."""
+LEAST_CHANGE = 1e-9
+"""Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
+SMALL_PART = 0.1
+"""Scales of radius and penetration, in the largest of the run."""
 RESIDUAL = 1e-12
 """At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
 
@@ -133,7 +137,7 @@ class Tracker:
     @property
     def least_scale(self) -> float:
         """Scale of the radius where the edge sets off."""
-        return self.law.zone or (1e-2 * self.L_run if self.state.radius > 0.0 else self.L_run)
+        return self.law.zone or 1e-2 * self.L_run
 
     @property
     def still(self) -> float:
@@ -164,11 +168,31 @@ class Tracker:
         self.state = replace(self.state, parameter=leg.start)
         state = self.state
         self.rows = Rows.at(leg.start, state.time, state.depth, state.radius, state.force)
-        new = state.radius == 0.0
-        self.restart(np.array([0.0, 1.0]) if new else np.array([1.0, 0.0]))
+        if state.radius == 0.0 and state.depth >= 0.0:
+            self.touch()
+            return
+        self.restart(np.array([1.0, 0.0]))
+        self.moving = False
         if leg.timed:
             self.T_first = self.T = T_leg * self.h
-            self.h = 1e-2 if new else 1.0
+            self.h = 1.0
+
+    def touch(self) -> None:
+        """The first step of a new contact, as if it were elastic: to a small part of the largest penetration."""
+        transform, leg = self.body.transform, self.leg
+        deepest = LEAST_CHANGE * self.depth / SMALL_PART
+        a = self.L_run
+        while float(transform(np.array([0.5 * a]))[0]) > deepest and a > 1e-2 * self.L_run:
+            a *= 0.5
+        load = depth = float(transform(np.array([a]))[0])
+        if leg.control == "force":
+            load = 2.0 * self.body.rheology.glassy * (a * depth - transform.integral(a))
+        change = abs(leg.value(leg.end) - leg.value(leg.start)) or load
+        p = (leg.end - leg.start) * min(load / change, 1.0)
+        self.T_first, self.L = max(2.0 * p, 1e-300) if leg.timed else SMALL_PART, a
+        self.T = self.T_first
+        way = np.array([p / self.T, a / self.L])
+        self.restart(way / np.hypot(*way), float(np.hypot(*way)))
 
     def restart(self, tangent: Array | None = None, h: float | None = None, declare: bool = True) -> None:
         """A kink at the last row."""

@@ -40,13 +40,13 @@ class EdgeLaw:
     def rests(self, radius: float) -> bool:
         """Whether an edge at that radius may rest at a range of loads."""
         adhesion = self.adhesion
-        return radius >= self.rim or (adhesion is not None and not adhesion.reversible)
+        return radius in (0.0, self.rim) or (adhesion is not None and not adhesion.reversible)
 
     def pulls(self, trial: Trial, arrival: Arrival) -> float:
         """How far a resting edge is beyond its range: positive opens, negative closes, 0 rests."""
         value, adhesion = arrival.integral, self.adhesion
-        if adhesion is None:
-            return max(-value, 0.0)
+        if adhesion is None:  # a flat face, or an indenter that has not touched yet
+            return max(-value, 0.0) if trial.radius > 0.0 else min(-arrival.depth, 0.0)
         if value > adhesion.work:
             return value / adhesion.work - 1.0
         return 0.0 if trial.radius >= self.rim else min(value / adhesion.closing - 1.0, 0.0)
@@ -66,7 +66,7 @@ class EdgeLaw:
             return value / adhesion.closing - 1.0
         if not self.rated or trial.direction == 0.0:
             return value / adhesion.work - 1.0
-        if at_once:
+        if at_once or arrival.duration == 0.0:
             return value / adhesion.opening(math.inf) - 1.0
         # the speed the law allows against that of the path: regular at rest, where w(v) has an infinite slope
         allowed, speed = opening_speed(adhesion, value), -trial.speed(arrival)

@@ -146,7 +146,8 @@ def plan(tracker: Tracker) -> Plan:
         return Plan(h, there, tangent, fixed, event)
 
     h, here, first = tracker.h, coefficients[0], slope(0.0)
-    resting = tracker.law.rests(tracker.state.radius) and not tracker.moving and here[1] > 0.0
+    touched = tracker.state.radius > 0.0 or tracker.state.depth < 0.0
+    resting = tracker.law.rests(tracker.state.radius) and not tracker.moving and touched
     last = place(h)
     if last[0] >= end - 1e-9 * h:
         if m > 1 and last[0] > end and here[0] < end:
@@ -239,6 +240,9 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             else:
                 planned.event = Kind.NONE
         case Kind.DEPARTURE:
+            if tracker.state.radius == 0.0:
+                tracker.touch()
+                return
             tracker.restart()
             tracker.moving = True
             tracker.direction = -1.0 if tracker.law.pulls(correction.trial, correction.arrival) >= 0.0 else 1.0

@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from contact_scene import Scene, Segment
 from validation.reference.path import events
-from validation.reference.path.continuation import Tracker
+from validation.reference.path.continuation import SMALL_PART, Tracker
 
 from validation.reference.path.energies import force_polynomial, force_slopes, work
 from validation.reference.path.edge_law import EdgeLaw
@@ -25,8 +25,6 @@ from validation.reference.tracking.law import Griffith, NoTension
 from validation.reference.tracking.rheology import rheology
 
 Array = NDArray[np.float64]
-SMALL_PART = 0.1
-"""Scales of radius and penetration, in the largest of the run."""
 _POINTS, _WEIGHTS = gauss(8)
 
 

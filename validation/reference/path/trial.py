@@ -87,7 +87,7 @@ class Trial:
         if closed and zone > 0.0 and not cohesive:
             self._close(zone)
         elif zone == 0.0:
-            self.behind, self.ahead = self._points(np.array([self.radius, self.radius]))
+            self.behind, self.ahead = self._points(np.array([self.radius]), np.array([self.radius]))
         self.closed = closed
 
     def _close(self, zone: float, breaks: Array | None = None) -> None:
@@ -95,13 +95,13 @@ class Trial:
         self.zone = zone
         self.closure = closure(self.radius, zone, self.state.breaks(self.radius, zone) if breaks is None else breaks)
         s = self.closure.s
-        self.behind, self.ahead = self._points(np.concatenate((self.radius - zone + s, self.radius + s)))
+        self.behind, self.ahead = self._points(self.radius - zone + s, self.radius + s)
 
     def _close_at_stress(self, motion: Motion, duration: float) -> None:
         """Set up the closure over the zone that a cohesive stress makes at this end of the step."""
 
         def stress(x: Array) -> Array:
-            return self.stress(self._points(np.concatenate((x, x)))[0], motion, duration)
+            return self.stress(self._points(x, x[:0])[0], motion, duration)
 
         edges = self.state.thinned(self.state.edges_between(0.0, self.radius), self.zone)
         zone = zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
@@ -110,17 +110,19 @@ class Trial:
 
     # what does not depend on the end ---------------------------------------------------------------------------
 
-    def _points(self, x: Array) -> tuple[Points, Points]:
-        """Points behind and ahead of the end, as many of each; those that change sides are all on one side."""
-        low, high = sorted((self.state.radius, self.radius))
+    def _points(self, behind: Array, ahead: Array) -> tuple[Points, Points]:
+        """Points behind and ahead of the end; those that change sides are all on one side."""
+        x = np.concatenate((behind, ahead))
         G, carried = self._carried(x)
-        passed = np.flatnonzero((x > low) & (x < high))
-        u_powers = powers(inverse(self.segment.way, x[passed] - self.state.radius), COLLOCATION)
-        count = len(x) // 2
+        none = np.zeros(0, int), np.zeros((0, COLLOCATION + 1))
         sides = []
-        for side, moving in ((slice(0, count), self.direction > 0.0), (slice(count, None), self.direction < 0.0)):
-            which = (passed - (side.start or 0), u_powers) if moving else (passed[:0], u_powers[:0])
-            sides.append(Points(x[side], G[side], carried[side], *which))
+        for side, moves in ((slice(0, len(behind)), self.direction > 0.0), (slice(len(behind), None), self.direction < 0.0)):
+            low, high = sorted((self.state.radius, self.radius))
+            passed, u_powers = none
+            if moves:
+                passed = np.flatnonzero((x[side] > low) & (x[side] < high))
+                u_powers = powers(inverse(self.segment.way, x[side][passed] - self.state.radius), COLLOCATION)
+            sides.append(Points(x[side], G[side], carried[side], passed, u_powers))
         return sides[0], sides[1]
 
     def _carried(self, x: Array) -> tuple[Array, Array]:
