@@ -374,7 +374,8 @@ class Tracker:
             function(state.radius)
             _, arrival = trials[state.radius]
             allowed = events.allowed_speed(self.law, arrival.integral)
-            guess = state.radius - max(allowed * (p - state.parameter), 1e-3 * size)
+            guess = state.radius - max(allowed * (p - state.parameter), 1e-3 * self.still)
+            size = 0.5 * (state.radius - guess)
         root = self._secants(function, guess, size, Fixed.LOAD, 1e-14 * self.L, -math.inf)
         near = 10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN  # after a kink no direction is known
         if root is None or abs(root - guess) > near * self.L:
@@ -391,7 +392,11 @@ class Tracker:
         def pull(at: float) -> tuple[float, Arrival]:
             self.evaluations += 1
             arrival = trial.arrive(at)
-            return self.law.pulls(trial, arrival), arrival
+            drive = self.law.pulls(trial, arrival)
+            if drive > 0.0 and self.law.rated and self.leg.timed:  # however slowly, it moves: by less than is seen
+                travel = events.allowed_speed(self.law, arrival.integral) * (at - self.state.parameter)
+                drive = drive if travel > 0.1 * self.still else 0.0
+            return drive, arrival
 
         value, arrival = pull(p)
         if value != 0.0:

@@ -46,7 +46,11 @@ class Run:
     outcome: str = ""
 
     def run(self) -> Run:
-        """All load steps."""
+        """All load steps; what overflows belongs to trials beyond a limit point, and is rejected."""
+        with np.errstate(all="ignore"):
+            return self._run()
+
+    def _run(self) -> Run:
         scene = self.scene
         loading = scene.loading
         body = Body(rheology(scene.material), transform(scene.indenter))

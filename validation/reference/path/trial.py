@@ -175,6 +175,7 @@ class Trial:
         if not self.segment.basis.any():  # a part of a step that is known
             return 0.0
         size = 1e-2 * max(abs(state.depth), abs(float(self.body.transform(np.array([self.radius]))[0])))
+        size = size or 1e-3 * self.radius  # of any size, as the force is affine
         duration = float(clock.sum())
         one = self.force(family.motion(self.guess), duration)
         slope = (self.force(family.motion(self.guess + size), duration) - one) / size
