@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.legs import Leg
 from validation.reference.path.path import Rows
 from validation.reference.path.polynomials import DEGREE
-from validation.reference.path.state import Body, State
+from validation.reference.path.state import Body, State, start_state
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
@@ -48,6 +49,8 @@ UNFORESEEN = 1e-2
 """Longest first step after a kink, in the scale of the radius, whichever way the edge then turns out to go."""
 CORNERS = 8
 """Corners near which breaks of the closure stay dense: older ones are smooth enough."""
+LOST_FORCE = 1e-12
+"""Force without adhesion, in the largest, at which contact is lost."""
 LEAST_CHANGE = 1e-9
 """Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
 SMALL_PART = 0.1
@@ -178,7 +181,16 @@ class Tracker:
             self.h = 1.0
 
     def touch(self) -> None:
-        """The first step of a new contact, as if it were elastic: to a small part of the largest penetration."""
+        """The first step of a new contact, as if it were elastic: to a small part of the largest penetration.
+
+        A plane tip is in contact as a whole.
+        """
+        if self.law.tip:
+            begun = start_state(self.body, self.state.depth, self.law.tip, True)
+            self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
+            self.rows.table[-1, 4] = self.law.tip
+            self.restart()
+            return
         transform, leg = self.body.transform, self.leg
         deepest = LEAST_CHANGE * self.depth / SMALL_PART
         a = self.L_run
@@ -419,7 +431,20 @@ class Tracker:
         """Radius below which no contact is followed."""
         if self.law.cohesive:
             return 1e-2 * self.law.zone
-        return 1.05 * self.law.zone if self.law.zone else 1e-6 * self.L_run
+        return 1.05 * self.law.zone if self.law.zone else self._vanishing
+
+    @cached_property
+    def _vanishing(self) -> float:
+        """Radius of an elastic contact whose force is lost in the rounding of the largest."""
+        transform, radius = self.body.transform, self.L_run / SMALL_PART
+
+        def force(a: float) -> float:
+            return a * float(transform(np.array([a]))[0]) - transform.integral(a)
+
+        a, largest = radius, force(radius)
+        while a > 1e-6 * self.L_run and force(a) > LOST_FORCE * largest:
+            a *= 0.8
+        return a
 
     def _secants(
         self, function: Callable[[float], float], x: float, size: float, of: Fixed, narrow: float, least: float

@@ -17,10 +17,11 @@ from validation.reference.rated_edge import opening_speed
 
 @dataclass(frozen=True)
 class EdgeLaw:
-    """``rim``: radius beyond which there is no indenter."""
+    """``rim``: radius beyond which there is no indenter; ``tip``: of a plane tip without adhesion, or 0."""
 
     adhesion: Adhesion | None
     rim: float = math.inf
+    tip: float = 0.0
 
     @property
     def zone(self) -> float:
@@ -37,10 +38,14 @@ class EdgeLaw:
         """Whether an opening edge takes up what its speed tells."""
         return self.adhesion is not None and self.adhesion.rate is not None
 
+    def at_rim(self, radius: float) -> bool:
+        """Whether the edge is that of the indenter."""
+        return radius >= self.rim * (1.0 - 1e-12)
+
     def rests(self, radius: float) -> bool:
         """Whether an edge at that radius may rest at a range of loads."""
         adhesion = self.adhesion
-        return radius in (0.0, self.rim) or (adhesion is not None and not adhesion.reversible)
+        return radius == 0.0 or self.at_rim(radius) or (adhesion is not None and not adhesion.reversible)
 
     def pulls(self, trial: Trial, arrival: Arrival) -> float:
         """How far a resting edge is beyond its range: positive opens, negative closes, 0 rests."""
@@ -49,7 +54,7 @@ class EdgeLaw:
             return max(-value, 0.0) if trial.radius > 0.0 else min(-arrival.depth, 0.0)
         if value > adhesion.work:
             return value / adhesion.work - 1.0
-        return 0.0 if trial.radius >= self.rim else min(value / adhesion.closing - 1.0, 0.0)
+        return 0.0 if self.at_rim(trial.radius) else min(value / adhesion.closing - 1.0, 0.0)
 
     def residual(self, trial: Trial, arrival: Arrival, scale: float, at_once: bool) -> float:
         """Residual at an edge that has come to the end of a trial.

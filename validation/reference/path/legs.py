@@ -5,12 +5,15 @@ A jump of the load is a leg of its own. Time stands, and the parameter is the sh
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from contact_scene import Segment
 from contact_scene.segment import Control
 
+SHORTEST = 16.0
+"""Leg, in units of the last place of its end, below which it is lost in rounding."""
 AT_LOAD = 1e-12
 """Difference from the load that a leg begins with, relative to it, which is rounding and no jump."""
 
@@ -51,6 +54,8 @@ def timed_legs(segment: Segment, stops: tuple[float, ...] = ()) -> Iterator[Leg]
     kinks = {segment.start, segment.end, *segment.kinks}
     cuts = sorted(kinks | {stop for stop in stops if segment.start < stop < segment.end})
     for begin, end in zip(cuts[:-1], cuts[1:], strict=True):
+        if end - begin < SHORTEST * math.ulp(end):
+            continue
         straight = segment.linear and segment.control == "penetration"
         yield Leg(
             segment.control,

@@ -55,7 +55,7 @@ class Run:
         loading = scene.loading
         body = Body(rheology(scene.material), transform(scene.indenter))
         adhesion = scene.adhesion if scene.is_adhesive else None
-        law = EdgeLaw(adhesion, scene.indenter.edge)
+        law = EdgeLaw(adhesion, scene.indenter.edge, scene.bare_plane_tip)
         start = start_surface(scene, body, Griffith(adhesion) if adhesion else NoTension())
         if start is None:
             self.outcome = "no start"
@@ -106,7 +106,8 @@ class Run:
         if largest == 0.0:
             largest = pressed_radius(body, max(forces), self.scene.indenter.edge)
         shape = float(body.transform(np.array([largest]))[0])
-        return largest, max(abs(state.depth), abs(deepest), shape)
+        pressed = max(forces) / (2.0 * body.rheology.relaxed * largest) if largest else 0.0
+        return largest, max(abs(state.depth), abs(deepest), shape, pressed)
 
     def _follow(self, leg: Leg, deepest: float) -> events.Kind:
         """One leg to its end, or what ends it before."""
