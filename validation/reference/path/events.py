@@ -212,7 +212,7 @@ def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind] | None:
     found: list[tuple[float, Kind]] = []
     if way < 0.0 and end < tracker.least_radius:
         found.append((tracker.least_radius, Kind.LEAST))
-    if way > 0.0 and end > tracker.law.rim:
+    if way > 0.0 and end > tracker.law.rim * (1.0 + 1e-12):
         found.append((tracker.law.rim, Kind.RIM))
     if way and len(tracker.rows) > 1 and abs(planned.tangent[1]) > 1e-7:
         at, sources = kinks.corners(tracker, way, end)

@@ -82,7 +82,7 @@ class State:
         ahead = self.thinned(self.edges_between(radius, radius + zone), zone) - radius
         breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(radius, zone)))
         breaks = np.unique(breaks[(breaks >= 0.0) & (breaks <= zone)])
-        breaks = breaks[np.append(True, np.diff(breaks) > 1e-12 * zone)]
+        breaks = breaks[np.append(True, np.diff(breaks) > max(1e-12 * zone, 4.0 * math.ulp(radius)))]
         breaks[-1] = zone
         return breaks
 

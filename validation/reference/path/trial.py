@@ -112,7 +112,8 @@ class Trial:
 
     def _points(self, behind: Array, ahead: Array) -> tuple[Points, Points]:
         """Points behind and ahead of the end; those that change sides are all on one side."""
-        x = np.concatenate((behind, ahead))
+        edge = self.radius  # a point that rounds onto it is in contact, as in the table
+        x = np.concatenate((np.minimum(behind, edge), np.maximum(ahead, np.nextafter(edge, np.inf))))
         G, carried = self._carried(x)
         none = np.zeros(0, int), np.zeros((0, COLLOCATION + 1))
         sides = []
@@ -120,7 +121,7 @@ class Trial:
             low, high = sorted((self.state.radius, self.radius))
             passed, u_powers = none
             if moves:
-                passed = np.flatnonzero((x[side] > low) & (x[side] < high))
+                passed = np.flatnonzero((x[side] > low) & (x[side] <= high))
                 u_powers = powers(inverse(self.segment.way, x[side][passed] - self.state.radius), COLLOCATION)
             sides.append(Points(x[side], G[side], carried[side], passed, u_powers))
         return sides[0], sides[1]
