@@ -270,7 +270,7 @@ class Tracker:
         if correction is not None and error <= REJECTED and plan.fixed is Fixed.RADIUS:
             rise = correction.trial.segment.parameter + self.rows_rise(correction) * correction.trial.segment.basis
             falling = float(rise @ np.arange(len(rise))) < 0.0
-            if falling and self.law.zone and plan.event not in (events.Kind.FOLD, events.Kind.END):
+            if falling and (self.law.zone or correction.trial.direction > 0.0) and plan.event not in (events.Kind.FOLD, events.Kind.END):
                 error = math.inf  # beyond a limit point that was not foreseen
         if error <= REJECTED and correction.trial.direction and self._turns(correction.trial):
             error = math.inf

@@ -194,7 +194,7 @@ def _turn_or_fold(
             return made(0.6 * at)
         if place(at)[0] > place(0.0)[0]:
             return made(at, Kind.TURN, Fixed.LOAD)
-    if planned.fixed is Fixed.RADIUS and first[0] > 0.0 > ahead[0] and tracker.law.zone > 0.0:
+    if planned.fixed is Fixed.RADIUS and first[0] > 0.0 > ahead[0] and (tracker.law.zone > 0.0 or first[1] > 0.0):
         at = brentq(lambda x: slope(x)[0], 0.0, AHEAD * h)
         vertex, before = float(place(at)[1]), tracker.vertex
         tracker.vertex = vertex
@@ -227,6 +227,8 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
     """Take a step, and what its event asks for next."""
     accept(tracker, correction)
     h = planned.h
+    if tracker.state.parameter >= tracker.leg.end * (1.0 - 1e-14) and planned.event is not Kind.LEVEL:
+        planned.event = Kind.END  # an event that rounds onto it
     match planned.event:
         case Kind.CORNER:
             table = tracker.rows.table

@@ -35,7 +35,7 @@ class Run:
     scene: Scene
     tolerance: float = 1e-4
     verbose: bool = False
-    max_steps: int = 6000
+    max_steps: int = 20000
     times: list[float] = field(default_factory=list)
     depths: list[float] = field(default_factory=list)
     radii: list[float] = field(default_factory=list)

@@ -17,6 +17,8 @@ __all__ = ["Body", "State", "start_state"]
 
 Array = NDArray[np.float64]
 _POINTS, _WEIGHTS = gauss(8)
+GRADED, GRADING = 1.5, 8.0
+"""First cut from the end of a long step, in zones, and ratio of the distances of the next ones."""
 SKIPPED = 1.5
 """Distance of breaks in entries of the table: every other where they are alike, each where they are graded."""
 SPARSE, SPACING = 0.03, 0.1
@@ -73,6 +75,11 @@ class State:
         low, high = sorted((self.radius, radius))
         inner = self.thinned(self.edges_between(low, high), zone or 0.1 * high)
         inner = inner[(inner - low > 1e-9 * (high - low)) & (high - inner > 1e-9 * (high - low))]
+        travel, way = high - low, math.copysign(1.0, radius - self.radius)
+        if zone and travel > 2.0 * GRADED * zone:  # what a closure looks at is known on its own scale
+            count = int(math.log(travel / (GRADED * zone)) / math.log(GRADING)) + 1
+            near = radius - way * GRADED * zone * GRADING ** np.arange(count)
+            inner = np.union1d(inner, near[(near > low) & (near < high)])
         cuts = np.concatenate(([low], inner, [high]))
         return cuts if radius > self.radius else cuts[::-1]
 
