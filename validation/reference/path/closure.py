@@ -95,4 +95,6 @@ def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:
     r = 0.5 * (x + behind) + 0.5 * (x - behind) * _RING
     slope = 0.5 * (1.0 + _RING)
     first, second = x + r, r + behind + 2.0 * zone
-    return np.asarray(math.pi * (-0.5 * ((1.0 + slope) / first + slope / second) / np.sqrt(first * second)).mean(-1))
+    return np.asarray(
+        math.pi * (-0.5 * ((1.0 + slope) / first + slope / second) / np.sqrt(first * second)).mean(-1)
+    )

@@ -28,7 +28,12 @@ LONGEST = 0.95
 
 
 def zone_length(
-    stress: Callable[[Array], Array], edges: Array, radius: float, cohesive: float, at_rest: float, guess: float
+    stress: Callable[[Array], Array],
+    edges: Array,
+    radius: float,
+    cohesive: float,
+    at_rest: float,
+    guess: float,
 ) -> float:
     """The length; ``stress``: ``q`` at radii in contact, ``edges``: where it may have kinks."""
 
@@ -36,7 +41,9 @@ def zone_length(
         """Nearly straight in the root of the length: next to the edge the tension goes like ``K/sqrt(x)``."""
         inner = radius - root * root
         widest = math.acos(inner / radius)
-        breaks = np.concatenate((widest * _EVEN, np.arccos(inner / edges[(edges > inner) & (edges < radius)])))
+        breaks = np.concatenate(
+            (widest * _EVEN, np.arccos(inner / edges[(edges > inner) & (edges < radius)]))
+        )
         angle, weight = points(np.unique(breaks))
         tension = -float(weight @ stress(np.minimum(inner / np.cos(angle), radius)))
         return (tension - 4.0 * cohesive * root * root) / root

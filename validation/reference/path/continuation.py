@@ -49,6 +49,8 @@ UNFORESEEN = 1e-2
 """Longest first step after a kink, in the scale of the radius, whichever way the edge then turns out to go."""
 CORNERS = 8
 """Corners near which breaks of the closure stay dense: older ones are smooth enough."""
+SHORTEST = 1.0001
+"""Contact radius in zones at which the model ends; at one the kernel is singular at the axis."""
 LOST_FORCE = 1e-12
 """Force without adhesion, in the largest, at which contact is lost."""
 LEAST_CHANGE = 1e-9
@@ -129,13 +131,17 @@ class Tracker:
     level: events.Level | None = None
     largest_force: float = 0.0
 
-    # geometry and residual -------------------------------------------------------------------------------------
+    # geometry and residual ---
 
     @property
     def noise(self) -> float:
         """Residual below which there is only rounding."""
         zone = self.law.zone
-        return max(10.0 * RESIDUAL, 8.0 * np.finfo(float).eps * self.state.radius / zone) if zone else 10.0 * RESIDUAL
+        return (
+            max(10.0 * RESIDUAL, 8.0 * np.finfo(float).eps * self.state.radius / zone)
+            if zone
+            else 10.0 * RESIDUAL
+        )
 
     @property
     def least_scale(self) -> float:
@@ -162,7 +168,7 @@ class Tracker:
         arrival = trial.arrive(parameter)
         return self.law.residual(trial, arrival, self.T_leg / self.L_run, not self.leg.timed), arrival
 
-    # a leg -----------------------------------------------------------------------------------------------------
+    # a leg ---
 
     def begin(self, leg: Leg, T_leg: float) -> None:
         """A new leg: a kink of the path."""
@@ -268,15 +274,29 @@ class Tracker:
         if len(self.rows) == 1 and correction is not None:
             error = 0.0  # nothing to judge by: the first step is small
         if correction is not None and error <= REJECTED and plan.fixed is Fixed.RADIUS:
-            rise = correction.trial.segment.parameter + self.rows_rise(correction) * correction.trial.segment.basis
+            rise = (
+                correction.trial.segment.parameter
+                + self.rows_rise(correction) * correction.trial.segment.basis
+            )
             falling = float(rise @ np.arange(len(rise))) < 0.0
-            if falling and (self.law.zone or correction.trial.direction > 0.0) and plan.event not in (events.Kind.FOLD, events.Kind.END):
+            if (
+                falling
+                and (self.law.zone or correction.trial.direction > 0.0)
+                and plan.event not in (events.Kind.FOLD, events.Kind.END)
+            ):
                 error = math.inf  # beyond a limit point that was not foreseen
         if error <= REJECTED and correction.trial.direction and self._turns(correction.trial):
             error = math.inf
         if self.verbose:
             at = correction and (correction.arrival.parameter, correction.trial.radius)
-            print(self.steps, plan.fixed, plan.event, f"h {plan.h:.2e} e {error:.2g} m {len(self.rows)}", at, flush=True)
+            print(
+                self.steps,
+                plan.fixed,
+                plan.event,
+                f"h {plan.h:.2e} e {error:.2g} m {len(self.rows)}",
+                at,
+                flush=True,
+            )
         if correction is None or error > REJECTED:
             return self._reject(plan, error)
         self.fails = 0
@@ -311,7 +331,7 @@ class Tracker:
             return events.Kind.LOST
         return events.Kind.REJECTED
 
-    # the corrector ---------------------------------------------------------------------------------------------
+    # the corrector ---
 
     def _correct(self, plan: Plan) -> Correction | None:
         if plan.fixed is Fixed.RADIUS:
@@ -389,7 +409,9 @@ class Tracker:
             guess = state.radius - max(allowed * (p - state.parameter), 1e-3 * self.still)
             size = 0.5 * (state.radius - guess)
         root = self._secants(function, guess, size, Fixed.LOAD, 1e-14 * self.L, -math.inf)
-        near = 10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN  # after a kink no direction is known
+        near = (
+            10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN
+        )  # after a kink no direction is known
         if root is None or abs(root - guess) > near * self.L:
             return None
         trial, arrival = trials[root]
@@ -405,7 +427,9 @@ class Tracker:
             self.evaluations += 1
             arrival = trial.arrive(at)
             drive = self.law.pulls(trial, arrival)
-            if drive > 0.0 and self.law.rated and self.leg.timed:  # however slowly, it moves: by less than is seen
+            if (
+                drive > 0.0 and self.law.rated and self.leg.timed
+            ):  # however slowly, it moves: by less than is seen
                 travel = events.allowed_speed(self.law, arrival.integral) * (at - self.state.parameter)
                 drive = drive if travel > 0.1 * self.still else 0.0
             return drive, arrival
@@ -423,7 +447,10 @@ class Tracker:
         if plan.event is not events.Kind.DEPARTURE:  # nothing moves: what the rows have to show is the load
             self.largest_force = max(self.largest_force, abs(self.state.force))
             force = trial.force(arrival.motion, arrival.duration) / (self.largest_force or 1.0)
-            error = math.hypot(arrival.depth / self.depth - plan.z[2], 10.0 * (force - plan.z[3] / (self.largest_force or 1.0)))
+            error = math.hypot(
+                arrival.depth / self.depth - plan.z[2],
+                10.0 * (force - plan.z[3] / (self.largest_force or 1.0)),
+            )
         return Correction(trial, arrival, error, self.chord(plan, p, a))
 
     @property
@@ -431,7 +458,7 @@ class Tracker:
         """Radius below which no contact is followed."""
         if self.law.cohesive:
             return 1e-2 * self.law.zone
-        return 1.05 * self.law.zone if self.law.zone else self._vanishing
+        return SHORTEST * self.law.zone if self.law.zone else self._vanishing
 
     @cached_property
     def _vanishing(self) -> float:
@@ -447,7 +474,13 @@ class Tracker:
         return a
 
     def _secants(
-        self, function: Callable[[float], float], x: float, size: float, of: Fixed, narrow: float, least: float
+        self,
+        function: Callable[[float], float],
+        x: float,
+        size: float,
+        of: Fixed,
+        narrow: float,
+        least: float,
     ) -> float | None:
         """Root by secants; where rounding stops them, the best point if it is one."""
         f = function(x)
@@ -462,6 +495,8 @@ class Tracker:
             value = function(after)
             if not math.isfinite(value) or value == f or after == x:
                 break
+            if self.noise > abs(value) > 0.1 * abs(f):  # rounding: no secant leads closer
+                return min(best, (abs(value), after))[1]
             slope = (value - f) / (after - x)
             best = min(best, (abs(value), after))
             x, f = after, value

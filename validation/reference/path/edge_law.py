@@ -63,7 +63,9 @@ class EdgeLaw:
         """
         value, adhesion = arrival.integral, self.adhesion
         if adhesion is None:
-            strain = abs(arrival.depth) + abs(float(trial.body.transform(trial.radius + 0.0 * trial.behind.x[:1])[0]))
+            strain = abs(arrival.depth) + abs(
+                float(trial.body.transform(trial.radius + 0.0 * trial.behind.x[:1])[0])
+            )
             return -value / strain if strain > 0.0 else 0.0
         if trial.direction == 0.0 and self.rests(trial.radius):
             return self.pulls(trial, arrival)
@@ -75,4 +77,6 @@ class EdgeLaw:
             return value / adhesion.opening(math.inf) - 1.0
         # the speed the law allows against that of the path: regular at rest, where w(v) has an infinite slope
         allowed, speed = opening_speed(adhesion, value), -trial.speed(arrival)
-        return (allowed - speed) * scale if value > adhesion.work or speed > 0.0 else value / adhesion.work - 1.0
+        return (
+            (allowed - speed) * scale if value > adhesion.work or speed > 0.0 else value / adhesion.work - 1.0
+        )

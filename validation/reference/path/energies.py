@@ -19,6 +19,8 @@ from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 _POINTS, _WEIGHTS = gauss(6)
+
+
 def edge_stress(body: Body, state: State, ahead: bool) -> float:
     """``q`` at the edge, just inside; ``ahead``: of the next point, as it is covered."""
     rheology, a = body.rheology, np.array([state.radius])
@@ -46,7 +48,9 @@ def force_slopes(body: Body, trial: Trial, arrival: Arrival, after: State) -> tu
     return slopes[0], slopes[1]
 
 
-def force_polynomial(first: tuple[float, float], last: tuple[float, float], before: tuple[float, float] | None) -> Array:
+def force_polynomial(
+    first: tuple[float, float], last: tuple[float, float], before: tuple[float, float] | None
+) -> Array:
     """Coefficients of the force from value and slope at both ends; ``before``: ``u < 0`` and value of a row."""
     degree = 3 if before is None else 4
     ends = powers(np.array([0.0, 1.0]), degree)

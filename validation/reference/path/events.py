@@ -98,7 +98,11 @@ def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correct
         end = part.arrive(p)
         return level.excess(end.depth, part.force(end.motion, end.duration), part.radius), part, end
 
-    at = brentq(lambda u: excess(u)[0], 1e-9, 1.0, xtol=1e-13) if excess(1e-9)[0] < 0.0 < excess(1.0)[0] else 1.0
+    at = (
+        brentq(lambda u: excess(u)[0], 1e-9, 1.0, xtol=1e-13)
+        if excess(1e-9)[0] < 0.0 < excess(1.0)[0]
+        else 1.0
+    )
     _, part, end = excess(at)
     planned.event = Kind.LEVEL
     last = tracker.rows.last[0]
@@ -194,7 +198,11 @@ def _turn_or_fold(
             return made(0.6 * at)
         if place(at)[0] > place(0.0)[0]:
             return made(at, Kind.TURN, Fixed.LOAD)
-    if planned.fixed is Fixed.RADIUS and first[0] > 0.0 > ahead[0] and (tracker.law.zone > 0.0 or first[1] > 0.0):
+    if (
+        planned.fixed is Fixed.RADIUS
+        and first[0] > 0.0 > ahead[0]
+        and (tracker.law.zone > 0.0 or first[1] > 0.0)
+    ):
         at = brentq(lambda x: slope(x)[0], 0.0, AHEAD * h)
         vertex, before = float(place(at)[1]), tracker.vertex
         tracker.vertex = vertex
@@ -247,7 +255,9 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
                 return
             tracker.restart()
             tracker.moving = True
-            tracker.direction = -1.0 if tracker.law.pulls(correction.trial, correction.arrival) >= 0.0 else 1.0
+            tracker.direction = (
+                -1.0 if tracker.law.pulls(correction.trial, correction.arrival) >= 0.0 else 1.0
+            )
             if runs_away(tracker):
                 planned.event = Kind.FOLD
         case Kind.RIM:
@@ -268,9 +278,7 @@ def accept(tracker: Tracker, correction: Correction) -> None:
     """Commit a step."""
     state = correction.trial.state_after(correction.arrival)
     tracker.accepted(correction.trial, correction.arrival, state, correction.s)
-    tracker.rows.append(
-        correction.s, state.parameter, state.time, state.depth, state.radius, state.force
-    )
+    tracker.rows.append(correction.s, state.parameter, state.time, state.depth, state.radius, state.force)
     tracker.state = state
     tracker.zone = correction.trial.zone
     tracker.steps += 1
@@ -314,7 +322,11 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
             return True
         tracker.stuck_at = tracker.steps
         return False
-    radii = a + (least - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5 if way < 0.0 else a * np.geomspace(1.0, 3.0, 17)[1:]
+    radii = (
+        a + (least - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5
+        if way < 0.0
+        else a * np.geomspace(1.0, 3.0, 17)[1:]
+    )
     before = math.nan, math.nan
     for radius in radii:
         value = residual(float(radius))

@@ -117,13 +117,21 @@ def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
     return Sweep(cuts, parabola, inverse(way, x - radius), x, weight.ravel())
 
 
-def passed(before: Passages, swept: Sweep, time: float, elapsed: Array, carried: Array, held: bool) -> Passages:
+def passed(
+    before: Passages, swept: Sweep, time: float, elapsed: Array, carried: Array, held: bool
+) -> Passages:
     """The table after a step: ``carried`` (m, n) by the points of the sweep at ``elapsed`` (m,) after ``time``."""
     parabola = swept.parabola
     entries = len(parabola)
     values = np.column_stack((elapsed, carried)).reshape(entries, len(NODES), -1)
     left = np.matmul(_TO_POWERS, values)
-    new = (np.full(entries, held), parabola, np.full(entries, time), left, np.zeros((entries, carried.shape[1])))
+    new = (
+        np.full(entries, held),
+        parabola,
+        np.full(entries, time),
+        left,
+        np.zeros((entries, carried.shape[1])),
+    )
     edges = swept.cuts
     if edges[-1] < edges[0]:
         edges, new = edges[::-1], tuple(array[::-1] for array in new)

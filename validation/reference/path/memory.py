@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 COLLOCATION = 8
 """Points besides the first. Twice the degree of the path: a branch ten times as fast as the step is then
 followed to 1e-8 of what it gains."""
+FAST = 30.0
+"""Length of a step in relaxation times from which on a branch follows its smooth solution, beside a layer: by
+collocation from its start it would be off by 1e-3. At less, collapses that a spring feeds are not passed."""
 NODES = 0.5 * (1.0 - np.cos(np.pi * np.arange(COLLOCATION + 1) / COLLOCATION))
 _NODE_POWERS = powers(NODES, COLLOCATION)
 PATH_AT_NODES = _NODE_POWERS[:, : DEGREE + 1]
@@ -71,19 +74,29 @@ class Ramp:
 
 @dataclass(frozen=True)
 class Collocated:
-    """A step during which penetration (c,) and memory (c, n) are polynomials of ``u``."""
+    """A step during which the penetration (c,) is a polynomial of ``u``, and so is the memory (c, n) beside a layer.
 
+    ``layer`` (n,): what fades as ``exp(-t/tau)`` from the start; ``last``: memory and penetration at the end.
+    """
+
+    times: Array
     clock: Array
     memories: Array
+    layer: Array
     depths: Array
+    last: tuple[Array, float]
 
     def during(self, u_powers: Array) -> tuple[Array, Array]:
         """As of :class:`Ramp`."""
-        return u_powers @ self.memories, u_powers @ self.depths
+        memories = u_powers @ self.memories
+        if self.layer.any():
+            elapsed = u_powers[:, : DEGREE + 1] @ self.clock
+            memories += self.layer * np.exp(-np.maximum(elapsed, 0.0)[:, None] / self.times)
+        return memories, u_powers @ self.depths
 
     def end(self) -> tuple[Array, float]:
         """As of :class:`Ramp`."""
-        return self.memories.sum(axis=0), float(self.depths.sum())
+        return self.last
 
     def depth_slope(self) -> Array:
         """As of :class:`Ramp`."""
@@ -95,37 +108,45 @@ Motion = Ramp | Collocated
 
 @dataclass(frozen=True)
 class Collocation:
-    """Steps with penetrations ``D(0) + given + v free`` at the nodes: affine in ``v``."""
+    """Steps with penetrations ``D(0) + given + v free`` at the nodes; memories and layers are as affine in ``v``."""
 
+    times: Array
     clock: Array
-    memory: Array
     depth: float
-    given: Array
-    free: Array
-    _given_memory: Array
-    _free_memory: Array
+    depths: tuple[Array, Array]
+    memories: tuple[Array, Array]
+    layers: tuple[Array, Array]
 
     def motion(self, v: float = 0.0) -> Collocated:
         """The motion of one of them."""
-        memories = _TO_POWERS @ (self._given_memory + v * self._free_memory)
-        depths = _TO_POWERS @ (self.given + v * self.free)
-        memories[0] += self.memory
-        depths[0] += self.depth
-        return Collocated(self.clock, memories, depths)
+        memories, depths, layer = (
+            given + v * free for given, free in (self.memories, self.depths, self.layers)
+        )
+        faded = layer * np.exp(-self.clock.sum() / self.times)
+        depths = self.depth + depths
+        last = memories[-1] + faded, float(depths[-1])
+        return Collocated(self.times, self.clock, _TO_POWERS @ memories, layer, _TO_POWERS @ depths, last)
 
 
 def collocation(
     times: Array, clock: Array, memory: Array, depth: float, given: Array, free: Array
 ) -> Collocation:
-    """Memories under two penetrations relative to the first, given at the nodes."""
-    rates = _SLOPES[1:] @ (PATH_AT_NODES @ clock)  # t'(u)
-    matrix = np.broadcast_to(_SLOPES[1:, 1:], (len(times), COLLOCATION, COLLOCATION)).copy()
-    at = np.arange(COLLOCATION)
+    """Memories under two penetrations relative to the first, given at the nodes.
+
+    A branch slower than the step starts from its memory. A faster one has a smooth solution of its own, which it
+    falls onto: that is collocated at all nodes, and what the memory differs from it by fades.
+    """
+    count = COLLOCATION + 1
+    rates = PATH_AT_NODES @ clock @ _SLOPES.T  # t'(u)
+    fast = clock.sum() > FAST * times
+    matrix = np.broadcast_to(_SLOPES, (len(times), count, count)).copy()
+    at = np.arange(count)
     matrix[:, at, at] += rates / times[:, None]
-    right = np.empty((len(times), COLLOCATION, 2))
-    right[:, :, 0] = (_SLOPES @ given)[1:] - (memory / times)[:, None] * rates
-    right[:, :, 1] = (_SLOPES @ free)[1:]
-    solved = np.zeros((COLLOCATION + 1, len(times), 2))
-    if len(times):
-        solved[1:] = np.linalg.solve(matrix, right).transpose(1, 0, 2)
-    return Collocation(clock, memory, depth, given, free, solved[:, :, 0], solved[:, :, 1])
+    right = np.empty((len(times), count, 2))
+    right[:, :, 0], right[:, :, 1] = _SLOPES @ given, _SLOPES @ free
+    slow = ~fast
+    matrix[slow, 0] = np.eye(count)[0]
+    right[slow, 0, 0], right[slow, 0, 1] = memory[slow], 0.0
+    solved = np.linalg.solve(matrix, right).transpose(1, 0, 2) if len(times) else np.zeros((count, 0, 2))
+    layers = np.where(fast, memory - solved[0, :, 0], 0.0), np.where(fast, -solved[0, :, 1], 0.0)
+    return Collocation(times, clock, depth, (given, free), (solved[:, :, 0], solved[:, :, 1]), layers)

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from contact_scene import Scene, Segment
+from contact_scene import Scene
 from validation.reference.path import events
 from validation.reference.path.continuation import SMALL_PART, Tracker
-
-from validation.reference.path.energies import force_polynomial, force_slopes, work
 from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.energies import force_polynomial, force_slopes, work
 from validation.reference.path.legs import Leg, jump, timed_legs
 from validation.reference.path.polynomials import gauss
 from validation.reference.path.state import Body, State, start_state
@@ -98,7 +97,11 @@ class Run:
         for step in self.scene.loading.steps:
             if step.kind == "ramp":
                 depths.append(step.to)
-            forces += [abs(getattr(step, key, 0.0) or 0.0) for key in ("value", "to")] if "force" in step.kind else []
+            forces += (
+                [abs(getattr(step, key, 0.0) or 0.0) for key in ("value", "to")]
+                if "force" in step.kind
+                else []
+            )
             if step.kind == "table":
                 (depths if step.quantity == "penetration" else forces).extend(step.values)
         deepest = max(depths)
@@ -114,7 +117,9 @@ class Run:
         tracker = self.tracker
         if leg.timed:
             rate = abs(self.segment.rate(leg.start))
-            large = max(abs(tracker.state.force), abs(leg.value(leg.end))) if leg.control == "force" else deepest
+            large = (
+                max(abs(tracker.state.force), abs(leg.value(leg.end))) if leg.control == "force" else deepest
+            )
             T = SMALL_PART * min(leg.end - leg.start, large / rate if rate else math.inf)
         else:
             T = SMALL_PART
@@ -133,7 +138,7 @@ class Run:
             if self.outcome:
                 return kind
 
-    # rows ------------------------------------------------------------------------------------------------------
+    # rows ---
 
     def _row(self, state: State, work: float) -> None:
         self.times.append(state.time)
@@ -189,4 +194,3 @@ class Run:
             "work": self.works[-1] + 0.5 * compliance * (self.forces[-1] ** 2 - self.forces[0] ** 2),
             "stored": self.stored[-1],
         }
-

@@ -19,7 +19,6 @@ from validation.reference.path.cohesive_zone import zone_length
 from validation.reference.path.legs import Leg
 from validation.reference.path.memory import (
     COLLOCATION,
-    NODES,
     PATH_AT_NODES,
     Collocation,
     Motion,
@@ -93,7 +92,9 @@ class Trial:
     def _close(self, zone: float, breaks: Array | None = None) -> None:
         """Set up the closure over a zone."""
         self.zone = zone
-        self.closure = closure(self.radius, zone, self.state.breaks(self.radius, zone) if breaks is None else breaks)
+        self.closure = closure(
+            self.radius, zone, self.state.breaks(self.radius, zone) if breaks is None else breaks
+        )
         s = self.closure.s
         self.behind, self.ahead = self._points(self.radius - zone + s, self.radius + s)
 
@@ -108,7 +109,7 @@ class Trial:
         if self.closure is None or abs(zone - self.zone) > 1e-13 * zone:
             self._close(zone)
 
-    # what does not depend on the end ---------------------------------------------------------------------------
+    # what does not depend on the end ---
 
     def _points(self, behind: Array, ahead: Array) -> tuple[Points, Points]:
         """Points behind and ahead of the end; those that change sides are all on one side."""
@@ -117,7 +118,10 @@ class Trial:
         G, carried = self._carried(x)
         none = np.zeros(0, int), np.zeros((0, COLLOCATION + 1))
         sides = []
-        for side, moves in ((slice(0, len(behind)), self.direction > 0.0), (slice(len(behind), None), self.direction < 0.0)):
+        for side, moves in (
+            (slice(0, len(behind)), self.direction > 0.0),
+            (slice(len(behind), None), self.direction < 0.0),
+        ):
             low, high = sorted((self.state.radius, self.radius))
             passed, u_powers = none
             if moves:
@@ -141,7 +145,7 @@ class Trial:
         u_powers = powers(swept.u, COLLOCATION)
         return swept, Points(swept.x, *self._carried(swept.x), np.arange(len(swept.x)), u_powers)
 
-    # an end ----------------------------------------------------------------------------------------------------
+    # an end ---
 
     def arrive(self, parameter: float) -> Arrival:
         """The end of the step at a load parameter."""
@@ -155,7 +159,9 @@ class Trial:
             at = state.parameter + PATH_AT_NODES @ rise
             given = np.array([leg.value(p) for p in at]) - state.depth
             given[0] = 0.0
-            motion = collocation(rheology.times, clock, state.memory, state.depth, given, 0.0 * given).motion()
+            motion = collocation(
+                rheology.times, clock, state.memory, state.depth, given, 0.0 * given
+            ).motion()
         else:
             family = collocation(
                 rheology.times,
@@ -272,7 +278,7 @@ class Trial:
         lost = swept.weight @ carried, swept.weight @ carried**2
         return lost if self.direction < 0.0 else (0.0 * lost[0], lost[1])
 
-    # acceptance ------------------------------------------------------------------------------------------------
+    # acceptance ---
 
     def state_after(self, arrival: Arrival) -> State:
         """The state at the end: integrals over contact and free surface recur exactly (Q of b^2, H of e^2)."""

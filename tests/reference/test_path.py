@@ -1,0 +1,112 @@
+"""The reference on the path of the edge, against today's: parts first, then whole scenes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from validation.cases import load
+from validation.reference.path.closure import closure
+from validation.reference.path.memory import PATH_AT_NODES, Ramp, collocation
+from validation.reference.path.path import Segment
+from validation.reference.path.polynomials import inverse
+from validation.reference.path.solver import Run
+from validation.reference.path.trial import Trial
+from validation.reference.tracking.abel import PowerTransform
+from validation.reference.tracking.closure import EdgeFields, closure_integral
+from validation.solvers import REFERENCE, SOLVERS
+
+
+@pytest.mark.parametrize(("radius", "zone"), [(0.2, 0.013), (0.2, 1e-6), (0.02, 0.013)])
+def test_closure_is_that_of_nodes(radius, zone):
+    """Fields that today's interpolates exactly, cubics; behind the edge and ahead of it."""
+    x, y = np.linspace(radius - zone, radius, 65), np.linspace(radius, radius + zone, 65)
+    depth, relaxed = -0.01, 1.0
+
+    def memory(at):
+        return -0.3 + 0.2 * (at - radius) / zone + 0.1 * ((at - radius) / zone) ** 2
+
+    def strain(at):
+        return 0.05 + 0.02 * (at - radius) / zone
+
+    shape = PowerTransform(1.0, 2.0)
+    today = closure_integral(EdgeFields(x, memory(x), y, strain(y), depth), zone, relaxed, shape)
+    here = closure(radius, zone, zone * np.linspace(0.0, 1.0, 17))
+    behind, ahead = radius - zone + here.s, radius + here.s
+    q = relaxed * (depth - shape(behind)) + memory(behind)
+    d = strain(ahead) - depth + shape(ahead)
+    assert here.integral(q, d) == pytest.approx(today, rel=1e-7 if zone > 0.5 * radius else 1e-10)
+
+
+@pytest.mark.parametrize("time", [1e-6, 0.03, 1.0, 1e4])
+def test_memory_by_collocation_is_that_of_a_ramp(time):
+    times, memory, clock = np.array([time]), np.array([0.3]), np.array([0.0, 0.5, 0.4, 0.1, 0.0])
+    exact = Ramp(times, clock, memory, 0.1, 0.7).end()
+    end = collocation(times, clock, memory, 0.1, 0.7 * (PATH_AT_NODES @ clock), np.zeros(9)).motion().end()
+    assert end[1] == pytest.approx(exact[1], rel=1e-12)
+    assert end[0][0] == pytest.approx(exact[0][0], rel=1e-6, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    "way", [[0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0, 0.0], [0.0, 2.0, -1.0, 0.0, 0.0]]
+)
+def test_inverse_of_a_path_that_may_turn_at_an_end(way):
+    way, u = np.array(way), np.linspace(0.0, 1.0, 11)
+    rise = sum(coefficient * u**order for order, coefficient in enumerate(way))
+    assert inverse(way, rise) == pytest.approx(u, abs=1e-7)
+
+
+@pytest.mark.parametrize("name", ["cycle-v0.02", "force-4", "pdms-retraction-10nm"])
+def test_an_accepted_row_satisfies_the_next_step(name):
+    """The residual does not change when fields come from the table: else it is noise that steps shrink by."""
+    run = Run(load(name).scene)
+    record, worst = run._record, []
+
+    def checked(trial, arrival, state, s):
+        record(trial, arrival, state, s)
+        tracker = run.tracker
+        if not trial.direction:
+            return
+        way, basis = np.zeros(5), np.zeros(5)
+        way[1], basis[1] = trial.direction * 1e-9 * tracker.law.zone, 1.0
+        again = Trial(
+            run.body, state, tracker.leg, Segment(way, 0.0 * way, 0.0 * way, basis), tracker.law.zone
+        )
+        before = tracker.law.residual(trial, arrival, 1.0, False)
+        worst.append(tracker.law.residual(again, again.arrive(state.parameter), 1.0, False) - before)
+
+    run._record = checked
+    run.run()
+    assert np.quantile(np.abs(worst), 0.95) < 1e-6
+
+
+SCENES = {
+    "cycle-v0.02": 1e-5,
+    "elastic-relaxed": 1e-5,
+    "dwell-1": 1e-5,
+    "cone-cycle": 1e-5,
+    "force-4": 2e-5,
+    "spring-elastic": 1e-5,
+    "afm-si": 1e-5,
+    "hysteresis-si": 1e-5,
+    "rated-edge-si": 2e-5,
+    "fixed-stress-si": 1e-5,
+    "punch-programme": 1e-5,
+    "adhesionless-cycle": 1e-5,
+    "pdms-retraction-10nm": 1e-5,
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_end_as_today(name):
+    """Pull-off, time of loss and largest radius."""
+    scene = load(name).scene
+    run, trace = Run(scene).run(), SOLVERS[REFERENCE].solve(scene)
+    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    last = int(touching[-1])
+    mine, near = run.measures(), SCENES[name]
+    assert mine["pull_off"] == pytest.approx(
+        max(-trace.force.min(), 0.0), rel=near, abs=1e-9 * np.abs(trace.force).max()
+    )
+    assert mine["time"] == pytest.approx(trace.time[last], rel=near)
+    assert mine["largest"] == pytest.approx(trace.contact_radius.max(), rel=near)
