@@ -426,7 +426,7 @@ class Tracker:
         def pull(at: float) -> tuple[float, Arrival]:
             self.evaluations += 1
             arrival = trial.arrive(at)
-            drive = self.law.pulls(trial, arrival)
+            drive = self.law.pulls(trial, arrival, not self.leg.timed)
             if (
                 drive > 0.0 and self.law.rated and self.leg.timed
             ):  # however slowly, it moves: by less than is seen

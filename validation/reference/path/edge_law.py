@@ -47,13 +47,14 @@ class EdgeLaw:
         adhesion = self.adhesion
         return radius == 0.0 or self.at_rim(radius) or (adhesion is not None and not adhesion.reversible)
 
-    def pulls(self, trial: Trial, arrival: Arrival) -> float:
+    def pulls(self, trial: Trial, arrival: Arrival, at_once: bool = False) -> float:
         """How far a resting edge is beyond its range: positive opens, negative closes, 0 rests."""
         value, adhesion = arrival.integral, self.adhesion
         if adhesion is None:  # a flat face, or an indenter that has not touched yet
             return max(-value, 0.0) if trial.radius > 0.0 else min(-arrival.depth, 0.0)
-        if value > adhesion.work:
-            return value / adhesion.work - 1.0
+        taken = adhesion.opening(math.inf) if at_once else adhesion.work  # no speed is infinite
+        if value > taken:
+            return value / taken - 1.0
         return 0.0 if self.at_rim(trial.radius) else min(value / adhesion.closing - 1.0, 0.0)
 
     def residual(self, trial: Trial, arrival: Arrival, scale: float, at_once: bool) -> float:
@@ -68,7 +69,7 @@ class EdgeLaw:
             )
             return -value / strain if strain > 0.0 else 0.0
         if trial.direction == 0.0 and self.rests(trial.radius):
-            return self.pulls(trial, arrival)
+            return self.pulls(trial, arrival, at_once)
         if trial.direction > 0.0:
             return value / adhesion.closing - 1.0
         if not self.rated or trial.direction == 0.0:

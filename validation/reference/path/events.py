@@ -256,7 +256,7 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             tracker.restart()
             tracker.moving = True
             tracker.direction = (
-                -1.0 if tracker.law.pulls(correction.trial, correction.arrival) >= 0.0 else 1.0
+                -1.0 if tracker.law.pulls(correction.trial, correction.arrival, not tracker.leg.timed) >= 0.0 else 1.0
             )
             if runs_away(tracker):
                 planned.event = Kind.FOLD
