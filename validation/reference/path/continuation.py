@@ -267,7 +267,6 @@ class Tracker:
     def step(self) -> events.Kind:
         """One attempt; what it came to."""
         self.rescale()
-        state = self.state
         plan = events.plan(self)
         correction = self._correct(plan)
         error = math.inf if correction is None else correction.error / self.tolerance

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 from contact_scene import Segment
 from contact_scene.segment import Control
@@ -53,7 +54,7 @@ def timed_legs(segment: Segment, stops: tuple[float, ...] = ()) -> Iterator[Leg]
     """What a load step is made of between its kinks and the times that are asked for."""
     kinks = {segment.start, segment.end, *segment.kinks}
     cuts = sorted(kinks | {stop for stop in stops if segment.start < stop < segment.end})
-    for begin, end in zip(cuts[:-1], cuts[1:], strict=True):
+    for begin, end in pairwise(cuts):
         if end - begin < SHORTEST * math.ulp(end):
             continue
         straight = segment.linear and segment.control == "penetration"
