@@ -63,6 +63,8 @@ class EdgeLaw:
         ``scale``: time over length, of the run. ``at_once``: time stands, and no speed is finite.
         """
         value, adhesion = arrival.integral, self.adhesion
+        if not math.isfinite(value):
+            return math.nan
         if adhesion is None:
             strain = abs(arrival.depth) + abs(
                 float(trial.body.transform(trial.radius + 0.0 * trial.behind.x[:1])[0])

@@ -117,7 +117,7 @@ def allowed_speed(law: EdgeLaw, integral: float) -> float:
 def departure(pull: Callable[[float], float], start: float, end: float, narrow: float) -> float:
     """The first load parameter at which a resting edge sets off: by halves, as the pull is zero before."""
     low, high = start, end
-    while high - low > narrow:
+    while high - low > max(narrow, 2.0 * math.ulp(high)):
         middle = 0.5 * (low + high)
         if pull(middle) == 0.0:
             low = middle
@@ -256,7 +256,9 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             tracker.restart()
             tracker.moving = True
             tracker.direction = (
-                -1.0 if tracker.law.pulls(correction.trial, correction.arrival, not tracker.leg.timed) >= 0.0 else 1.0
+                -1.0
+                if tracker.law.pulls(correction.trial, correction.arrival, not tracker.leg.timed) >= 0.0
+                else 1.0
             )
             if runs_away(tracker):
                 planned.event = Kind.FOLD
