@@ -143,7 +143,8 @@ class Trial:
         cuts = self.state.cuts(self.radius, self.zone)
         swept = fields.sweep(self.state.radius, self.segment.way, cuts)
         u_powers = powers(swept.u, COLLOCATION)
-        return swept, Points(swept.x, *self._carried(swept.x), np.arange(len(swept.x)), u_powers)
+        x = np.maximum(swept.x, np.nextafter(min(self.radius, self.state.radius), np.inf))
+        return swept, Points(x, *self._carried(x), np.arange(len(x)), u_powers)
 
     # an end ---
 
