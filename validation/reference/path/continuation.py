@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
@@ -25,12 +24,11 @@ from validation.reference.path.legs import Leg
 from validation.reference.path.path import Rows
 from validation.reference.path.polynomials import DEGREE
 from validation.reference.path.state import Body, State, start_state
+from validation.reference.path.step import Correction, Fixed, Kind, Plan
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 
-MOVING = 3e-3
-"""Share of the radius in the direction of the path from which on a step ends at a radius."""
 REJECTED = 1.5
 """Error, in tolerances, above which a step is repeated."""
 LARGEST_GROWTH, FIRST_GROWTH = 2.0, 3.0
@@ -59,35 +57,6 @@ SMALL_PART = 0.1
 """Scales of radius and penetration, in the largest of the run."""
 RESIDUAL = 1e-12
 """At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
-
-
-class Fixed(StrEnum):
-    """What a step ends at."""
-
-    RADIUS = "radius"
-    LOAD = "load"
-    REST = "rest"
-
-
-@dataclass
-class Plan:
-    """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and along what."""
-
-    h: float
-    z: Array
-    tangent: Array
-    fixed: Fixed
-    event: events.Kind = events.Kind.NONE
-
-
-@dataclass(frozen=True)
-class Correction:
-    """A step that satisfies the edge condition, by how much it was mispredicted, and its arclength."""
-
-    trial: Trial
-    arrival: Arrival
-    error: float
-    s: float
 
 
 @dataclass
@@ -264,7 +233,7 @@ class Tracker:
         self.T, self.L = T, L
         self.rows.measure(T, L)
 
-    def step(self) -> events.Kind:
+    def step(self) -> Kind:
         """One attempt; what it came to."""
         self.rescale()
         plan = events.plan(self)
@@ -281,7 +250,7 @@ class Tracker:
             if (
                 falling
                 and (self.law.zone or correction.trial.direction > 0.0)
-                and plan.event not in (events.Kind.FOLD, events.Kind.END)
+                and plan.event not in (Kind.FOLD, Kind.END)
             ):
                 error = math.inf  # beyond a limit point that was not foreseen
         if error <= REJECTED and correction.trial.direction and self._turns(correction.trial):
@@ -301,7 +270,7 @@ class Tracker:
         self.fails = 0
         correction = events.to_level(self, plan, correction)
         events.finish(self, plan, correction)
-        if plan.event is events.Kind.NONE:
+        if plan.event is Kind.NONE:
             rising = len(self.rows) <= DEGREE + 1 and self.steps
             order = min(len(self.rows), DEGREE + 1)
             growth = 0.9 * max(error, 1e-5) ** (-1.0 / order)
@@ -318,7 +287,7 @@ class Tracker:
         """Load parameter gained in a step."""
         return correction.arrival.parameter - self.state.parameter
 
-    def _reject(self, plan: Plan, error: float) -> events.Kind:
+    def _reject(self, plan: Plan, error: float) -> Kind:
         """Try a shorter step; where none is short enough, look what became of the contact."""
         self.rejected += 1
         self.fails += 1
@@ -327,8 +296,8 @@ class Tracker:
         self.slopes = {}
         if self.h < SMALLEST_STEP or self.fails > 40:
             self.fails = 0
-            return events.Kind.LOST
-        return events.Kind.REJECTED
+            return Kind.LOST
+        return Kind.REJECTED
 
     # the corrector ---
 
@@ -441,9 +410,9 @@ class Tracker:
             p = events.departure(lambda at: pull(at)[0], start, p, 1e-13 * self.T)
             trial = self.trial(a, self.chord(plan, p, a))
             arrival = trial.arrive(p)
-            plan.event = events.Kind.DEPARTURE
+            plan.event = Kind.DEPARTURE
         error = 0.0
-        if plan.event is not events.Kind.DEPARTURE:  # nothing moves: what the rows have to show is the load
+        if plan.event is not Kind.DEPARTURE:  # nothing moves: what the rows have to show is the load
             self.largest_force = max(self.largest_force, abs(self.state.force))
             force = trial.force(arrival.motion, arrival.duration) / (self.largest_force or 1.0)
             error = math.hypot(

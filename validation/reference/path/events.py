@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,11 +24,12 @@ from contact_scene import Trigger
 from validation.reference.path import kinks
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.state import State
+from validation.reference.path.step import MOVING, Correction, Fixed, Kind, Plan
 from validation.reference.path.trial import Arrival, Trial
 from validation.reference.rated_edge import opening_speed
 
 if TYPE_CHECKING:
-    from validation.reference.path.continuation import Correction, Plan, Tracker
+    from validation.reference.path.continuation import Tracker
 
 Array = NDArray[np.float64]
 
@@ -45,24 +45,6 @@ TOWARDS_FOLD = 0.75
 """Share of the way to a fold that a step goes until the place of the fold is known."""
 OVER = 3.0
 """Misprediction by a corner passed over, in tolerances, from which on it is landed on."""
-
-
-class Kind(StrEnum):
-    """What a step came to."""
-
-    NONE = ""
-    REJECTED = "rejected"
-    END = "end of the leg"
-    LEVEL = "level"
-    CORNER = "corner"
-    BEND = "slight corner"
-    TURN = "turn"
-    DEPARTURE = "departure"
-    TOWARDS = "towards a fold"
-    FOLD = "fold"
-    LEAST = "smallest radius"
-    RIM = "rim"
-    LOST = "lost"
 
 
 @dataclass
@@ -128,8 +110,6 @@ def departure(pull: Callable[[float], float], start: float, end: float, narrow: 
 
 def plan(tracker: Tracker) -> Plan:
     """The next step, shortened to the first event on its way."""
-    from validation.reference.path.continuation import MOVING, Fixed, Plan
-
     coefficients = tracker.rows.predictor(tracker.T, tracker.L, tracker.depth, tracker.tangent)
     orders = np.arange(len(coefficients))
     end = tracker.leg.end / tracker.T
@@ -188,8 +168,6 @@ def _turn_or_fold(
     slope: Callable[[float], Array],
     first: Array,
 ) -> Plan:
-    from validation.reference.path.continuation import Fixed
-
     h = planned.h
     ahead = slope(AHEAD * h)
     if abs(first[1]) > 1e-5 and first[1] * ahead[1] < 0.0:
@@ -303,8 +281,6 @@ def runs_away(tracker: Tracker) -> bool:
 
 def lost(tracker: Tracker, at_fold: bool) -> bool:
     """At a fixed load parameter: whether there is no other stable edge. If there is, the contact goes there."""
-    from validation.reference.path.continuation import Correction
-
     tracker.restart()
     state, zone = tracker.state, tracker.law.zone
     a, p = state.radius, state.parameter

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.step import Fixed, Plan
 from validation.reference.tracking.rheology import total
 
 if TYPE_CHECKING:
-    from validation.reference.path.continuation import Plan, Tracker
+    from validation.reference.path.continuation import Tracker
 
 Array = NDArray[np.float64]
 NEARBY = 0.02
@@ -92,8 +93,6 @@ def faded(tracker: Tracker) -> tuple[float, ...]:
 
 def _gradient(tracker: Tracker, plan: Plan) -> float:
     """Of the residual over the plane of ``p/T`` and ``a/L``, from a slope and the direction of the path."""
-    from validation.reference.path.continuation import Fixed
-
     if Fixed.RADIUS in tracker.slopes:
         return abs(tracker.slopes[Fixed.RADIUS]) * tracker.T / max(abs(plan.tangent[1]), 1e-300)
     if Fixed.LOAD in tracker.slopes:

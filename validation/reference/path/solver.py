@@ -82,9 +82,9 @@ class Run:
             legs = ([first] if first else []) + list(timed_legs(segment))
             for leg in legs:
                 ending = self._follow(leg, deepest)
-                if ending is not events.Kind.END:
+                if ending is not Kind.END:
                     break
-            if not self.outcome and segment.trigger is not None and ending is events.Kind.END:
+            if not self.outcome and segment.trigger is not None and ending is Kind.END:
                 self.outcome = "trigger not reached"
             if self.outcome:
                 return self
@@ -112,7 +112,7 @@ class Run:
         pressed = max(forces) / (2.0 * body.rheology.relaxed * largest) if largest else 0.0
         return largest, max(abs(state.depth), abs(deepest), shape, pressed)
 
-    def _follow(self, leg: Leg, deepest: float) -> events.Kind:
+    def _follow(self, leg: Leg, deepest: float) -> Kind:
         """One leg to its end, or what ends it before."""
         tracker = self.tracker
         if leg.timed:
@@ -126,13 +126,13 @@ class Run:
         tracker.begin(leg, T)
         while True:
             kind = tracker.step()
-            if kind in (events.Kind.END, events.Kind.LEVEL):
+            if kind in (Kind.END, Kind.LEVEL):
                 return kind
-            if kind is events.Kind.LEAST:
+            if kind is Kind.LEAST:
                 self.outcome = "shorter than its zone" if tracker.law.zone else "detached"
-            elif kind in (events.Kind.LOST, events.Kind.FOLD):
-                if events.lost(tracker, kind is events.Kind.FOLD):
-                    self.outcome = "detached" if kind is events.Kind.FOLD else "detached?"
+            elif kind in (Kind.LOST, Kind.FOLD):
+                if events.lost(tracker, kind is Kind.FOLD):
+                    self.outcome = "detached" if kind is Kind.FOLD else "detached?"
             elif tracker.steps + tracker.rejected > self.max_steps:
                 self.outcome = "budget"
             if self.outcome:
