@@ -10,9 +10,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-from contact_scene.segment import Control
-
 from contact_scene import Segment
+from contact_scene.loading import Control
 
 SHORTEST = 16.0
 """Leg, in units of the last place of its end, below which it is lost in rounding."""

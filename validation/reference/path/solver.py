@@ -17,6 +17,7 @@ from validation.reference.path.energies import force_polynomial, force_slopes, w
 from validation.reference.path.legs import Leg, jump, timed_legs
 from validation.reference.path.polynomials import gauss, horner
 from validation.reference.path.state import Body, State, start_state
+from validation.reference.path.step import Kind
 from validation.reference.path.trial import Arrival, Trial
 from validation.reference.tracking.abel import transform
 from validation.reference.tracking.equilibrium import pressed_radius, start_surface, touching_radius
