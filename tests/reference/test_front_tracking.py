@@ -31,11 +31,11 @@ from validation.measure.observables import Observables, measure, observe
 from validation.measure.scaling import scale
 from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone
+from validation.reference.path.rheology import Rheology
 from validation.reference.tracking import Options, problem, solve
 from validation.reference.tracking.energy import branch_power
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.recorder import Recorder
-from validation.reference.tracking.rheology import Rheology
 
 
 @cache

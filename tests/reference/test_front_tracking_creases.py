@@ -7,14 +7,14 @@ import pytest
 from support.paper_scenes import ONE
 
 from contact_scene import Adhesion, Branch, Force, Loading, Material, Scene, Sphere, Table, TabulatedProfile
+from validation.reference.path.abel import transform
+from validation.reference.path.rheology import Body, rheology
 from validation.reference.tracking import Options, hermite, solve
-from validation.reference.tracking.abel import transform
 from validation.reference.tracking.coarsening import coarsened
 from validation.reference.tracking.edge_path import ParabolicPath
 from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.penetration_path import straight
-from validation.reference.tracking.rheology import rheology
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 from validation.reference.tracking.surface_step import field_update, surface_step
 
 BODY = Body(rheology(ONE), transform(Sphere(1.0)))

@@ -11,17 +11,16 @@ from scipy.linalg import expm
 
 from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import straight as straight_load
+from validation.reference.path.abel import transform
+from validation.reference.path.rheology import Body, rheology
 from validation.reference.tracking import hermite
-from validation.reference.tracking.abel import transform
 from validation.reference.tracking.closure import EdgeFields, closure_integral
 from validation.reference.tracking.control import freedom
 from validation.reference.tracking.edge_path import ParabolicPath, PolynomialPath, path_family
 from validation.reference.tracking.estimate import estimated_errors
 from validation.reference.tracking.penetration_path import BranchGain, cubic, phi
-from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.row_extrapolation import RowExtrapolation
-from validation.reference.tracking.surface import Body
 
 RADII = np.linspace(0.0, 1.0, 41)
 SHAPES = [

@@ -8,8 +8,8 @@ from contact_scene import Adhesion, Loading, OutcomeKind, Ramp, Scene, Sphere, T
 from contact_scene.loading import Step
 from contact_scene.material import Material
 from validation.reference.finite_zone import FiniteZone
+from validation.reference.path.abel import transform
 from validation.reference.tracking import Options, solve
-from validation.reference.tracking.abel import transform
 from validation.reference.tracking.closure import EdgeFields, closure_integral
 
 LONG_ZONE = 0.2

@@ -7,29 +7,29 @@ from dataclasses import replace
 import numpy as np
 from support.faults.injection import registry
 
-from validation.reference.tracking.abel import PowerTransform
+from validation.reference.path.abel import PowerTransform
 
-FAULTS, fault = registry("reference", "validation.reference.tracking")
+FAULTS, fault = registry("reference", "validation.reference")
 SHORT = ("pdms-retraction-100nm",)
 """Where steps pass over many process zones."""
 
 
-@fault("the half of the closure dropped", "closure:closure_integral")
+@fault("the half of the closure dropped", "tracking.closure:closure_integral")
 def _(true):
     return lambda *given: 2.0 * true(*given)
 
 
-@fault("tension and compression swapped", "surface:Surface.edge_stress", ("adhesionless-cycle",))
+@fault("tension and compression swapped", "tracking.surface:Surface.edge_stress", ("adhesionless-cycle",))
 def _(true):
     return lambda *given: -true(*given)
 
 
-@fault("1 - nu^2 lost", "rheology:rheology")
+@fault("1 - nu^2 lost", "path.rheology:rheology")
 def _(true):
     return lambda material: true(replace(material, poisson=0.0))
 
 
-@fault("relaxation and retardation times swapped", "rheology:rheology")
+@fault("relaxation and retardation times swapped", "path.rheology:rheology")
 def _(true):
     def rheology(material):
         found = true(material)
@@ -38,17 +38,17 @@ def _(true):
     return rheology
 
 
-@fault("a branch dropped", "rheology:rheology")
+@fault("a branch dropped", "path.rheology:rheology")
 def _(true):
     return lambda material: true(replace(material, branches=material.branches[1:]))
 
 
-@fault("force of one side of the axis only", "surface:Surface.force")
+@fault("force of one side of the axis only", "tracking.surface:Surface.force")
 def _(true):
     return lambda *given: 0.5 * true(*given)
 
 
-@fault("energy without a branch", "rheology:Rheology.stored_in_contact")
+@fault("energy without a branch", "path.rheology:Rheology.stored_in_contact")
 def _(true):
     def stored(self, branches, strain):
         return true(self, branches, strain) - 0.5 * (branches[:, :1] ** 2 / self.moduli[:1]).sum(axis=1)
@@ -56,32 +56,32 @@ def _(true):
     return stored
 
 
-@fault("the profile in place of its Abel transform", "abel:transform")
+@fault("the profile in place of its Abel transform", "path.abel:transform")
 def _(true):
     return lambda indenter: PowerTransform(0.5 / indenter.radius, 2.0)
 
 
-@fault("process zone half as long", "closure:closure_integral")
+@fault("process zone half as long", "tracking.closure:closure_integral")
 def _(true):
     return lambda edge, zone, *given: true(edge, 0.5 * zone, *given)
 
 
-@fault("curvature of the closure's kernel left out", "closure:kernel_slope")
+@fault("curvature of the closure's kernel left out", "path.closure:kernel_slope")
 def _(true):
     return lambda *given: 0.0 * true(*given)
 
 
-@fault("covered points without their glassy jump", "rheology:Rheology.cover")
+@fault("covered points without their glassy jump", "path.rheology:Rheology.cover")
 def _(true):
     return lambda self, units, strain: units @ self.branches_of_units
 
 
-@fault("released points forget their relaxation", "rheology:Rheology.release")
+@fault("released points forget their relaxation", "path.rheology:Rheology.release")
 def _(true):
     return lambda self, branches, strain: true(self, 0.0 * branches, strain)
 
 
-@fault("internal variables in contact not advanced", "surface_step:field_update")
+@fault("internal variables in contact not advanced", "tracking.surface_step:field_update")
 def _(true):
     def update(*given):
         found = true(*given)
@@ -90,37 +90,39 @@ def _(true):
     return update
 
 
-@fault("start with the other modulus", "equilibrium:elastic_surface")
+@fault("start with the other modulus", "tracking.equilibrium:elastic_surface")
 def _(true):
     return lambda body, depth, radius, glassy: true(body, depth, radius, not glassy)
 
 
-@fault("edge passes every point at the end of the step", "edge_path:ParabolicPath.passing")
+@fault("edge passes every point at the end of the step", "tracking.edge_path:ParabolicPath.passing")
 def _(true):
     return lambda self, x: np.ones_like(x)
 
 
-@fault("surface energy of the wrong sign in the balance", "recorder:Recorder.columns")
+@fault("surface energy of the wrong sign in the balance", "tracking.recorder:Recorder.columns")
 def _(true):
     return lambda self, whole=True: true(replace(self, work=-self.work), whole)
 
 
-@fault("closure 0.3 % too large", "closure:closure_integral", ("elastic-glassy", "elastic-relaxed"))
+@fault("closure 0.3 % too large", "tracking.closure:closure_integral", ("elastic-glassy", "elastic-relaxed"))
 def _(true):
     return lambda *given: 1.003 * true(*given)
 
 
-@fault("force 0.3 % too large", "surface:Surface.force", ("punch-programme",))
+@fault("force 0.3 % too large", "tracking.surface:Surface.force", ("punch-programme",))
 def _(true):
     return lambda *given: 1.003 * true(*given)
 
 
-@fault("edge fields with a length of 1e-6", "closure:closure_integral", ("cycle-si-small",))
+@fault("edge fields with a length of 1e-6", "tracking.closure:closure_integral", ("cycle-si-small",))
 def _(true):
     return lambda edge, zone, *given: true(edge, zone + 1e-6, *given)
 
 
-@fault("internal variables by the trapezoidal rule", "surface_step:field_update", ("punch-programme",))
+@fault(
+    "internal variables by the trapezoidal rule", "tracking.surface_step:field_update", ("punch-programme",)
+)
 def _(true):
     def update(surface, body, depth):
         found, y = true(surface, body, depth), 0.5 * depth.duration / body.rheology.times
@@ -140,7 +142,7 @@ def _(true):
     return update
 
 
-@fault("the spring 2 % too soft in the balance", "control:balanced", ("spring-elastic",))
+@fault("the spring 2 % too soft in the balance", "tracking.control:balanced", ("spring-elastic",))
 def _(true):
     def balanced(surface, body, segment, *given, **more):
         return true(surface, body, replace(segment, compliance=1.02 * segment.compliance), *given, **more)
@@ -148,7 +150,7 @@ def _(true):
     return balanced
 
 
-@fault("the wake recovers 1 % too slowly", "surface_step:field_update", ("cycle-v0.002",))
+@fault("the wake recovers 1 % too slowly", "tracking.surface_step:field_update", ("cycle-v0.002",))
 def _(true):
     def update(*given):
         found = true(*given)
@@ -157,22 +159,24 @@ def _(true):
     return update
 
 
-@fault("the interface takes up 1 % more", "interface_work:taken_at", ("rated-edge-si",))
+@fault("the interface takes up 1 % more", "tracking.interface_work:taken_at", ("rated-edge-si",))
 def _(true):
     return lambda *given: 1.01 * true(*given)
 
 
-@fault("points of a step over zones released at its end", "edge_path:PolynomialPath.passing", SHORT)
+@fault("points of a step over zones released at its end", "tracking.edge_path:PolynomialPath.passing", SHORT)
 def _(true):
     return lambda self, x: np.ones_like(x)
 
 
-@fault("points of a step over zones released 1 % too early", "edge_path:PolynomialPath.passing", SHORT)
+@fault(
+    "points of a step over zones released 1 % too early", "tracking.edge_path:PolynomialPath.passing", SHORT
+)
 def _(true):
     return lambda self, x: 0.99 * true(self, x)
 
 
-@fault("wake of earlier steps over zones recovers half as fast", "surface_step:field_update", SHORT)
+@fault("wake of earlier steps over zones recovers half as fast", "tracking.surface_step:field_update", SHORT)
 def _(true):
     def update(*given):
         found = true(*given)

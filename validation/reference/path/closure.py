@@ -1,11 +1,13 @@
 """The closure integral, a form between ``q`` behind the edge and ``d`` ahead of it.
 
-With ``x = a - da + s`` behind and ``y = a + s`` ahead, ``0 < s < da``, and the kernel of
-:mod:`validation.reference.tracking.closure`,
+With ``x = a - da + s`` behind and ``y = a + s`` ahead, ``0 < s < da``, ``d(y) = w(y) - (D - G(y))`` and
+``K(x, y) = int_{y-da}^x dr/sqrt((x^2-r^2)((r+da)^2-y^2))`` the closure (paper, Eq. closure) is, by parts
+over x,
 
     I = -1/(pi^2 da) int_0^da d(s) [ (pi/2) q(s)/sqrt(x y) + int_s^da q(s') dK/dx(s', s) ds' ] ds.
 
-Its kernel depends on radius, zone and points alone, and is a polynomial in both of degree 5, so that the inner
+The first term is ``K(y-da, y) = pi/(2 sqrt(y (y-da)))``; the second, of order ``da/a``, has a smooth kernel.
+That depends on radius, zone and points alone, and is a polynomial in both of degree 5, so that the inner
 integral is a running sum of moments of ``q``. The points are those of Gauss in panels between breaks: the
 ends of the zone, graded towards both, and where the table of passages has edges.
 """
@@ -19,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path.polynomials import gauss, powers
-from validation.reference.tracking.closure import kernel_slope
 
 Array = NDArray[np.float64]
 
@@ -32,10 +33,14 @@ _REST = ((1.0 - POINTS[:, None] ** np.arange(1, COUNT + 1)) / np.arange(1, COUNT
 _GRADED = np.array([2e-3, 2e-2, 0.2])
 """Breaks near the ends of a zone: fresh surface fades within a small part of it (two levels: 2e-6)."""
 BASE = np.unique(np.concatenate(([0.0, 0.5, 1.0], _GRADED, 1.0 - _GRADED)))
-NEAR_AXIS = 0.45
+NEAR_AXIS = 0.5
 """Zone over radius from which on the kernel is no polynomial of degree 5 but taken point by point."""
+AXIS, WIDENING = 1e-9, 3.0
+"""Least distance of a break from the axis, in radii, and ratio of the distances of the next ones."""
 _RING = np.cos(np.pi * (np.arange(24) + 0.5) / 24)
 ORDER = 6
+_KNOTS = 0.5 * (1.0 - np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER))
+_FROM_KNOTS = np.linalg.inv(powers(_KNOTS, ORDER - 1))
 
 
 def points(breaks: Array) -> tuple[Array, Array]:
@@ -46,7 +51,7 @@ def points(breaks: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Closure:
-    """The closure at one radius; ``s``, ``weight`` (m,): points and weights, from the inner end of the zone."""
+    """The closure at one radius; ``s``, ``weight`` (m,): points and weights from the inner end of the zone."""
 
     zone: float
     s: Array
@@ -57,7 +62,7 @@ class Closure:
     kernel: Array
 
     def integral(self, q: Array, d: Array) -> float:
-        """``I`` of stresses behind and openings ahead; negative where the zone is pressed and would overlap."""
+        """``I`` of stresses behind and openings ahead; negative where both are those of a pressed edge."""
         opened = self.weight * d
         if self.kernel.shape != (ORDER, ORDER):  # near the axis: point by point
             inner = self.kernel @ q
@@ -72,12 +77,18 @@ class Closure:
 
 
 def closure(radius: float, zone: float, breaks: Array) -> Closure:
-    """The closure at a radius, by Gauss in panels between breaks."""
+    """The closure at a radius, by Gauss in panels between breaks, no wider than what they are off the axis."""
+    start = radius - zone
+    near = zone > NEAR_AXIS * radius
+    if near:
+        levels = np.arange(1, int(math.log(radius / max(start, AXIS * radius)) / math.log(WIDENING)) + 1)
+        graded = max(start, AXIS * radius) * WIDENING**levels - start
+        breaks = np.union1d(breaks, graded[graded < zone])
     s, weight = points(breaks)
     x, y = radius - zone + s, radius + s
     width = np.diff(breaks)
     main = 0.5 * math.pi / np.sqrt(x * y)
-    if zone > NEAR_AXIS * radius:
+    if near:
         m = len(s)
         panel = np.arange(m) // COUNT
         matrix = np.where(panel[:, None] < panel, weight, 0.0)
@@ -89,6 +100,16 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
     return Closure(zone, s, weight, width, main, moments, kernel_slope(radius - zone, zone).T)
 
 
+def kernel_slope(start: float, zone: float) -> Array:
+    """``dK/dx`` as coefficients of ``u^p v^q``; ``x = start + zone u``, ``y - zone = start + zone v``.
+
+    ``a^2 dK/dx`` depends on ``zone/a`` alone (``a = start + zone``): a Chebyshev series, made once.
+    """
+    a = start + zone
+    series = np.cos(_TERMS * math.acos(min(2.0 * zone / (a * NEAR_AXIS) - 1.0, 1.0)))
+    return np.asarray((series @ _TABLE).reshape(ORDER, ORDER) / (a * a))
+
+
 def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:
     """``dK/dx`` at every pair: rows of ``y = behind + zone``, columns of ``x``."""
     x, behind = x[None, :, None], behind[:, None, None]
@@ -98,3 +119,17 @@ def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:
     return np.asarray(
         math.pi * (-0.5 * ((1.0 + slope) / first + slope / second) / np.sqrt(first * second)).mean(-1)
     )
+
+
+_TERMS = np.arange(32)
+_ANGLES = np.pi * (_TERMS + 0.5) / len(_TERMS)
+
+
+def _at_knots(zone: float) -> Array:
+    """Coefficients at one ratio of zone and radius."""
+    at = 1.0 - zone + zone * _KNOTS
+    return np.asarray((_FROM_KNOTS @ _kernel_slopes(at, at, zone).T @ _FROM_KNOTS.T).ravel())
+
+
+_TABLE = (2.0 - (_TERMS[:, None] == 0)) / len(_TERMS) * np.cos(np.outer(_TERMS, _ANGLES))
+_TABLE = _TABLE @ np.array([_at_knots(z) for z in 0.5 * NEAR_AXIS * (np.cos(_ANGLES) + 1.0)])

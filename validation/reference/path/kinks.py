@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.rheology import total
 from validation.reference.path.step import Fixed, Plan
-from validation.reference.tracking.rheology import total
 
 if TYPE_CHECKING:
     from validation.reference.path.continuation import Tracker

@@ -11,18 +11,17 @@ from scipy.optimize import minimize_scalar
 
 from contact_scene import Scene
 from validation.reference.path import events
+from validation.reference.path.abel import transform
 from validation.reference.path.continuation import SMALL_PART, Tracker
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.energies import force_polynomial, force_slopes, work
+from validation.reference.path.equilibrium import elastic_start, pressed_radius, touching_radius
 from validation.reference.path.legs import Leg, jump, timed_legs
 from validation.reference.path.polynomials import gauss, horner
+from validation.reference.path.rheology import rheology
 from validation.reference.path.state import Body, State, start_state
 from validation.reference.path.step import Kind
 from validation.reference.path.trial import Arrival, Trial
-from validation.reference.tracking.abel import transform
-from validation.reference.tracking.equilibrium import pressed_radius, start_surface, touching_radius
-from validation.reference.tracking.law import Griffith, NoTension
-from validation.reference.tracking.rheology import rheology
 
 Array = NDArray[np.float64]
 _POINTS, _WEIGHTS = gauss(8)
@@ -56,7 +55,7 @@ class Run:
         body = Body(rheology(scene.material), transform(scene.indenter))
         adhesion = scene.adhesion if scene.is_adhesive else None
         law = EdgeLaw(adhesion, scene.indenter.edge, scene.bare_plane_tip)
-        start = start_surface(scene, body, Griffith(adhesion) if adhesion else NoTension())
+        start = elastic_start(scene, body)
         if start is None:
             self.outcome = "no start"
             return self

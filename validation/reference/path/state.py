@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from validation.reference.path.closure import BASE
 from validation.reference.path.fields import Passages, untouched
 from validation.reference.path.polynomials import gauss
-from validation.reference.tracking.surface import Body
+from validation.reference.path.rheology import Body
 
 __all__ = ["Body", "State", "start_state"]
 

@@ -27,8 +27,8 @@ from validation.reference.path.memory import (
 )
 from validation.reference.path.path import Segment
 from validation.reference.path.polynomials import horner, inverse, powers
+from validation.reference.path.rheology import total
 from validation.reference.path.state import Body, State
-from validation.reference.tracking.rheology import total
 
 Array = NDArray[np.float64]
 

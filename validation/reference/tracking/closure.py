@@ -11,14 +11,14 @@ kernel is smooth, so it is expanded in powers of ``(x - a + da)/da`` from Gauss-
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.abel import Transform
+from validation.reference.path.closure import NEAR_AXIS, kernel_slope
 from validation.reference.tracking import hermite
-from validation.reference.tracking.abel import Transform
 from validation.reference.tracking.short_contact import short_contact_integral
 
 Array = NDArray[np.float64]
@@ -32,9 +32,6 @@ _REST_SHARES = _REST / _WEIGHT
 
 _LATTICE = np.linspace(0.0, 1.0, 11)  # panels where nodes are few
 _DEGREE = 6
-_KNOTS = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_DEGREE) + 0.5) / _DEGREE))
-_TO_POWERS = np.linalg.inv(np.vander(_KNOTS, increasing=True))
-_RING = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
 
 
 @dataclass(frozen=True)
@@ -50,38 +47,6 @@ class EdgeFields:
     outside: Array
     strain: Array
     penetration: float
-
-
-def kernel_slope(start: float, zone: float) -> Array:
-    """``dK/dx`` as coefficients of ``u^p v^q``; ``x = start + zone u``, ``y - zone = start + zone v``.
-
-    ``a^2 dK/dx`` depends on ``zone/a`` alone (``a = start + zone``): a Chebyshev series, made once.
-    """
-    a = start + zone
-    argument = min(2.0 * zone / (a * LONGEST) - 1.0, 1.0)
-    series = np.cos(_ORDERS * math.acos(argument))
-    return (series @ _TABLE).reshape(_DEGREE, _DEGREE) / (a * a)
-
-
-def _kernel_slope(start: float, zone: float) -> Array:
-    u, v = _KNOTS[:, None, None], _KNOTS[None, :, None]
-    x, behind = start + zone * u, start + zone * v
-    r = 0.5 * (x + behind) + 0.5 * (x - behind) * _RING
-    r_x = 0.5 * (1.0 + _RING)
-    first, second = x + r, r + behind + 2.0 * zone
-    values = -0.5 * ((1.0 + r_x) / first + r_x / second) / np.sqrt(first * second)
-    return _TO_POWERS @ (np.pi * values.mean(axis=2)) @ _TO_POWERS.T
-
-
-LONGEST = 0.5  # of the radius: for longer zones the kernel is no such polynomial (see short_contact)
-_ORDERS = np.arange(32)
-_SAMPLES = np.cos(np.pi * (_ORDERS + 0.5) / len(_ORDERS))
-_TABLE = np.array(
-    [_kernel_slope(1.0 - z, z).ravel() for z in 0.5 * LONGEST * (_SAMPLES + 1.0)]
-)  # at Chebyshev points, then as a series
-_TABLE = (
-    (2.0 - (_ORDERS[:, None] == 0)) / len(_ORDERS) * np.cos(np.outer(_ORDERS, np.arccos(_SAMPLES))) @ _TABLE
-)
 
 
 def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: Transform) -> float:
@@ -115,7 +80,7 @@ def closure_integral(edge: EdgeFields, zone: float, relaxed: float, transform: T
     def opening(at: Array) -> Array:
         return hermite.evaluate(y, strain, strain_slopes, at) - edge.penetration + transform(at)
 
-    if zone > LONGEST * radius:
+    if zone > NEAR_AXIS * radius:
         return _signed(*short_contact_integral(stress, opening, x, y, radius, zone), zone)
     breaks = np.concatenate(
         (

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.rheology import total
 from validation.reference.tracking import hermite
-from validation.reference.tracking.rheology import total
 from validation.reference.tracking.surface import Surface
 
 _PROTECTED = np.arange(-2, 3)

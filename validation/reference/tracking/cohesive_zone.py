@@ -15,8 +15,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.abel import Transform
 from validation.reference.tracking import hermite
-from validation.reference.tracking.abel import Transform
 from validation.reference.tracking.closure import EdgeFields
 
 Array = NDArray[np.float64]

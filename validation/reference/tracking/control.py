@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Segment
+from validation.reference.path.rheology import Body
 from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import PenetrationPath, cubic, straight
 from validation.reference.tracking.row_extrapolation import RowExtrapolation
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 from validation.reference.tracking.surface_step import FieldUpdate, surface_step
 
 Array = NDArray[np.float64]

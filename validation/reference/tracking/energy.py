@@ -11,8 +11,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.rheology import Body
 from validation.reference.tracking import hermite
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 
 Array = NDArray[np.float64]
 Density = Callable[[Array, Array], Array]

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from contact_scene import Scene, TabulatedProfile
 from contact_scene.errors import SceneError
 from contact_scene.scene import zone_too_long
+from validation.reference.path.rheology import Body
 from validation.reference.tracking.law import EdgeCondition, Griffith
 from validation.reference.tracking.root import bracketed
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 
 Array = NDArray[np.float64]
 

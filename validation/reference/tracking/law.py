@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from contact_scene import Adhesion
+from validation.reference.path.rheology import Body
 from validation.reference.tracking.closure import closure_integral
 from validation.reference.tracking.cohesive_zone import zone_at
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 
 SHORTEST_ZONE = 1e-3
 """Shortest zone of fixed stress that is followed, in zones at rest: the edge pulls a thirtieth as much."""

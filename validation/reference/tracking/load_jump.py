@@ -11,6 +11,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from contact_scene import Segment
+from validation.reference.path.rheology import Body
 from validation.reference.tracking.instantaneous import (
     at_rest,
     equilibrium_radius,
@@ -21,7 +22,7 @@ from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.problem import FrontProblem
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step_outcome import NO_STABLE_CONTACT, StepOutcome
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 from validation.reference.tracking.trial import Trial
 
 Equilibrium = Callable[..., "Surface | None"]

@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact_scene import Scene, Segment
-from validation.reference.tracking.abel import transform
+from validation.reference.path.abel import transform
+from validation.reference.path.rheology import Body, rheology
 from validation.reference.tracking.control import freedom
 from validation.reference.tracking.equilibrium import pressed_radius, staged_radius, touching_radius
 from validation.reference.tracking.law import EdgeCondition, Griffith, NoTension
 from validation.reference.tracking.node_placement import NodePlacement
 from validation.reference.tracking.options import Fineness
-from validation.reference.tracking.rheology import rheology
 from validation.reference.tracking.state import FrontState
 from validation.reference.tracking.step_error import StepErrorEstimator, free_columns
 from validation.reference.tracking.step_history import FORCE, PENETRATION, RADIUS
 from validation.reference.tracking.step_outcome import FrontCandidate
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 from validation.reference.tracking.trial import Trial
 
 LONG_ZONE = 0.05

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Indenter, SurfaceProfile
+from validation.reference.path.rheology import Body
 from validation.reference.tracking import hermite
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 
 Array = NDArray[np.float64]
 

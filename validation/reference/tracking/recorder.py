@@ -15,12 +15,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.rheology import Body
 from validation.reference.tracking.dense_output import cubics
 from validation.reference.tracking.energy import stored_energy
 from validation.reference.tracking.interface_work import interface_work
 from validation.reference.tracking.law import Griffith
 from validation.reference.tracking.row_integrals import integrals, released_at_once
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 
 Array = NDArray[np.float64]
 

@@ -12,23 +12,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.rheology import Body, total
 from validation.reference.tracking import hermite
-from validation.reference.tracking.abel import Transform
 from validation.reference.tracking.closure import EdgeFields
-from validation.reference.tracking.rheology import Rheology, total
 
 Array = NDArray[np.float64]
 
 COINCIDENT = 1e-14
 """Distance of the two nodes on either side of a discontinuity of the fields or their slopes, in radii."""
-
-
-@dataclass(frozen=True)
-class Body:
-    """Material and indenter in Abel space, constant during a run."""
-
-    rheology: Rheology
-    transform: Transform
 
 
 @dataclass(frozen=True)

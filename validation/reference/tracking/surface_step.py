@@ -12,11 +12,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.rheology import Body, Rheology
 from validation.reference.tracking import hermite
 from validation.reference.tracking.edge_path import EdgePath
 from validation.reference.tracking.penetration_path import BranchGain, PenetrationPath
-from validation.reference.tracking.rheology import Rheology
-from validation.reference.tracking.surface import COINCIDENT, Body, Surface, distinct, shift_last_inwards
+from validation.reference.tracking.surface import COINCIDENT, Surface, distinct, shift_last_inwards
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters, Segment
+from validation.reference.path.rheology import Body
 from validation.reference.tracking.control import balanced, prescribed_penetration, through_rows
 from validation.reference.tracking.edge_path import (
     EdgePath,
@@ -21,7 +22,7 @@ from validation.reference.tracking.law import EdgeCondition
 from validation.reference.tracking.node_placement import NodePlacement
 from validation.reference.tracking.root import bracketed, rising_root
 from validation.reference.tracking.row_extrapolation import RowExtrapolation
-from validation.reference.tracking.surface import Body, Surface
+from validation.reference.tracking.surface import Surface
 from validation.reference.tracking.surface_step import FieldUpdate, field_update, surface_step
 from validation.reference.tracking.zone_from_turn import RootExtrapolation
 

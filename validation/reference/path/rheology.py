@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Material
 from validation.reference.creep_compliance import creep_compliance
+from validation.reference.path.abel import Transform
 
 Array = NDArray[np.float64]
 
@@ -71,6 +72,18 @@ class Rheology:
     def stored_outside(self, units: Array) -> Array:
         """Energy density ``sum e_j^2/(2 J_j)`` of free points: the same energy, other representation."""
         return 0.5 * (units**2 @ (1.0 / self.compliances))
+
+
+@dataclass(frozen=True)
+class Body:
+    """Material and indenter in Abel space, constant during a run."""
+
+    rheology: Rheology
+    transform: Transform
+
+    def shape(self, radius: float) -> float:
+        """``G`` at one radius."""
+        return float(self.transform(np.array([radius]))[0])
 
 
 def total(variables: Array) -> Array:

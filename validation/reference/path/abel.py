@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,12 @@ Array = NDArray[np.float64]
 
 
 class Transform(Protocol):
-    """``G`` and its integral from 0, both for arrays of any shape."""
+    """``G`` for arrays of any shape, its integral from 0, and the radii (m,) at which it has kinks."""
+
+    @property
+    def knots(self) -> Array:
+        """Where the profile has kinks."""
+        ...
 
     def __call__(self, x: Array) -> Array:
         """``G(x)``."""
@@ -40,6 +45,7 @@ class PowerTransform:
 
     coefficient: float
     exponent: float
+    knots: ClassVar[Array] = np.zeros(0)
 
     def __call__(self, x: Array) -> Array:
         if self.exponent == 2.0:

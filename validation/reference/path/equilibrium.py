@@ -1,0 +1,172 @@
+"""The contact a run starts from: the elastic equilibrium of an untouched half-space, glassy or fully relaxed.
+
+Elastic fields are ``q = E* (D - G)`` behind the edge and ``d = G - D`` ahead, with ``E*`` of the glass or of
+the rubber, so that penetration and radius say all. Where the stage is given, not the penetration,
+``D + F/k = X`` with ``F = 2 E* (a D - int_0^a G)``. The edge has closed: among the radii that satisfy its
+condition the run starts from the outermost at which the release rate rises outwards. Without adhesion the
+radius is that of ``G(a) = D``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from contact_scene import Scene, TabulatedProfile
+from contact_scene.errors import SceneError
+from contact_scene.scene import zone_too_long
+from validation.reference.path.closure import BASE, closure
+from validation.reference.path.cohesive_zone import LONGEST, zone_length
+from validation.reference.path.rheology import Body
+
+Array = NDArray[np.float64]
+
+LEAST_ZONE = 1e-9
+"""Least process zone in contact radii: the rounding of a radius is then 1e-7 of a zone."""
+SHORTEST = 1e-60
+"""Least radius at which a contact shorter than its zone is looked for: the least length a scene may hold."""
+RATIO = 1.03
+"""Ratio of the radii among which an equilibrium is bracketed."""
+
+
+class Start(NamedTuple):
+    """An elastic contact."""
+
+    penetration: float
+    radius: float
+
+
+def elastic_start(scene: Scene, body: Body) -> Start | None:
+    """The contact a scene starts from; ``None`` if the indenter does not hold one.
+
+    Raises
+    ------
+    SceneError
+        If contact is possible, but not with a process zone of that length; if the zone is lost in rounding.
+    """
+    depth, rim, adhesion = scene.loading.penetration, scene.indenter.edge, scene.adhesion
+    rheology = body.rheology
+    modulus = rheology.relaxed if scene.loading.start == "relaxed" else rheology.glassy
+    staged = scene.loading.start_control == "stage"
+    softness = 2.0 * modulus * scene.loading.compliance if staged else 0.0
+
+    def depth_at(radius: float) -> float:
+        return (depth + softness * body.transform.integral(radius)) / (1.0 + softness * radius)
+
+    def strain(radius: float) -> float:
+        return depth_at(radius) - body.shape(radius)
+
+    if not scene.is_adhesive or adhesion is None:
+        radius = _rising(lambda a: -strain(a), rim)
+        return Start(depth_at(radius), radius)
+
+    def zone_at(radius: float) -> float:
+        """Length of the zone, that of a fixed stress too."""
+        if adhesion.stress is None:
+            return adhesion.zone
+        held = depth_at(radius)
+        guess = min(adhesion.zone, 0.5 * radius)
+        return zone_length(
+            lambda x: modulus * (held - body.transform(x)),
+            body.transform.knots,
+            radius,
+            adhesion.stress,
+            adhesion.zone,
+            guess,
+        )
+
+    def residual(radius: float) -> float:
+        zone, held = zone_at(radius), depth_at(radius)
+        knots = np.concatenate((body.transform.knots - radius + zone, body.transform.knots - radius))
+        form = closure(radius, zone, np.union1d(zone * BASE, knots[(knots > 0.0) & (knots < zone)]))
+        behind, ahead = (held - body.transform(radius + form.s - shift) for shift in (zone, 0.0))
+        return form.integral(modulus * behind, -ahead) / adhesion.closing - 1.0
+
+    def sharp(radius: float) -> float:
+        """The residual of a vanishing zone: ``q^2/(2 pi a E*) - w``, negative where the edge is pressed."""
+        released = -math.copysign(modulus * strain(radius) ** 2, strain(radius)) / (2.0 * math.pi * radius)
+        return released / adhesion.closing - 1.0
+
+    highest, zone = rim, adhesion.zone
+    if math.isinf(rim):  # beyond the last root the release rate rises with the radius
+        ledge = scene.indenter.radii[-1] if isinstance(scene.indenter, TabulatedProfile) else 0.0
+        highest = max(2.0 * touching_radius(body, depth, rim), 4.0 * zone, ledge)
+        while residual(highest) <= max(residual(0.5 * highest), 0.0):
+            highest *= 2.0
+    elif residual(rim) <= 0.0:  # a flat face is in contact up to its rim unless that opens
+        return Start(depth_at(rim), rim)
+    radius = _outermost(residual, _between(highest, zone, body.transform.knots))
+    if radius is None:
+        short = _outermost(sharp, _between(zone, SHORTEST, body.transform.knots))
+        if short is None:
+            return None
+        raise zone_too_long(zone, short)
+    if zone < LEAST_ZONE * radius:
+        raise SceneError(
+            "adhesion.zone",
+            f"the process zone {zone:.4g} is lost in the rounding of the contact radius {radius:.4g}",
+            f"a zone of at least {LEAST_ZONE:g} of the contact radius",
+        )
+    if zone_at(radius) >= LONGEST * radius and adhesion.stress is not None:
+        raise zone_too_long(zone_at(radius), radius)
+    return Start(depth_at(radius), radius)
+
+
+def touching_radius(body: Body, depth: float, rim: float) -> float:
+    """Radius of the adhesionless elastic contact, ``G(a) = D``; that of the rim at most."""
+    return _rising(lambda a: body.shape(a) - depth, rim)
+
+
+def pressed_radius(body: Body, force: float, rim: float) -> float:
+    """Radius of the adhesionless relaxed contact under a force, ``F = 2 E0* (a G(a) - int_0^a G)``."""
+    twice = 2.0 * body.rheology.relaxed
+    return _rising(lambda a: twice * (body.shape(a) * a - body.transform.integral(a)) - force, rim)
+
+
+def _rising(excess: Callable[[float], float], rim: float) -> float:
+    """The root of a function that rises with the radius, between the axis and the rim."""
+    if excess(0.0) >= 0.0:
+        return 0.0
+    if math.isfinite(rim) and excess(rim) <= 0.0:
+        return rim
+    high = rim if math.isfinite(rim) else 1.0
+    while excess(high) < 0.0:
+        high *= 2.0
+    while excess(0.5 * high) > 0.0:
+        high *= 0.5
+    return float(brentq(excess, 0.5 * high, high, xtol=1e-300, rtol=1e-15))
+
+
+def _between(highest: float, lowest: float, knots: Array) -> list[float]:
+    """Radii that fall, with a few between the knots of a profile."""
+    count = math.ceil(math.log(highest / lowest) / math.log(RATIO)) + 1
+    knots = knots[(knots > lowest) & (knots < highest)]
+    inner = knots[:-1, None] + np.diff(knots)[:, None] * np.linspace(0.0, 1.0, 4)
+    return np.union1d(np.geomspace(lowest, highest, count), inner.ravel())[::-1].tolist()
+
+
+def _outermost(residual: Callable[[float], float], radii: list[float]) -> float | None:
+    """The first root at which the residual falls through zero on the way inwards.
+
+    Near the least penetration of a contact it does so between two radii of any spacing: every dip is followed
+    to its lowest point.
+    """
+    outer = above = radii[0]
+    at_outer = at_above = residual(above)
+    for radius in radii[1:]:
+        value, low = residual(radius), radius
+        if 0.0 < at_above < min(value, at_outer):
+            dip = minimize_scalar(
+                residual, bounds=(radius, outer), method="bounded", options={"xatol": 1e-8 * radius}
+            )
+            if dip.fun <= 0.0:
+                value, low, above = dip.fun, dip.x, outer
+        if value <= 0.0 < at_above:
+            return float(brentq(residual, low, above, xtol=1e-300, rtol=1e-15))
+        outer, at_outer, above, at_above = above, at_above, radius, value
+    return None
