@@ -62,8 +62,8 @@ def elastic_start(scene: Scene, body: Body) -> Start | None:
         return depth_at(radius) - body.shape(radius)
 
     if not scene.is_adhesive or adhesion is None:
-        radius = _rising(lambda a: -strain(a), rim)
-        return Start(depth_at(radius), radius)
+        touching = _rising(lambda a: -strain(a), rim)
+        return Start(depth_at(touching), touching)
 
     def zone_at(radius: float) -> float:
         """Length of the zone, that of a fixed stress too."""
