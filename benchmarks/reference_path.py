@@ -1,6 +1,6 @@
 """Built-in scenes by the reference and by the path of the edge, side by side.
 
-    python -m benchmarks.reference_path --oracle FILE [--tolerance 1e-4] [SCENE ...] [FAMILY:FIRST-LAST ...]
+    python -m benchmarks.reference_path --oracle FILE [--tolerance 1e-5] [SCENE ...] [FAMILY:FIRST-LAST ...]
 
 A random scene is compared with the default of the reference. FILE keeps what the reference says at resolution
 32 and what its default costs; made where it lacks a scene.
@@ -22,7 +22,8 @@ import numpy as np
 from benchmarks.random_scenes import random_scene
 from contact_scene import Scene, Trace
 from validation.cases import load
-from validation.reference.path.solver import Run
+from validation.reference.path.options import DEFAULT_TOLERANCE, Options
+from validation.reference.path.solver import solve
 from validation.scenes import names
 from validation.solvers import REFERENCE, SOLVERS
 
@@ -32,7 +33,7 @@ LONGEST = 60.0
 MEASURES = ("pull_off", "time", "radius", "largest", "work")
 
 
-def measures(trace: Trace) -> dict[str, float]:
+def measures(trace: Trace) -> dict[str, Any]:
     """Scalars of a trace, at the last row in contact."""
     touching = np.flatnonzero(trace.contact_radius > 0.0)
     last = int(touching[-1]) if touching.size else 0
@@ -74,9 +75,9 @@ def scene_of(name: str) -> Scene | None:
     return drawn.scene if drawn else None
 
 
-def oracle_of(name: str) -> dict[str, dict[str, float]]:
+def oracle_of(name: str, scene: Scene) -> dict[str, dict[str, Any]]:
     """The reference, fine and as it comes."""
-    scene, answers = scene_of(name), {}
+    answers = {}
     for fineness, resolution in (("fine", FINE), ("default", None)):
         if (":" in name or name.startswith(("sweep", "oscillation"))) and resolution:
             continue  # minutes
@@ -87,27 +88,29 @@ def oracle_of(name: str) -> dict[str, dict[str, float]]:
     return answers
 
 
-def compared(name: str, oracle: dict[str, dict[str, float]], tolerance: float, in_turn: bool = False) -> str:
+def compared(
+    name: str, scene: Scene, oracle: dict[str, dict[str, Any]], tolerance: float, in_turn: bool = False
+) -> str:
     """One line: relative differences from the fine run, the work, and the times of both."""
     fine, default = oracle["fine"], oracle["default"]
     began = time.process_time()
     try:
-        run = within(LONGEST, lambda: Run(scene_of(name), tolerance).run())
+        trace = within(LONGEST, lambda: solve(scene, Options(tolerance=tolerance)))
     except Exception as error:
         return f"{name:22s} FAILED {type(error).__name__}: {str(error)[:80]} | {fine['outcome']}"
     seconds = time.process_time() - began
-    mine = run.measures()
+    mine, counters = measures(trace), trace.counters
     apart = [abs(mine[key] - fine[key]) / abs(fine[key] or 1.0) for key in MEASURES]
     if in_turn:
         began = time.process_time()
-        SOLVERS[REFERENCE].solve(scene_of(name))
+        SOLVERS[REFERENCE].solve(scene)
         default["seconds"] = time.process_time() - began
-    tracker = run.tracker
     return (
         f"{name:22s} "
         + " ".join(f"{key} {value:.0e}" for key, value in zip(MEASURES, apart, strict=True))
-        + f" | {tracker.steps}+{tracker.rejected} geo {tracker.geometries} ev {tracker.evaluations}"
-        + f" {1e3 * seconds:.0f} ms {run.outcome[:22]}"
+        + f" | {counters.steps}+{counters.rejected_steps} geo {counters.history_updates}"
+        + f" ev {counters.closure_evaluations} rows {len(trace)}"
+        + f" {1e3 * seconds:.0f} ms {mine['outcome'][:22]}"
         + f" | {default['steps']} {1e3 * default['seconds']:.0f} ms {fine['outcome'][:12]}"
         + f" x{default['seconds'] / seconds:.1f}"
     )
@@ -127,22 +130,23 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--oracle", type=Path, required=True)
-    parser.add_argument("--tolerance", type=float, default=1e-4)
+    parser.add_argument("--tolerance", type=float, default=DEFAULT_TOLERANCE)
     parser.add_argument("--in-turn", action="store_true", help="time today's default beside each run")
     parser.add_argument("scenes", nargs="*")
     given = parser.parse_args()
     known = json.loads(given.oracle.read_text()) if given.oracle.exists() else {}
     for name in spread(given.scenes) or names():
-        if scene_of(name) is None:
+        scene = scene_of(name)
+        if scene is None:
             continue
         if name not in known:
             try:
-                known[name] = oracle_of(name)
+                known[name] = oracle_of(name, scene)
             except Exception as error:
                 print(name, "has no oracle:", error)
                 continue
             given.oracle.write_text(json.dumps(known))
-        print(compared(name, known[name], given.tolerance, given.in_turn), flush=True)
+        print(compared(name, scene, known[name], given.tolerance, given.in_turn), flush=True)
 
 
 if __name__ == "__main__":

@@ -352,9 +352,13 @@ class Tracker:
         root = self._secants(function, p, size, Fixed.RADIUS, 1e-13 * self.T, earliest)
         return None if root is None else (ends[root], self.slopes.get(Fixed.RADIUS, math.inf))
 
+    def _load(self, plan: Plan) -> float:
+        """The load parameter that a step is to end at: exactly that at the end of a leg."""
+        return self.leg.end if plan.event is Kind.END else plan.z[0] * self.T
+
     def _at_load(self, plan: Plan) -> Correction | None:
         """The radius at which the edge is at the predicted load."""
-        p, guess = plan.z[0] * self.T, plan.z[1] * self.L
+        p, guess = self._load(plan), plan.z[1] * self.L
         if p <= self.state.parameter:
             return None
         state, zone = self.state, self.law.zone
@@ -388,7 +392,7 @@ class Tracker:
 
     def _at_rest(self, plan: Plan) -> Correction | None:
         """The edge stays; if it would set off within the step, that ends there. ``None``: it moves at once."""
-        p, a = plan.z[0] * self.T, self.state.radius
+        p, a = self._load(plan), self.state.radius
         trial = self.trial(a, self.chord(plan, p, a))
 
         def pull(at: float) -> tuple[float, Arrival]:

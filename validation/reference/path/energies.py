@@ -1,68 +1,189 @@
-"""The force along a step, from what is known at its rows, and what it works.
+"""Force and energies along a step.
 
-With ``B_k = int b_k dx`` over the contact, at any instant
+Stored energy is ``U = E0* int w^2 + sum_k int b_k^2/E_k`` over the contact and ``sum_j int e_j^2/J_j`` over
+the free surface, both sides of the edge counted. A field with a sharp edge releases the glassy
+``q(a)^2/Einf* da`` at its tip. With ``B_k = int b_k``, ``Q_k = int b_k^2`` over the contact, and
+``H_j = int e_j^2`` outside, at any instant
 
-    dF/du = 2 [ Einf* a dD/du - (dt/du) sum_k B_k/tau_k + q(a) da/du ],
+    dF = 2 [Einf* a dD - sum_k B_k/tau_k dt + q(a) da],
+    dU = F dD - 2 [sum_k Q_k/(E_k tau_k) + sum_j H_j/(J_j theta_j)] dt + q(a)^2/Einf* da,
 
-exactly: a row knows the slope of the force as it knows the force. Between two rows it is the quartic through
-both and the value in the row before, or the cubic through both after a kink.
+exactly: a row knows the slopes of its force and energies as it knows these. Between two rows each is the
+quartic through both and the value in the row before, or the cubic through both after a kink.
+
+What the edge takes up on opening, or gives back on closing, is the separation energy; it may depend on
+direction and speed.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.polynomials import gauss, horner, powers
-from validation.reference.path.state import Body, State
+from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.memory import COLLOCATION, through_nodes
+from validation.reference.path.polynomials import derivative, gauss, horner, powers
+from validation.reference.path.rheology import Body
+from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
-_POINTS, _WEIGHTS = gauss(6)
+_POINTS, _WEIGHTS = gauss(8)
+
+QUANTITIES = (
+    "time",
+    "penetration",
+    "contact_radius",
+    "force",
+    "stored_energy",
+    "tip_energy",
+    "separation_energy",
+    "external_work",
+    "edge_stress",
+)
+"""What a row holds; tip energy, separation energy and work are sums since the start."""
+TIME, DEPTH, RADIUS, FORCE, STORED, TIP, SEPARATION, WORK, STRESS = range(len(QUANTITIES))
+_SMOOTH = slice(FORCE, WORK)
+"""Quantities with known slopes."""
+_SIZE = 2 * COLLOCATION + 1
 
 
-def edge_stress(body: Body, state: State, ahead: bool) -> float:
-    """``q`` at the edge, just inside; ``ahead``: of the next point, as it is covered."""
-    rheology, a = body.rheology, np.array([state.radius])
-    at = a * (1.0 + 1e-12) if ahead else a
-    G = body.transform(a)
-    _, carried = state.surface.at(at, G, state.time, rheology.times, rheology.retardation)
-    strain = state.depth - G
-    if ahead:
-        return float(rheology.stress(rheology.cover(carried, strain), strain)[0])
-    return float(rheology.stress(carried + rheology.moduli * state.memory, strain)[0])
+def stored_energy(body: Body, state: State) -> float:
+    """``U``, both sides of the edge."""
+    rheology = body.rheology
+    strain = _over_contact(state, lambda x: (state.depth - body.transform(x)) ** 2, np.array([]))
+    branches = float((state.held_squares / rheology.moduli).sum())
+    return rheology.relaxed * strain + branches + float((state.free_squares / rheology.compliances).sum())
 
 
-def force_slopes(body: Body, trial: Trial, arrival: Arrival, after: State) -> tuple[float, float]:
-    """``dF/du`` at both ends of a step."""
-    way = trial.segment.way
-    clock, depth = arrival.motion.clock, arrival.motion.depth_slope()
-    slopes = []
-    for state, end in ((trial.state, False), (after, True)):
-        relaxed = float((state.held / body.rheology.times).sum())
-        rates = [float(c @ np.arange(len(c))) if end else float(c[1]) for c in (depth, clock, way)]
-        stress = edge_stress(body, state, trial.direction > 0.0 and not end) if trial.direction else 0.0
-        slopes.append(
-            2.0 * (body.rheology.glassy * state.radius * rates[0] - rates[1] * relaxed + stress * rates[2])
-        )
-    return slopes[0], slopes[1]
+def stored_when_free(body: Body, state: State) -> float:
+    """``U`` right after all contact is lost: the whole contact released at once."""
+    rheology = body.rheology
+
+    def squares(x: Array) -> Array:
+        G = body.transform(x)
+        _, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
+        units = rheology.release(carried + rheology.moduli * state.memory, state.depth - G)
+        return np.asarray(units**2 @ (1.0 / rheology.compliances))
+
+    edges = state.edges_between(0.0, state.radius)
+    return _over_contact(state, squares, edges) + float((state.free_squares / rheology.compliances).sum())
 
 
-def force_polynomial(
-    first: tuple[float, float], last: tuple[float, float], before: tuple[float, float] | None
-) -> Array:
-    """Coefficients of the force from value and slope at both ends; ``before``: ``u < 0`` and value of a row."""
+def _over_contact(state: State, density: Callable[[Array], Array], edges: Array) -> float:
+    """Integral over the contact of what is smooth between edges."""
+    breaks = np.unique(np.concatenate((state.radius * np.linspace(0.0, 1.0, 5), edges)))
+    width = np.diff(breaks)
+    x = (breaks[:-1, None] + width[:, None] * _POINTS).ravel()
+    return float((width[:, None] * _WEIGHTS).ravel() @ density(x)) if len(x) else 0.0
+
+
+@dataclass(frozen=True)
+class Course:
+    """All quantities along a step: coefficients (m, 8) of all but the edge stress, known at ``u``."""
+
+    coefficients: Array
+    u: Array
+    stress: Array
+
+    def at(self, u: Array) -> Array:
+        """Rows (l, 9)."""
+        smooth = powers(u, len(self.coefficients) - 1) @ self.coefficients
+        return np.column_stack((smooth, np.interp(u, self.u, self.stress)))
+
+    def slopes(self, u: Array, order: int = 1) -> Array:
+        """Derivatives (l, 8)."""
+        coefficients = self.coefficients
+        for _ in range(order):
+            coefficients = coefficients[1:] * np.arange(1, len(coefficients))[:, None]
+        return powers(u, len(coefficients) - 1) @ coefficients
+
+
+def course(
+    body: Body,
+    law: EdgeLaw,
+    trial: Trial,
+    arrival: Arrival,
+    after: State,
+    first: Array,
+    before: tuple[float, Array] | None,
+) -> Course:
+    """The course of a step from the row ``first``; ``before``: ``u < 0`` and the row before that."""
+    way, clock, depth = trial.segment.way, arrival.motion.clock, arrival.motion.depth_slope()
+    u, stress = trial.edge_stress(arrival)
+    end = np.array([after.force, stored_energy(body, after), first[TIP], first[SEPARATION]])
+    ends = np.empty((2, 4))
+    for row, state, at, q in ((0, trial.state, 0.0, stress[0]), (1, after, 1.0, stress[-1])):
+        rates = [float(horner(derivative(c), np.array(at))) for c in (clock, depth, way)]
+        ends[row] = _slopes(body, law, state, q, *rates)
+    if trial.direction:
+        end[2] += trial.direction * float(trial.swept[0].weight @ stress[1:-1] ** 2) / body.rheology.glassy
+        end[3] += _separation(law, trial, arrival)
+    coefficients = np.zeros((_SIZE, STRESS))
+    for column, change in ((TIME, clock), (DEPTH, depth), (RADIUS, way)):
+        coefficients[: len(change), column] = change
+    coefficients[0, :FORCE] = first[:FORCE]
+    if arrival.parameter == trial.state.parameter:  # at a fixed load: no way of equilibria
+        ends[:] = end - first[_SMOOTH]
+        before = None
+    smooth = _smooth(first[_SMOOTH], end, ends, before and (before[0], before[1][_SMOOTH]))
+    coefficients[: len(smooth), _SMOOTH] = smooth
+    if trial.leg.control == "force" and trial.leg.timed:
+        coefficients[: COLLOCATION + 1, FORCE] = through_nodes(trial.leg.value, trial.state.time, clock)
+    force, depth = coefficients[: COLLOCATION + 1, [FORCE, DEPTH]].T
+    power = np.convolve(force, derivative(depth))
+    coefficients[0, WORK] = first[WORK]
+    coefficients[1 : len(power) + 1, WORK] = power / np.arange(1, len(power) + 1)
+    return Course(coefficients, u, stress)
+
+
+def _slopes(
+    body: Body, law: EdgeLaw, state: State, q: float, t: float, D: float, a: float
+) -> tuple[float, ...]:
+    """Slopes of force, stored, tip and separation energy from those of time, penetration and radius."""
+    rheology = body.rheology
+    relaxing = float((state.held / rheology.times).sum())
+    power = float((state.held_squares / (rheology.moduli * rheology.times)).sum())
+    power += float((state.free_squares / (rheology.compliances * rheology.retardation)).sum())
+    tip = q * q / rheology.glassy * a
+    force = 2.0 * (rheology.glassy * state.radius * D - t * relaxing + q * a)
+    taken = _taken_up(law, -a / t if t > 0.0 else math.inf, a > 0.0, 0.0)
+    return force, state.force * D - 2.0 * power * t + tip, tip, -taken * 2.0 * math.pi * state.radius * a
+
+
+def _taken_up(law: EdgeLaw, speed: float, closes: bool, released: float) -> float:
+    """Energy per area at an edge; where its law has no bound at any speed, what is ``released``."""
+    adhesion = law.adhesion
+    if adhesion is None:
+        return 0.0
+    taken = adhesion.closing if closes else adhesion.opening(max(speed, 0.0))
+    return taken if math.isfinite(taken) else released
+
+
+def _separation(law: EdgeLaw, trial: Trial, arrival: Arrival) -> float:
+    """``-int w dA`` over a step."""
+    way, clock = trial.segment.way, arrival.motion.clock
+    if not law.rated or trial.direction > 0.0:
+        area = math.pi * (trial.radius**2 - trial.state.radius**2)
+        return -_taken_up(law, 0.0, trial.direction > 0.0, 0.0) * area
+    travel, time = horner(derivative(way), _POINTS), horner(derivative(clock), _POINTS)
+    radius = trial.state.radius + horner(way, _POINTS)
+    speeds = np.divide(-travel, time, out=np.full_like(time, math.inf), where=time > 0.0)
+    taken = [_taken_up(law, v, False, arrival.integral) for v in speeds.tolist()]
+    return -float((_WEIGHTS * taken) @ (2.0 * math.pi * radius * travel))
+
+
+def _smooth(first: Array, last: Array, slopes: Array, before: tuple[float, Array] | None) -> Array:
+    """Coefficients from values and slopes at both ends; ``before``: ``u < 0`` and values there."""
     degree = 3 if before is None else 4
     ends = powers(np.array([0.0, 1.0]), degree)
-    slopes = np.hstack((np.zeros((2, 1)), ends[:, :-1] * np.arange(1, degree + 1)))
-    matrix, right = np.vstack((ends, slopes)), [first[0], last[0], first[1], last[1]]
+    matrix = np.vstack((ends, np.hstack((np.zeros((2, 1)), ends[:, :-1] * np.arange(1, degree + 1)))))
+    right = np.vstack((first, last, slopes))
     if before is not None:
         matrix = np.vstack((matrix, powers(np.array([before[0]]), degree)))
-        right.append(before[1])
+        right = np.vstack((right, before[1]))
     return np.asarray(np.linalg.solve(matrix, right))
-
-
-def work(force: Array, depth: Array) -> float:
-    """``int F dD`` over a step."""
-    slope = depth[1:] * np.arange(1, len(depth))
-    return float(_WEIGHTS @ (horner(force, _POINTS) * horner(slope, _POINTS)))

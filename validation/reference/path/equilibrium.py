@@ -128,6 +128,14 @@ def pressed_radius(body: Body, force: float, rim: float) -> float:
     return _rising(lambda a: twice * (body.shape(a) * a - body.transform.integral(a)) - force, rim)
 
 
+def staged_radius(body: Body, stage: float, compliance: float, rim: float) -> float:
+    """Radius of the adhesionless relaxed contact under a stage on a spring, ``G(a) + C F(a) = X``."""
+    soft = 2.0 * body.rheology.relaxed * compliance
+    return _rising(
+        lambda a: body.shape(a) * (1.0 + soft * a) - soft * body.transform.integral(a) - stage, rim
+    )
+
+
 def _rising(excess: Callable[[float], float], rim: float) -> float:
     """The root of a function that rises with the radius, between the axis and the rim."""
     if excess(0.0) >= 0.0:

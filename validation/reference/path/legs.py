@@ -30,7 +30,6 @@ class Leg:
     timed: bool
     rate: float | None = None
     compliance: float = 0.0
-    kink: bool = True
 
     @property
     def free(self) -> bool:
@@ -50,21 +49,10 @@ def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
     return Leg(segment.control, value, 0.0, 1.0, False, None, segment.compliance)
 
 
-def timed_legs(segment: Segment, stops: tuple[float, ...] = ()) -> Iterator[Leg]:
-    """What a load step is made of between its kinks and the times that are asked for."""
-    kinks = {segment.start, segment.end, *segment.kinks}
-    cuts = sorted(kinks | {stop for stop in stops if segment.start < stop < segment.end})
-    for begin, end in pairwise(cuts):
-        if end - begin < SHORTEST * math.ulp(end):
-            continue
-        straight = segment.linear and segment.control == "penetration"
-        yield Leg(
-            segment.control,
-            segment.value,
-            begin,
-            end,
-            True,
-            segment.rate(begin) if straight else None,
-            segment.compliance,
-            begin in kinks,
-        )
+def timed_legs(segment: Segment) -> Iterator[Leg]:
+    """What a load step is made of between its kinks."""
+    straight = segment.linear and segment.control == "penetration"
+    for begin, end in pairwise(sorted({segment.start, segment.end, *segment.kinks})):
+        if end - begin >= SHORTEST * math.ulp(end):
+            rate = segment.rate(begin) if straight else None
+            yield Leg(segment.control, segment.value, begin, end, True, rate, segment.compliance)

@@ -12,6 +12,7 @@ penetration known but for its end value, under a force or a spring, costs a seco
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -126,6 +127,11 @@ class Collocation:
         depths = self.depth + depths
         last = memories[-1] + faded, float(depths[-1])
         return Collocated(self.times, self.clock, _TO_POWERS @ memories, layer, _TO_POWERS @ depths, last)
+
+
+def through_nodes(value: Callable[[float], float], start: float, clock: Array) -> Array:
+    """Coefficients of a load that is given over the time, along a step."""
+    return _TO_POWERS @ [value(time) for time in (start + PATH_AT_NODES @ clock).tolist()]
 
 
 def collocation(

@@ -1,199 +1,335 @@
-"""``Run``: the load steps of a scene, leg by leg."""
+"""``solve(scene, options) -> Trace``: the load steps of a scene, leg by leg, along the path of the edge.
+
+Signs and units are the scene's: penetration and pressure positive downwards and in compression.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
-from contact_scene import Scene
+from contact_scene import (
+    COLUMNS,
+    Counters,
+    Outcome,
+    OutcomeKind,
+    RunMonitor,
+    Scene,
+    Segment,
+    SurfaceProfile,
+    Trace,
+    UnsupportedScene,
+)
+from contact_scene.loading import straight
+from contact_scene.machine import machine_columns
+from contact_scene.run_control import (
+    LoadingCursor,
+    below_zone_outcome,
+    budget_outcome,
+    interruption,
+    outcome_of_loss,
+    single_threaded,
+)
 from validation.reference.path import events
 from validation.reference.path.abel import transform
 from validation.reference.path.continuation import SMALL_PART, Tracker
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.energies import force_polynomial, force_slopes, work
-from validation.reference.path.equilibrium import elastic_start, pressed_radius, touching_radius
+from validation.reference.path.equilibrium import elastic_start
+from validation.reference.path.estimate import COARSER, estimated_errors
 from validation.reference.path.legs import Leg, jump, timed_legs
-from validation.reference.path.polynomials import gauss, horner
-from validation.reference.path.rheology import rheology
-from validation.reference.path.state import Body, State, start_state
+from validation.reference.path.options import Options
+from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
+from validation.reference.path.rheology import Body, rheology
+from validation.reference.path.scales import scales
+from validation.reference.path.state import State, start_state
 from validation.reference.path.step import Kind
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
-_POINTS, _WEIGHTS = gauss(8)
+NAME = "reference"
+NO_STABLE_CONTACT = "no stable contact is left"
+
+
+def refusal(scene: Scene) -> UnsupportedScene | None:
+    """Why a scene is not taken; ``None`` if it is."""
+    if scene.material.bulk is None:
+        return None
+    return UnsupportedScene(
+        "material.bulk",
+        "the Abel transform needs bulk and shear to relax alike",
+        "no bulk entry, or the finite-element solver",
+    )
+
+
+@single_threaded()
+def solve(
+    scene: Scene,
+    options: Options | None = None,
+    progress: Callable[[float], None] | None = None,
+    monitor: RunMonitor | None = None,
+) -> Trace:
+    """Run a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    options : Options, optional
+    progress : callable(fraction), optional
+        Called after each step with the share of the loading that is done.
+    monitor : RunMonitor, optional
+        Asked between two steps whether the run is to continue; not in the second run for error estimates.
+
+    Returns
+    -------
+    Trace
+        Extra columns ``stress_intensity_factor``, ``energy_release_rate``, ``branch_dissipation``,
+        ``separation_energy``. Straight lines through the rows are accurate to the tolerance (to 12
+        tolerances under a load that is curved). If contact is lost the last row is the free surface (force
+        and radius 0) at the time of the row before, unless a given force takes the indenter with it: what
+        that works no row can tell. If contact shrinks to the process zone the last row is that contact.
+
+    Raises
+    ------
+    UnsupportedScene
+        Separate bulk relaxation.
+    SceneError
+        A process zone longer than the contact it starts from.
+    """
+    options = options or Options()
+    began = time.perf_counter()
+    unsupported = refusal(scene)
+    if unsupported is not None:
+        raise unsupported
+    run = Run(scene, options, options.step_tolerance, progress, monitor)
+    columns, outcome = run.run()
+    errors: dict[str, float] = {}
+    if options.estimate_errors and outcome.finished:
+        coarser = Run(scene, replace(options, profile_times=()), COARSER * run.tolerance)
+        others, ending = coarser.run()
+        if ending.kind is not OutcomeKind.BREAKDOWN:
+            detached = {outcome.kind, ending.kind} == {OutcomeKind.DETACHED}
+            errors = estimated_errors(columns, others, detached)
+    return Trace(
+        solver=NAME,
+        **{name: columns[name] for name in COLUMNS},
+        outcome=outcome,
+        counters=run.counters,
+        extra={name: column for name, column in columns.items() if name not in COLUMNS},
+        events=tuple(run.recorder.events) if run.begun else (),
+        located=tuple(run.recorder.located) if run.begun else (),
+        profiles=tuple(run.profiles),
+        errors=errors,
+        wall_seconds=time.perf_counter() - began,
+    )
 
 
 @dataclass
 class Run:
-    """A run of a scene; after :meth:`run` the rows and what it ended with."""
+    """A run of a scene at a tolerance."""
 
     scene: Scene
-    tolerance: float = 1e-4
-    verbose: bool = False
-    max_steps: int = 20000
-    times: list[float] = field(default_factory=list)
-    depths: list[float] = field(default_factory=list)
-    radii: list[float] = field(default_factory=list)
-    forces: list[float] = field(default_factory=list)
-    works: list[float] = field(default_factory=list)
-    stored: list[float] = field(default_factory=list)
-    least_force: float = math.inf
-    outcome: str = ""
+    options: Options = field(default_factory=Options)
+    tolerance: float = 0.0
+    progress: Callable[[float], None] | None = None
+    monitor: RunMonitor | None = None
+    profiles: list[SurfaceProfile] = field(default_factory=list)
+    outcome: Outcome | None = None
+    begun: bool = False
+    recorder: Recorder = field(init=False)
+    tracker: Tracker = field(init=False)
 
-    def run(self) -> Run:
-        """All load steps; what overflows belongs to trials beyond a limit point, and is rejected."""
-        with np.errstate(all="ignore"):
-            return self._run()
+    def run(self) -> tuple[dict[str, Array], Outcome]:
+        """All load steps: the columns of the rows, and how it ended."""
+        self.outcome = self._begin()
+        if self.outcome is not None:
+            return {name: np.empty(0) for name in (*COLUMNS, *EXTRA_COLUMNS)}, self.outcome
+        self.begun = True
+        with np.errstate(all="ignore"):  # what overflows belongs to trials beyond a limit point: no residual
+            outcome = self._load_steps()
+            columns = self.recorder.columns()
+        machine = self.scene.machine
+        if machine is not None and machine.compliance > 0.0:
+            columns |= machine_columns(columns, machine, self.recorder.events)
+        columns, outcome = _finite_rows(columns, outcome)
+        depth, radius = columns["penetration"], columns["contact_radius"]
+        return columns, outcome_of_loss(outcome, self.scene.is_adhesive, depth, radius)
 
-    def _run(self) -> Run:
-        scene = self.scene
-        loading = scene.loading
-        body = Body(rheology(scene.material), transform(scene.indenter))
-        adhesion = scene.adhesion if scene.is_adhesive else None
-        law = EdgeLaw(adhesion, scene.indenter.edge, scene.bare_plane_tip)
-        start = elastic_start(scene, body)
-        if start is None:
-            self.outcome = "no start"
-            return self
-        state = start_state(body, start.penetration, start.radius, loading.start != "relaxed")
-        self.body = body
-        largest, deepest = self._scales(body, state)
-        self.tracker = tracker = Tracker(
-            body,
-            law,
-            state,
-            self.tolerance,
-            SMALL_PART * largest,
-            SMALL_PART * deepest,
-            accepted=self._record,
-            verbose=self.verbose,
-        )
-        self._row(state, 0.0)
-        for step in loading.steps:
-            state = tracker.state
-            segment = loading.segment(step, state.time, state.depth, state.force)
-            self.segment = segment
-            tracker.level = events.Level.of(segment.trigger, state)
-            first = jump(segment, state.depth, state.force)
-            legs = ([first] if first else []) + list(timed_legs(segment))
-            for leg in legs:
-                ending = self._follow(leg, deepest)
-                if ending is not Kind.END:
-                    break
-            if not self.outcome and segment.trigger is not None and ending is Kind.END:
-                self.outcome = "trigger not reached"
-            if self.outcome:
-                return self
-        self.outcome = "completed"
-        return self
-
-    def _scales(self, body: Body, state: State) -> tuple[float, float]:
-        """Largest radius and penetration that the loading asks for."""
-        depths, forces = [state.depth], [state.force]
-        for step in self.scene.loading.steps:
-            if step.kind == "ramp":
-                depths.append(step.to)
-            forces += (
-                [abs(getattr(step, key, 0.0) or 0.0) for key in ("value", "to")]
-                if "force" in step.kind
-                else []
-            )
-            if step.kind == "table":
-                (depths if step.quantity == "penetration" else forces).extend(step.values)
-        deepest = max(depths)
-        largest = max(state.radius, touching_radius(body, deepest, self.scene.indenter.edge))
-        if largest == 0.0:
-            largest = pressed_radius(body, max(forces), self.scene.indenter.edge)
-        shape = float(body.transform(np.array([largest]))[0])
-        pressed = max(forces) / (2.0 * body.rheology.relaxed * largest) if largest else 0.0
-        return largest, max(abs(state.depth), abs(deepest), shape, pressed)
-
-    def _follow(self, leg: Leg, deepest: float) -> Kind:
-        """One leg to its end, or what ends it before."""
+    @property
+    def counters(self) -> Counters:
+        """Work done."""
+        if not self.begun:
+            return Counters()
         tracker = self.tracker
-        if leg.timed:
-            rate = abs(self.segment.rate(leg.start))
-            large = (
-                max(abs(tracker.state.force), abs(leg.value(leg.end))) if leg.control == "force" else deepest
-            )
-            T = SMALL_PART * min(leg.end - leg.start, large / rate if rate else math.inf)
-        else:
-            T = SMALL_PART
-        tracker.begin(leg, T)
-        while True:
-            kind = tracker.step()
-            if kind in (Kind.END, Kind.LEVEL):
-                return kind
-            if kind is Kind.LEAST:
-                self.outcome = "shorter than its zone" if tracker.law.zone else "detached"
-            elif kind in (Kind.LOST, Kind.FOLD):
-                if events.lost(tracker, kind is Kind.FOLD):
-                    self.outcome = "detached" if kind is Kind.FOLD else "detached?"
-            elif tracker.steps + tracker.rejected > self.max_steps:
-                self.outcome = "budget"
-            if self.outcome:
-                return kind
+        return Counters(
+            steps=tracker.steps,
+            rejected_steps=tracker.rejected,
+            closure_evaluations=tracker.evaluations,
+            history_updates=tracker.geometries,
+        )
 
-    # rows ---
+    def _begin(self) -> Outcome | None:
+        """The state at the start and what runs from there; the outcome if there is none."""
+        scene = self.scene
+        self.tolerance = self.tolerance or self.options.step_tolerance
+        try:
+            with np.errstate(over="raise", invalid="raise", divide="raise"):
+                body = Body(rheology(scene.material), transform(scene.indenter))
+                adhesion = scene.adhesion if scene.is_adhesive else None
+                start = elastic_start(scene, body)
+                if start is None:
+                    return Outcome(OutcomeKind.NO_EQUILIBRIUM, scene.loading.without_start, 0.0)
+                state = start_state(body, start.penetration, start.radius, scene.loading.start != "relaxed")
+                size = scales(scene, body, state)
+        except ArithmeticError as error:
+            reason = f"a number is beyond the range of floating point ({error})"
+            return Outcome(OutcomeKind.OUT_OF_RANGE, reason, 0.0)
+        law = EdgeLaw(adhesion, scene.indenter.edge, scene.bare_plane_tip)
+        stops = np.unique([*self.options.stop_times, *self.options.profile_times])
+        wanted = frozenset(self.options.profile_times)
+        self.recorder = Recorder(body, law, size, self.tolerance, stops, wanted, self._profile)
+        small = SMALL_PART * size.radius, SMALL_PART * size.depth
+        self.tracker = Tracker(body, law, state, self.tolerance, *small, accepted=self._accepted)
+        self.recorder.begin(state)
+        return None
 
-    def _row(self, state: State, work: float) -> None:
-        self.times.append(state.time)
-        self.depths.append(state.depth)
-        self.radii.append(state.radius)
-        self.forces.append(state.force)
-        self.works.append((self.works[-1] if self.works else 0.0) + work)
-        self.stored.append(self._stored(state))
-        self.least_force = min(self.least_force, state.force)
+    def _profile(self, state: State) -> None:
+        """The surface at a time at which it is asked for."""
+        from validation.reference.path import profiles
 
-    def _stored(self, state: State) -> float:
-        """``U``, both sides of the edge."""
-        rheology = self.body.rheology
-        x = state.radius * (1.0 - np.array([1.0, 0.75, 0.5, 0.25, 0.0]))
-        width = np.diff(x)
-        at = (x[:-1, None] + width[:, None] * _POINTS).ravel()
-        strain = float((width[:, None] * _WEIGHTS).ravel() @ (state.depth - self.body.transform(at)) ** 2)
-        branches = float(state.held_squares @ (1.0 / rheology.moduli)) if len(rheology.moduli) else 0.0
-        units = float(state.free_squares @ (1.0 / rheology.compliances)) if len(rheology.moduli) else 0.0
-        return rheology.relaxed * strain + branches + units
+        self.profiles.append(profiles.profile(self.recorder.body, self.recorder.law, state))
 
-    def _record(self, trial: Trial, arrival: Arrival, state: State, s: float) -> None:
+    def _accepted(self, trial: Trial, arrival: Arrival, state: State, s: float) -> None:
+        """Record a step; the row before it belongs to its path unless there is a kink between."""
         table = self.tracker.rows.table
-        first, last = force_slopes(self.body, trial, arrival, state)
-        before = None
-        if len(table) > 1:
-            back = (table[-2, 0] - table[-1, 0]) / (s - table[-1, 0])
-            before = (float(back), float(table[-2, 5]))
-        force = force_polynomial((trial.state.force, first), (state.force, last), before)
-        if trial.leg.control != "force" and first < 0.0 < last and min(trial.state.force, state.force) < 0.0:
-            self._watch(trial, arrival, force, state.force)
-        self._row(state, work(force, arrival.motion.depth_slope()))
+        back = (table[-2, 0] - table[-1, 0]) / (s - table[-1, 0]) if len(table) > 1 else None
+        self.recorder.step(trial, arrival, state, back)
 
-    def _watch(self, trial: Trial, arrival: Arrival, force: Array, last: float) -> None:
-        """The least force, which lies within this step: from the dense path, if that agrees with the rows."""
-        first = trial.state.force
-        expected = min(float(horner(force, np.linspace(0.0, 1.0, 33)).min()), first, last)
+    # load steps ---
 
-        def of(u: float) -> float:
-            part, p = trial.part(u, arrival)
-            end = part.arrive(p)
-            return part.force(end.motion, end.duration)
+    def _load_steps(self) -> Outcome:
+        loading, tracker, cursor = self.scene.loading, self.tracker, LoadingCursor()
+        while not cursor.done(loading):
+            state = tracker.state
+            segment = cursor.segment(loading, state.time, state.depth, state.force)
+            if segment.control == "force" and state.radius == 0.0:
+                segment = self._set_down(segment)
+            if self.outcome is None:
+                self._load_step(segment, cursor)
+            if self.outcome is not None:
+                return self.outcome
+            cursor.step_done()
+        return Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", tracker.state.time)
 
-        found = minimize_scalar(of, bounds=(0.0, 1.0), method="bounded", options={"xatol": 3e-3})
-        agrees = abs(found.fun - expected) <= max(abs(first - last), min(first, last) - expected)
-        self.least_force = min(self.least_force, float(found.fun) if agrees else expected)
+    def _set_down(self, segment: Segment) -> Segment:
+        """A load on an indenter that touches nothing: it goes down to the surface, or stays without load."""
+        state = self.tracker.state
+        force, rate = segment.value(segment.start), segment.rate(segment.start)
+        if force < 0.0 or (force == 0.0 and rate < 0.0):
+            self._end(OutcomeKind.DETACHED, "pulled without contact")
+        elif force == rate == 0.0:
+            return straight(
+                "penetration", segment.start, segment.end, state.depth, state.depth, segment.trigger
+            )
+        elif state.depth != 0.0:
+            self.tracker.state = replace(state, depth=0.0)
+            self.recorder.put(self.tracker.state)
+        return segment
 
-    def measures(self) -> dict[str, float]:
-        """Scalars to compare; the work is that of the stage."""
-        compliance = self.scene.loading.compliance
-        return {
-            "pull_off": max(-self.least_force, 0.0),
-            "time": self.times[-1],
-            "radius": self.radii[-1],
-            "largest": max(self.radii),
-            "work": self.works[-1] + 0.5 * compliance * (self.forces[-1] ** 2 - self.forces[0] ** 2),
-            "stored": self.stored[-1],
-        }
+    def _load_step(self, segment: Segment, cursor: LoadingCursor) -> None:
+        """One load step: its jump, then its legs in time."""
+        tracker, length = self.tracker, segment.end - segment.start
+        if 0.0 < self.tolerance * length < math.ulp(segment.end):
+            reason = (
+                f"time steps of {self.tolerance * length:.2g}, in a load step of length {length:.3g}, "
+                f"are lost in the rounding of the time {segment.end:.3g}"
+            )
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
+            return
+        state = tracker.state
+        if cursor.triggered(segment, state.depth, state.force, state.radius):
+            return
+        self.recorder.linear = segment.linear
+        first = jump(segment, state.depth, state.force)
+        if first is not None:
+            self._follow(first, segment, cursor)
+            state = tracker.state
+            if self.outcome is not None or cursor.triggered(segment, state.depth, state.force, state.radius):
+                return
+        tracker.level = events.Level.of(segment.trigger, state)
+        for leg in timed_legs(segment):
+            if self._follow(leg, segment, cursor) is Kind.LEVEL or self.outcome is not None:
+                return
+        if segment.trigger is not None:
+            self.outcome = segment.trigger.not_reached(tracker.state.time)
+
+    def _follow(self, leg: Leg, segment: Segment, cursor: LoadingCursor) -> Kind:
+        """One leg to its end, or to what ends the run before."""
+        tracker = self.tracker
+        radius = tracker.state.radius
+        tracker.begin(leg, SMALL_PART * self._shortest(leg, segment))
+        if tracker.state.radius != radius:
+            self.recorder.put(tracker.state)
+        while True:
+            now = tracker.state.time
+            self.outcome = interruption(self.monitor, now) or budget_outcome(
+                self.counters, self.options.max_steps, now
+            )
+            kind = Kind.LOST if self.outcome is not None else tracker.step()
+            if self.outcome is None:
+                self._ends_with(kind, leg)
+            if self.outcome is not None or kind in (Kind.END, Kind.LEVEL):
+                if kind is Kind.LEVEL:
+                    self.recorder.level("trigger")
+                return kind
+            if self.progress is not None and leg.timed:
+                self.progress(cursor.share(self.scene.loading, segment, tracker.state.time))
+
+    def _shortest(self, leg: Leg, segment: Segment) -> float:
+        """Length of a leg, or of the time in which its load changes by the largest of the run, if shorter."""
+        if not leg.timed:
+            return 1.0
+        size, rate = self.recorder.scales, abs(segment.rate(leg.start))
+        large = size.force if leg.control == "force" else size.depth
+        return min(leg.end - leg.start, large / rate if rate else math.inf)
+
+    def _ends_with(self, kind: Kind, leg: Leg) -> None:
+        """The end of the run, if what a step came to is one."""
+        tracker = self.tracker
+        if kind is Kind.LEAST and tracker.law.zone:
+            force = self.recorder.columns()["force"]
+            self.outcome = below_zone_outcome(force, tracker.state.time)
+        elif kind is Kind.LEAST:
+            self._lose_contact(leg)
+        elif kind in (Kind.LOST, Kind.FOLD) and events.lost(tracker, kind is Kind.FOLD):
+            if kind is Kind.FOLD:
+                self._lose_contact(leg)
+            else:
+                reason = "no step, however short, leads to a contact that satisfies the edge condition"
+                self._end(OutcomeKind.BREAKDOWN, reason)
+
+    def _lose_contact(self, leg: Leg) -> None:
+        """Contact ends here; the last row is the free surface, unless a force takes the indenter further."""
+        state = self.tracker.state
+        self.recorder.lost(self.scene.ends_in_a_point, ())
+        self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
+        if state.radius > 0.0 and leg.control != "force":
+            self.recorder.free(state, state.depth + self.scene.loading.compliance * state.force)
+
+    def _end(self, kind: OutcomeKind, reason: str) -> None:
+        self.outcome = Outcome(kind, reason, self.tracker.state.time)
+
+
+def _finite_rows(columns: dict[str, Array], outcome: Outcome) -> tuple[dict[str, Array], Outcome]:
+    """The rows before the first that is beyond the range of floating point in one of its columns."""
+    finite = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
+    if finite.all():
+        return columns, outcome
+    first = int(np.argmin(finite))
+    reason = "energies are beyond the range of floating point"
+    failure = Outcome(OutcomeKind.OUT_OF_RANGE, reason, float(columns["time"][first]))
+    return {name: column[:first] for name, column in columns.items()}, failure

@@ -136,10 +136,8 @@ class Trial:
         return G, state.surface.at(x, G, state.time, rheology.times, rheology.retardation)[1]
 
     @cached_property
-    def swept(self) -> tuple[fields.Sweep, Points] | None:
-        """The points that the step passes, in the entries they will be kept in."""
-        if self.direction == 0.0:
-            return None
+    def swept(self) -> tuple[fields.Sweep, Points]:
+        """The points that the step passes, if the edge moves, in the entries they will be kept in."""
         cuts = self.state.cuts(self.radius, self.zone)
         swept = fields.sweep(self.state.radius, self.segment.way, cuts)
         u_powers = powers(swept.u, COLLOCATION)
@@ -229,29 +227,49 @@ class Trial:
             d[points.passed] = total(self._released(points, motion, duration)[1])
         return d - (motion.end()[1] - points.G)
 
-    def _released(self, points: Points, motion: Motion, duration: float) -> tuple[Array, Array]:
-        """Unit strains of points released on the way, when they were and at the end."""
-        rheology, at = self.body.rheology, points.passed
-        elapsed = points.u_powers[:, : len(motion.clock)] @ motion.clock
-        memory, depth = motion.during(points.u_powers)
-        branches = points.carried[at] * np.exp(-elapsed[:, None] / rheology.times) + rheology.moduli * memory
-        units = rheology.release(branches, depth - points.G[at])
-        return units, units * np.exp(-(duration - elapsed[:, None]) / rheology.retardation)
-
-    def _covering(self, points: Points, motion: Motion, duration: float) -> tuple[Array, Array, Array]:
-        """Branch forces of points covered on the way when they were, memories then, and times since."""
+    def _passing(self, points: Points, motion: Motion) -> tuple[Array, Array, Array, Array]:
+        """Points in contact at the edge: branch forces, strains, memories, and times since the step began."""
         rheology, at = self.body.rheology, points.passed
         elapsed = (points.u_powers[:, : len(motion.clock)] @ motion.clock)[:, None]
         memory, depth = motion.during(points.u_powers)
-        units = points.carried[at] * np.exp(-elapsed / rheology.retardation)
-        return rheology.cover(units, depth - points.G[at]), memory, elapsed
+        strain, carried = depth - points.G[at], points.carried[at]
+        if self.direction > 0.0:
+            branches = rheology.cover(carried * np.exp(-elapsed / rheology.retardation), strain)
+        else:
+            branches = carried * np.exp(-elapsed / rheology.times) + rheology.moduli * memory
+        return branches, strain, memory, elapsed
+
+    def _released(self, points: Points, motion: Motion, duration: float) -> tuple[Array, Array]:
+        """Unit strains of points released on the way, when they were and at the end."""
+        branches, strain, _, elapsed = self._passing(points, motion)
+        units = self.body.rheology.release(branches, strain)
+        return units, units * np.exp(-(duration - elapsed) / self.body.rheology.retardation)
 
     def _covered(self, points: Points, motion: Motion, duration: float) -> Array:
         """Branch forces of points covered on the way at the end."""
-        rheology = self.body.rheology
-        branches, memory, elapsed = self._covering(points, motion, duration)
-        fading = np.exp(-(duration - elapsed) / rheology.times)
-        return branches * fading + rheology.moduli * (motion.end()[0] - fading * memory)
+        branches, _, memory, elapsed = self._passing(points, motion)
+        fading = np.exp(-(duration - elapsed) / self.body.rheology.times)
+        return branches * fading + self.body.rheology.moduli * (motion.end()[0] - fading * memory)
+
+    def edge_stress(self, arrival: Arrival) -> tuple[Array, Array]:
+        """``u`` and ``q`` just inside the edge, at both ends of the step and where it passes its points."""
+        first, last = self.state.radius, self.radius
+        if self.direction > 0.0:
+            first = max(first * (1.0 + 1e-12), np.nextafter(0.0, 1.0))  # what is covered next
+        if self.direction == 0.0:
+            u, x = np.concatenate(([0.0], fields.NODES, [1.0])), np.full(len(fields.NODES) + 2, last)
+            G, carried = self._carried(x)
+        else:
+            swept, points = self.swept
+            u = np.concatenate(([0.0], swept.u, [1.0]))
+            x = np.concatenate(([first], points.x, [last]))
+            G, carried = (
+                np.insert(inner, (0, len(inner)), ends, axis=0)
+                for inner, ends in zip((points.G, points.carried), self._carried(x[[0, -1]]), strict=True)
+            )
+        points = Points(x, G, carried, np.arange(len(x)), powers(u, COLLOCATION))
+        branches, strain, _, _ = self._passing(points, arrival.motion)
+        return u, self.body.rheology.stress(branches, strain)
 
     def force(self, motion: Motion, duration: float) -> float:
         """``F = 2 int_0^a q dx``: what the contact held before has faded, what it gained is integrated."""
@@ -306,13 +324,13 @@ class Trial:
             else:
                 covered = self._covered(points, motion, arrival.duration)
                 held, squares = held + swept.weight @ covered, squares + swept.weight @ covered**2
-                branches, then, _ = self._covering(points, motion, arrival.duration)
+                branches, _, then, _ = self._passing(points, motion)
                 carried = branches - rheology.moduli * then
             surface = fields.passed(surface, swept, state.time, elapsed, carried, not receding)
         return replace(
             state,
             parameter=arrival.parameter,
-            time=state.time + arrival.duration,
+            time=arrival.parameter if self.leg.timed else state.time,
             depth=depth,
             radius=self.radius,
             force=self.force(motion, arrival.duration),

@@ -1,0 +1,297 @@
+"""Rows of the trace: each step's end, and rows on its way from polynomials of ``u``.
+
+A straight line between two rows that are ``du`` apart misses a quantity f at equal times by
+
+    |f'' - f' t''/t'| du^2/8,
+
+and so rows lie evenly in the integral of the root of that. Before a limit point, where ``t' = 0``, the
+integral is finite: there they crowd like the square root that the radius is of the time. An extremum of the
+force is found on the dense path, and is a row; so are times that are asked for. None changes the path.
+
+``F dD + w dA = dU + P_d dt`` defines the loss ``P_d`` as that of the interface and the branches together.
+The tip releases only the glassy ``q(a)^2/Einf* da``; what the branches dissipate is therefore
+``F dD - dU + q(a)^2/Einf* da``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq, minimize_scalar
+
+from contact_scene import Event
+from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.energies import (
+    DEPTH,
+    FORCE,
+    RADIUS,
+    SEPARATION,
+    STORED,
+    STRESS,
+    TIME,
+    WORK,
+    Course,
+    course,
+    stored_energy,
+    stored_when_free,
+)
+from validation.reference.path.polynomials import derivative, horner, inverse
+from validation.reference.path.rheology import Body
+from validation.reference.path.scales import Scales
+from validation.reference.path.state import State
+from validation.reference.path.trial import Arrival, Trial
+
+Array = NDArray[np.float64]
+
+EXTRA_COLUMNS = (
+    "stress_intensity_factor",
+    "energy_release_rate",
+    "branch_dissipation",
+    "separation_energy",
+)
+"""Columns beside those of every solver."""
+CELLS = 64
+"""Cells in which a step is looked at, and most of its rows; closer at its ends, where it may be a root."""
+_EDGES = np.sin(0.5 * math.pi * np.linspace(0.0, 1.0, CELLS + 1)) ** 2
+_CENTRES = np.sin(0.5 * math.pi * (np.arange(CELLS) + 0.5) / CELLS) ** 2
+CURVED = 12.0
+"""Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
+NARROW = 3e-3
+"""Accuracy of the place of an extremum in its step: the force is off by the square."""
+LEAST_SLOPE = 1e-13
+"""Change over a step, in the largest of a run, below which an extremum is rounding."""
+LEAST_AREA_CHANGE = 1e-6
+"""Change of the contact area, relative to the largest, below which no energy release rate is formed."""
+
+
+@dataclass
+class Recorder:
+    """Rows, events and the states that are asked for of one run.
+
+    ``allowed``: deviation of straight lines between rows, relative to the largest force and radius.
+    ``stops``: times that get a row; of the ``wanted`` among them the state is handed to ``seen``.
+    """
+
+    body: Body
+    law: EdgeLaw
+    scales: Scales
+    allowed: float
+    stops: Array
+    wanted: frozenset[float]
+    seen: Callable[[State], None]
+    linear: bool = True
+    rows: list[Array] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    located: list[Event] = field(default_factory=list)
+    _ends: list[Array] = field(default_factory=list)
+
+    def begin(self, state: State) -> None:
+        """The state from which a run starts."""
+        stored, stress = stored_energy(self.body, state), 0.0
+        if state.radius > 0.0:
+            x, rheology = np.array([state.radius]), self.body.rheology
+            G = self.body.transform(x)
+            _, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
+            branches = carried + rheology.moduli * state.memory
+            stress = float(rheology.stress(branches, state.depth - G)[0])
+        self._add([[state.time, state.depth, state.radius, state.force, stored, 0.0, 0.0, 0.0, stress]])
+        if state.time in self.wanted:
+            self.seen(state)
+
+    def put(self, state: State) -> None:
+        """A state that takes neither time nor work to reach: a plane tip touches, an indenter is set down."""
+        row = self._ends[-1].copy()
+        row[[DEPTH, RADIUS, FORCE]] = state.depth, state.radius, state.force
+        self._add(row[None, :])
+
+    def step(self, trial: Trial, arrival: Arrival, state: State, back: float | None) -> None:
+        """A step to a state; ``back``: ``u < 0`` of the row before it, if the path is smooth there."""
+        before = None if back is None else (back, self._ends[-2])
+        way = course(self.body, self.law, trial, arrival, state, self._ends[-1], before)
+        u, marked, stops = np.array([1.0]), {}, {}
+        if arrival.duration > 0.0:
+            marked = self._extrema(trial, arrival, way)
+            stops = self._stops(trial, way, state)
+            u = self._places(trial, way, state, np.array([*marked, *stops]))
+        elif arrival.parameter == trial.state.parameter and trial.direction:
+            self._jumped(trial)
+        rows = way.at(u)
+        rows[-1, [TIME, DEPTH, RADIUS, FORCE]] = state.time, state.depth, state.radius, state.force
+        if self.law.adhesion is None:  # no polynomial pulls where nothing can
+            rows[:, FORCE] = np.maximum(rows[:, FORCE], 0.0)
+        for at, stop in stops.items():
+            rows[u.searchsorted(at), TIME] = stop
+            if stop in self.wanted:
+                self.seen(replace(self._state(trial, arrival, at), time=stop) if at < 1.0 else state)
+        for at, (kind, apart) in marked.items():
+            self._mark(kind, rows[u.searchsorted(at)], np.abs(self._spread(way, at, apart)))
+        self._add(rows)
+
+    def level(self, kind: str) -> None:
+        """The last row is where the path meets a level, to the rounding of its load."""
+        self._mark(kind, self._ends[-1], np.spacing(np.abs(self._ends[-1][: FORCE + 1])))
+
+    def lost(self, in_a_point: bool, uncertainty: tuple[float, ...]) -> None:
+        """Contact is lost at the last row."""
+        time, depth, radius, force = self._ends[-1][: FORCE + 1].tolist()
+        force, radius = (0.0, 0.0) if in_a_point else (force, radius)
+        self.events.append(Event("pull-off", time, depth, force, radius, uncertainty))
+
+    def free(self, state: State, depth: float) -> None:
+        """The surface right after contact is lost, the indenter at a penetration."""
+        row = self._ends[-1].copy()
+        work, released = 0.5 * row[FORCE] * (depth - row[DEPTH]), math.pi * row[RADIUS] ** 2
+        stored = stored_when_free(self.body, state)
+        taken = self.law.adhesion.opening(math.inf) if self.law.adhesion else 0.0
+        if math.isfinite(taken):
+            row[SEPARATION] += taken * released
+        else:  # a law without a bound takes what there is
+            row[SEPARATION] += row[STORED] + work - stored
+        row[WORK] += work
+        row[[DEPTH, RADIUS, FORCE, STORED, STRESS]] = depth, 0.0, 0.0, stored, 0.0
+        self._add(row[None, :])
+
+    def _add(self, rows: ArrayLike) -> None:
+        self.rows.append(np.asarray(rows))
+        self._ends = [*self._ends[-1:], self.rows[-1][-1]]
+        largest = float(np.abs(self.rows[-1][:, FORCE]).max())
+        if largest > self.scales.force:
+            self.scales = replace(self.scales, force=largest)
+
+    # rows within a step ---
+
+    def _places(self, trial: Trial, way: Course, state: State, also: Array) -> Array:
+        """``u`` of the rows of a step, the last at its end."""
+        columns, largest = [RADIUS, FORCE], [self.scales.radius, self.scales.force]
+        if trial.leg.free:
+            columns, largest = [*columns, DEPTH], [*largest, self.scales.depth]
+        first, second = way.slopes(_CENTRES), way.slopes(_CENTRES, 2)
+        clock = np.where(first[:, TIME] > 0.0, first[:, TIME], math.inf)
+        bend = np.abs(second[:, columns] - first[:, columns] * (second[:, TIME] / clock)[:, None])
+        bend = (bend / np.array(largest)).max(axis=1)
+        allowed = 8.0 * self.allowed * (1.0 if self.linear else CURVED)
+        parts = np.concatenate(([0.0], (np.sqrt(bend / allowed) * np.diff(_EDGES)).cumsum()))
+        count = min(max(math.ceil(parts[-1]), 1), CELLS)
+        even = np.interp(parts[-1] * np.arange(1, count) / count, parts, _EDGES)
+        even = even[np.abs(even[:, None] - also).min(axis=1, initial=math.inf) > 1e-6]
+        u = np.unique(np.concatenate((even, also, [1.0])))
+        time = way.at(u)[:, TIME]
+        time[-1] = state.time
+        later = np.diff(time, prepend=trial.state.time) > 0.0
+        return u[np.append(later[:-1] & (time[:-1] < state.time), True)]
+
+    def _stops(self, trial: Trial, way: Course, state: State) -> dict[float, float]:
+        """Where in a step the times lie that are asked for."""
+        clock = way.coefficients[:, TIME].copy()
+        clock[0] = 0.0
+        inside = self.stops[(self.stops > trial.state.time) & (self.stops < state.time)]
+        found = dict(zip(inverse(clock, inside - trial.state.time).tolist(), inside.tolist(), strict=True))
+        return found | ({1.0: state.time} if state.time in self.wanted else {})
+
+    @staticmethod
+    def _state(trial: Trial, arrival: Arrival, u: float) -> State:
+        """The state on the dense path."""
+        part, p = trial.part(u, arrival)
+        return part.state_after(part.arrive(p))
+
+    def _extrema(self, trial: Trial, arrival: Arrival, way: Course) -> dict[float, tuple[str, float]]:
+        """Extrema of penetration and force within a step: their kinds, and how far off they are in ``u``."""
+        found = {}
+        for column, largest in ((DEPTH, self.scales.depth), (FORCE, self.scales.force)):
+            first, last = way.slopes(np.array([0.0, 1.0]))[:, column]
+            if first * last >= 0.0 or min(abs(first), abs(last)) < LEAST_SLOPE * largest:
+                continue
+            at = brentq(lambda u, c=column: float(way.slopes(np.array([u]))[0, c]), 0.0, 1.0, xtol=1e-12)
+            if column == DEPTH:
+                found[at] = "largest penetration" if first > 0.0 else "", 1e-12
+            elif trial.leg.control != "force":
+                exact = self._extremum(trial, arrival, way, at)
+                found[exact] = (
+                    "largest force" if first > 0.0 else "largest tension",
+                    max(abs(exact - at), NARROW),
+                )
+        return found
+
+    def _extremum(self, trial: Trial, arrival: Arrival, way: Course, at: float) -> float:
+        """The extremum of the force on the dense path, which the course is made to have."""
+        foreseen = float(way.at(np.array([at]))[0, FORCE])
+        ends = way.at(np.array([0.0, 1.0]))[:, FORCE]
+        sign = math.copysign(1.0, foreseen - ends.mean())
+
+        def below(u: float) -> float:
+            part, p = trial.part(u, arrival)
+            end = part.arrive(p)
+            return -sign * part.force(end.motion, end.duration)
+
+        exact = minimize_scalar(below, bounds=(0.0, 1.0), method="bounded", options={"xatol": NARROW})
+        height, u = -sign * float(exact.fun), float(exact.x)
+        beyond = abs(foreseen - ends).min() + abs(ends[1] - ends[0])
+        if abs(height - foreseen) > beyond:  # rounding of a step too short for a dense path
+            return at
+        slope = float(way.slopes(np.array([u]))[0, FORCE])
+        lift = height - float(way.at(np.array([u]))[0, FORCE])
+        hump, ramp = (
+            np.array([0.0, 0.0, 1.0, -2.0, 1.0, 0.0]),
+            np.array([0.0, 0.0, -u, 1.0 + 2.0 * u, -2.0 - u, 1.0]),
+        )
+        top, rise = horner(hump, np.array(u)), horner(derivative(hump), np.array(u))
+        way.coefficients[:6, FORCE] += lift / top * hump - (slope + lift / top * rise) / top * ramp
+        return u
+
+    @staticmethod
+    def _spread(way: Course, at: float, apart: float) -> Array:
+        """How far time, penetration, radius and force go within a distance of an extremum."""
+        first, second = (way.slopes(np.array([at]), order)[0, : FORCE + 1] for order in (1, 2))
+        return np.asarray(np.abs(first) * apart + 0.5 * np.abs(second) * apart**2)
+
+    def _mark(self, kind: str, row: Array, off: Array) -> None:
+        if kind:
+            time, depth, radius, force = row[: FORCE + 1].tolist()
+            off = off[[TIME, DEPTH, FORCE, RADIUS]]
+            self.located.append(Event(kind, time, depth, force, radius, tuple(off.tolist())))
+
+    def _jumped(self, trial: Trial) -> None:
+        """The edge has gone to another stable place at a fixed load."""
+        if self.law.adhesion is not None:
+            state, kind = trial.state, "snap-in" if trial.direction > 0.0 else "pull-off"
+            self.events.append(Event(kind, state.time, state.depth, state.force, state.radius))
+
+    # columns ---
+
+    def columns(self) -> dict[str, Array]:
+        """All columns by name: the contract's seven, then those of ``EXTRA_COLUMNS``.
+
+        The stress intensity factor is ``-q(a)/sqrt(pi a)``, 0 without contact. The energy release rate is
+        that between a row and the one before; repeated where the area hardly changed.
+        """
+        rows = np.concatenate(self.rows)
+        time, depth, radius, force, energy, tip, spent, external, stress = rows.T
+        stored, area = energy - energy[0], math.pi * radius**2
+        branch = np.where(np.diff(time) > 0.0, np.diff(external - stored + tip), 0.0)  # dashpots take time
+        roots = np.sqrt(math.pi * np.where(radius > 0.0, radius, 1.0))
+        return {
+            "time": time,
+            "penetration": depth,
+            "force": force,
+            "contact_radius": radius,
+            "stored_energy": energy,
+            "external_work": external,
+            "dissipated_energy": external - spent - stored,
+            "stress_intensity_factor": np.where(radius > 0.0, -stress / roots, 0.0),
+            "energy_release_rate": self._release_rate(area, stored - external),
+            "branch_dissipation": np.concatenate(([0.0], branch.cumsum())),
+            "separation_energy": spent,
+        }
+
+    def _release_rate(self, area: Array, potential: Array) -> Array:
+        """``(dU - F dD)/dA``; the work of adhesion, its value in equilibrium, before anything has moved."""
+        work = self.law.adhesion.work if self.law.adhesion else 0.0
+        step = np.diff(area)
+        moves = np.abs(step) > LEAST_AREA_CHANGE * area.max()
+        last = np.maximum.accumulate(np.where(moves, np.arange(len(step)), -1))
+        each = np.divide(np.diff(potential), step, out=np.zeros_like(step), where=moves)
+        return np.concatenate(([work], np.where(last >= 0, each[last], work) if len(step) else []))
