@@ -1,0 +1,135 @@
+"""Pressure, displacement and gap of the surface, by inverse Abel transform of what the table says anywhere.
+
+    p(r) = -(1/pi) int_r^inf dq/sqrt(x^2-r^2)                                     (r < a),
+    g(r) = (2/pi) int_a^r d(y)/sqrt(r^2-y^2) dy,   u = D - f + g                  (r > a).
+
+``q`` falls to zero at the edge, and jumps where it was released and covered at different times. Between radii
+where they may do so, ``q`` and ``d`` are polynomials in panels; with ``x = r cosh(t)`` and ``y = r sin(t)``
+no integrand is singular.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Indenter, SurfaceProfile
+from validation.reference.path.polynomials import gauss, powers
+from validation.reference.path.rheology import Body, total
+from validation.reference.path.state import State
+
+Array = NDArray[np.float64]
+
+POINTS = 160
+"""Points on either side of the edge."""
+AXIS = 1e-6
+"""Radius, in contact radii, that stands for the axis: the pressure at the tip of a cone is infinite."""
+LEAST = 1e-12
+"""Least width of a panel, in radii."""
+_GRADED = 0.4 ** np.arange(1, 24)
+"""Distances of breaks from the edge, the axis and knots of the profile, beyond which it goes as a root."""
+NODES, WEIGHTS = gauss(6)
+_ORDERS = np.arange(len(NODES))
+_TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
+
+
+def surface_profile(state: State, body: Body, indenter: Indenter) -> SurfaceProfile:
+    """State of the surface, at points crowded towards the edge but not on it."""
+    a, edges = state.radius, state.surface.edges
+    far = 1.5 * max(a, float(edges[-1]) if edges.size else 0.0) or 1.0
+    within = a * np.sin(0.5 * np.pi * np.arange(POINTS) / POINTS) if a > 0.0 else np.empty(0)
+    beyond = a + (far - a) * (np.arange(1 if a > 0.0 else 0, POINTS + 1) / POINTS) ** 2
+    radius = np.concatenate((within, beyond))
+    gaps = np.concatenate((0.0 * within, gap(state, body, beyond)))
+    pressed = pressure(state, body, within) if a > 0.0 else within
+    return SurfaceProfile(
+        time=state.time,
+        penetration=state.depth,
+        force=state.force,
+        contact_radius=a,
+        radius=radius,
+        pressure=np.concatenate((pressed, 0.0 * beyond)),
+        displacement=state.depth - indenter.height(radius) + gaps,
+        gap=gaps,
+    )
+
+
+def stress(state: State, body: Body, x: Array) -> Array:
+    """``q`` at radii in contact."""
+    G, carried = _carried(state, body, x)
+    return body.rheology.stress(carried + body.rheology.moduli * state.memory, state.depth - G)
+
+
+def opening(state: State, body: Body, y: Array) -> Array:
+    """``d`` at free radii."""
+    G, carried = _carried(state, body, y)
+    return total(carried) - (state.depth - G)
+
+
+def _carried(state: State, body: Body, x: Array) -> tuple[Array, Array]:
+    rheology, G = body.rheology, body.transform(x)
+    return G, state.surface.at(x, G, state.time, rheology.times, rheology.retardation)[1]
+
+
+def pressure(state: State, body: Body, radius: Array) -> Array:
+    """``p(r)`` for ``0 <= r < a``, shape (m,); positive in compression."""
+    a = state.radius
+    breaks = _breaks(state, body, 0.0, a)
+    width, q = np.diff(breaks), _panels(lambda x: stress(state, body, x), breaks)
+    slopes = _ORDERS[1:, None] * q[1:] / width
+    jumps = np.append(q[0, 1:], 0.0) - q.sum(axis=0)  # at the outer end of each panel
+
+    def at(r: float) -> float:
+        first = max(int(breaks.searchsorted(r, side="right")) - 1, 0)
+        outer = breaks[first + 1 :]
+        t = np.arccosh(np.append(max(breaks[first] / r, 1.0), outer / r))
+        span = np.diff(t)[:, None]
+        share = (r * np.cosh(t[:-1, None] + span * NODES) - breaks[first:-1, None]) / width[first:, None]
+        sharp = jumps[first:] @ (1.0 / np.sqrt((outer - r) * (outer + r)))
+        return -(sharp + float((span * WEIGHTS * _values(slopes[:, first:], share)).sum())) / math.pi
+
+    return np.array([at(r) for r in np.maximum(radius, AXIS * a).tolist()])
+
+
+def gap(state: State, body: Body, radius: Array) -> Array:
+    """``g(r)`` for ``r >= a``, shape (m,)."""
+    a, far = state.radius, float(radius.max())
+    breaks = _breaks(state, body, a, far)
+    width, d = np.diff(breaks), _panels(lambda y: opening(state, body, y), breaks)
+
+    def at(r: float) -> float:
+        last = int(breaks.searchsorted(r))
+        t = np.arcsin(np.append(breaks[:last] / r, 1.0))
+        span = np.diff(t)[:, None]
+        share = (r * np.sin(t[:-1, None] + span * NODES) - breaks[:last, None]) / width[:last, None]
+        return 2.0 / math.pi * float((span * WEIGHTS * _values(d[:, :last], share)).sum())
+
+    return np.array([at(r) if r > a else 0.0 for r in np.maximum(radius, AXIS * far).tolist()])
+
+
+def _panels(field: Callable[[Array], Array], breaks: Array) -> Array:
+    """Coefficients (6, l) of the polynomials in the panels between breaks, of the share of the panel."""
+    at = breaks[:-1, None] + np.diff(breaks)[:, None] * NODES
+    return np.asarray(_TO_POWERS @ field(at.ravel()).reshape(at.shape).T)
+
+
+def _values(coefficients: Array, share: Array) -> Array:
+    """Values (l, m) of a polynomial for each panel."""
+    value = np.zeros_like(share)
+    for order in coefficients[::-1]:
+        value = value * share + order[:, None]
+    return value
+
+
+def _breaks(state: State, body: Body, low: float, high: float) -> Array:
+    """Radii between which the fields are smooth, with the ends."""
+    knots = body.transform.knots
+    marks = np.append(knots[(knots > low) & (knots < high)], (low, state.radius))[:, None]
+    near = marks + (high - low) * np.append(_GRADED, -_GRADED)
+    breaks = np.unique(np.concatenate((near.ravel(), marks.ravel(), state.edges_between(low, high))))
+    breaks = breaks[(breaks > low + LEAST * high) & (breaks < high * (1.0 - LEAST))]
+    apart = np.diff(breaks, prepend=low) > LEAST * high
+    return np.concatenate(([low], breaks[apart], [high]))
