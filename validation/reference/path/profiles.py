@@ -36,15 +36,15 @@ _ORDERS = np.arange(len(NODES))
 _TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
 
 
-def surface_profile(state: State, body: Body, indenter: Indenter) -> SurfaceProfile:
+def profile(body: Body, indenter: Indenter, state: State) -> SurfaceProfile:
     """State of the surface, at points crowded towards the edge but not on it."""
     a, edges = state.radius, state.surface.edges
     far = 1.5 * max(a, float(edges[-1]) if edges.size else 0.0) or 1.0
     within = a * np.sin(0.5 * np.pi * np.arange(POINTS) / POINTS) if a > 0.0 else np.empty(0)
     beyond = a + (far - a) * (np.arange(1 if a > 0.0 else 0, POINTS + 1) / POINTS) ** 2
     radius = np.concatenate((within, beyond))
-    gaps = np.concatenate((0.0 * within, gap(state, body, beyond)))
-    pressed = pressure(state, body, within) if a > 0.0 else within
+    gaps = np.concatenate((0.0 * within, gap(body, state, beyond)))
+    pressed = pressure(body, state, within) if a > 0.0 else within
     return SurfaceProfile(
         time=state.time,
         penetration=state.depth,
@@ -57,28 +57,28 @@ def surface_profile(state: State, body: Body, indenter: Indenter) -> SurfaceProf
     )
 
 
-def stress(state: State, body: Body, x: Array) -> Array:
+def stress(body: Body, state: State, x: Array) -> Array:
     """``q`` at radii in contact."""
-    G, carried = _carried(state, body, x)
+    G, carried = _carried(body, state, x)
     return body.rheology.stress(carried + body.rheology.moduli * state.memory, state.depth - G)
 
 
-def opening(state: State, body: Body, y: Array) -> Array:
+def opening(body: Body, state: State, y: Array) -> Array:
     """``d`` at free radii."""
-    G, carried = _carried(state, body, y)
+    G, carried = _carried(body, state, y)
     return total(carried) - (state.depth - G)
 
 
-def _carried(state: State, body: Body, x: Array) -> tuple[Array, Array]:
+def _carried(body: Body, state: State, x: Array) -> tuple[Array, Array]:
     rheology, G = body.rheology, body.transform(x)
     return G, state.surface.at(x, G, state.time, rheology.times, rheology.retardation)[1]
 
 
-def pressure(state: State, body: Body, radius: Array) -> Array:
+def pressure(body: Body, state: State, radius: Array) -> Array:
     """``p(r)`` for ``0 <= r < a``, shape (m,); positive in compression."""
     a = state.radius
-    breaks = _breaks(state, body, 0.0, a)
-    width, q = np.diff(breaks), _panels(lambda x: stress(state, body, x), breaks)
+    breaks = _breaks(body, state, 0.0, a)
+    width, q = np.diff(breaks), _panels(lambda x: stress(body, state, x), breaks)
     slopes = _ORDERS[1:, None] * q[1:] / width
     jumps = np.append(q[0, 1:], 0.0) - q.sum(axis=0)  # at the outer end of each panel
 
@@ -94,11 +94,11 @@ def pressure(state: State, body: Body, radius: Array) -> Array:
     return np.array([at(r) for r in np.maximum(radius, AXIS * a).tolist()])
 
 
-def gap(state: State, body: Body, radius: Array) -> Array:
+def gap(body: Body, state: State, radius: Array) -> Array:
     """``g(r)`` for ``r >= a``, shape (m,)."""
     a, far = state.radius, float(radius.max())
-    breaks = _breaks(state, body, a, far)
-    width, d = np.diff(breaks), _panels(lambda y: opening(state, body, y), breaks)
+    breaks = _breaks(body, state, a, far)
+    width, d = np.diff(breaks), _panels(lambda y: opening(body, state, y), breaks)
 
     def at(r: float) -> float:
         last = int(breaks.searchsorted(r))
@@ -124,7 +124,7 @@ def _values(coefficients: Array, share: Array) -> Array:
     return value
 
 
-def _breaks(state: State, body: Body, low: float, high: float) -> Array:
+def _breaks(body: Body, state: State, low: float, high: float) -> Array:
     """Radii between which the fields are smooth, with the ends."""
     knots = body.transform.knots
     marks = np.append(knots[(knots > low) & (knots < high)], (low, state.radius))[:, None]

@@ -43,6 +43,7 @@ from validation.reference.path.equilibrium import elastic_start
 from validation.reference.path.estimate import COARSER, estimated_errors
 from validation.reference.path.legs import Leg, jump, timed_legs
 from validation.reference.path.options import Options
+from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
 from validation.reference.path.rheology import Body, rheology
 from validation.reference.path.scales import scales
@@ -199,9 +200,7 @@ class Run:
 
     def _profile(self, state: State) -> None:
         """The surface at a time at which it is asked for."""
-        from validation.reference.path import profiles
-
-        self.profiles.append(profiles.profile(self.recorder.body, self.recorder.law, state))
+        self.profiles.append(profile(self.recorder.body, self.scene.indenter, state))
 
     def _accepted(self, trial: Trial, arrival: Arrival, state: State, s: float) -> None:
         """Record a step; the row before it belongs to its path unless there is a kink between."""
