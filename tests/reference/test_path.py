@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from benchmarks.reference_path import measures
-from contact_scene import Trace
+from contact_scene import Adhesion, Branch, OutcomeKind, Trace
 from validation.cases import load
 from validation.reference.path.abel import PowerTransform, transform
 from validation.reference.path.closure import closure
 from validation.reference.path.equilibrium import elastic_start
+from validation.reference.path.fields import NODES, WEIGHTS
 from validation.reference.path.memory import PATH_AT_NODES, Ramp, collocation
 from validation.reference.path.options import Options
 from validation.reference.path.path import Segment
@@ -167,3 +169,35 @@ def test_rows_are_straight_and_stops_change_nothing(name):
             np.interp(stops, without.time, plain), abs=3e-5 * np.abs(plain).max()
         )
         assert values[~np.isin(trace.time, stops)] == pytest.approx(plain, rel=1e-12)
+
+
+def test_the_force_is_that_of_the_surface(monkeypatch):
+    """Sums over the contact, step by step, against the table of passages: steps of many relaxation times."""
+    worst, record = [], Run._accepted
+
+    def checked(run, trial, arrival, state, s):
+        record(run, trial, arrival, state, s)
+        if trial.direction <= 0.0:
+            return
+        near = state.radius * (1.0 - np.geomspace(1e-12, 1.0, 200)[::-1])
+        breaks = np.union1d(near, state.edges_between(0.0, state.radius))
+        width, rheology = np.diff(breaks), trial.body.rheology
+        x = (breaks[:-1, None] + width[:, None] * NODES).ravel()
+        G = trial.body.transform(x)
+        carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)[1]
+        q = rheology.stress(carried + rheology.moduli * state.memory, state.depth - G)
+        worst.append(2.0 * (width[:, None] * WEIGHTS).ravel() @ q - state.force)
+
+    monkeypatch.setattr(Run, "_accepted", checked)
+    trace = solve(load("cycle-v2e-5").scene)
+    assert np.abs(worst).max() < 1e-5 * trace.force.max()
+
+
+def test_a_zone_of_fixed_stress_that_fills_its_contact_ends_the_run():
+    scene = load("fixed-stress-si").scene
+    adhesion = Adhesion(scene.adhesion.work, stress=0.4 * scene.adhesion.stress)
+    material = replace(scene.material, branches=(Branch(10.0 * scene.material.modulus, 0.1),))
+    scene = replace(scene, adhesion=adhesion, material=material)
+    trace, today = solve(scene), SOLVERS[REFERENCE].solve(scene)
+    assert trace.outcome.kind is today.outcome.kind is OutcomeKind.BELOW_ZONE
+    assert trace.time[-1] == pytest.approx(today.time[-1], rel=2e-5)

@@ -23,8 +23,8 @@ Array = NDArray[np.float64]
 _EVEN = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-3
 """Shortest zone that is followed, in zones at rest: the edge pulls a thirtieth as much."""
-LONGEST = 0.95
-"""Longest, in contact radii: there the contact ends."""
+LONGEST = 1.0 - 1e-9
+"""Longest, in contact radii: it fills the contact."""
 
 
 def zone_length(
@@ -51,6 +51,8 @@ def zone_length(
     low, high = math.sqrt(min(SHORTEST * at_rest, 0.5 * radius)), math.sqrt(LONGEST * radius)
     x = math.sqrt(guess)
     f = lack(x)
+    if not math.isfinite(f):
+        return math.nan
     after = x * (1.0 + 1e-4)
     for _ in range(8):
         if not low < after < high:

@@ -429,7 +429,7 @@ class Tracker:
     def least_radius(self) -> float:
         """Radius below which no contact is followed."""
         if self.law.cohesive:
-            return 1e-2 * self.law.zone
+            return self.law.zone
         return SHORTEST * self.law.zone if self.law.zone else self._vanishing
 
     @cached_property

@@ -43,6 +43,8 @@ AHEAD = 1.5
 """How far beyond a step, in its way, a turn or fold is looked for."""
 TOWARDS_FOLD = 0.75
 """Share of the way to a fold that a step goes until the place of the fold is known."""
+FILLED = 1.0 - 1e-5
+"""Zone of fixed stress, in the contact radius, at which the contact ends."""
 OVER = 3.0
 """Misprediction by a corner passed over, in tolerances, from which on it is landed on."""
 
@@ -67,26 +69,32 @@ class Level:
 
 
 def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correction:
-    """The step cut where the path comes to the level: a root on the dense path."""
-    level, trial, arrival = tracker.level, correction.trial, correction.arrival
-    if level is None or not tracker.leg.timed:
-        return correction
-    force = trial.force(arrival.motion, arrival.duration)
-    if level.excess(arrival.depth, force, trial.radius) < 0.0:
+    """The step cut where the path comes to the level, or its zone fills the contact: roots on the dense path."""
+    level = tracker.level if tracker.leg.timed else None
+
+    def excess(trial: Trial, arrival: Arrival) -> tuple[float, Kind]:
+        found = [(-math.inf, Kind.NONE)]
+        if level is not None:
+            force = trial.force(arrival.motion, arrival.duration)
+            found.append((level.excess(arrival.depth, force, trial.radius), Kind.LEVEL))
+        if trial.cohesive:
+            zone = trial.zone_at_stress(arrival.motion, arrival.duration)
+            found.append((zone / trial.radius - FILLED, Kind.LEAST))
+        return max(found)
+
+    if excess(correction.trial, correction.arrival)[0] < 0.0:
         return correction
 
-    def excess(u: float) -> tuple[float, Trial, Arrival]:
-        part, p = trial.part(u, arrival)
-        end = part.arrive(p)
-        return level.excess(end.depth, part.force(end.motion, end.duration), part.radius), part, end
+    def dense(u: float) -> tuple[Trial, Arrival]:
+        part, p = correction.trial.part(u, correction.arrival)
+        return part, part.arrive(p)
 
-    at = (
-        brentq(lambda u: excess(u)[0], 1e-9, 1.0, xtol=1e-13)
-        if excess(1e-9)[0] < 0.0 < excess(1.0)[0]
-        else 1.0
-    )
-    _, part, end = excess(at)
-    planned.event = Kind.LEVEL
+    def along(u: float) -> float:
+        return excess(*dense(u))[0]
+
+    at = brentq(along, 1e-9, 1.0, xtol=1e-13) if along(1e-9) < 0.0 < along(1.0) else 1.0
+    part, end = dense(at)
+    planned.event = excess(part, end)[1]
     last = tracker.rows.last[0]
     return replace(correction, trial=part, arrival=end, s=last + at * (correction.s - last))
 

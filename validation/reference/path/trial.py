@@ -7,6 +7,7 @@ exponentials an array, and two products.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import fields
-from validation.reference.path.closure import Closure, closure
+from validation.reference.path.closure import BASE, Closure, closure
 from validation.reference.path.cohesive_zone import zone_length
 from validation.reference.path.legs import Leg
 from validation.reference.path.memory import (
@@ -28,7 +29,7 @@ from validation.reference.path.memory import (
 from validation.reference.path.path import Segment
 from validation.reference.path.polynomials import horner, inverse, powers
 from validation.reference.path.rheology import total
-from validation.reference.path.state import Body, State
+from validation.reference.path.state import GRADING, Body, State
 
 Array = NDArray[np.float64]
 
@@ -82,6 +83,7 @@ class Trial:
         self.radius = state.radius + float(segment.way.sum())
         self.direction = float(np.sign(self.radius - state.radius))
         self.closure: Closure | None = None
+        self._layered: dict[int, tuple[fields.Sweep, Points]] = {}
         self.guess = 0.0
         if closed and zone > 0.0 and not cohesive:
             self._close(zone)
@@ -98,16 +100,15 @@ class Trial:
         s = self.closure.s
         self.behind, self.ahead = self._points(self.radius - zone + s, self.radius + s)
 
-    def _close_at_stress(self, motion: Motion, duration: float) -> None:
-        """Set up the closure over the zone that a cohesive stress makes at this end of the step."""
+    def zone_at_stress(self, motion: Motion, duration: float) -> float:
+        """Length of the zone that a cohesive stress makes at this end of the step."""
 
         def stress(x: Array) -> Array:
             return self.stress(self._points(x, x[:0])[0], motion, duration)
 
-        edges = self.state.thinned(self.state.edges_between(0.0, self.radius), self.zone)
-        zone = zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
-        if self.closure is None or abs(zone - self.zone) > 1e-13 * zone:
-            self._close(zone)
+        within = self.state.thinned(self.state.edges_between(0.0, self.radius), self.zone)
+        edges = np.union1d(within, self.radius - self.zone * (1.0 - BASE))
+        return zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
 
     # what does not depend on the end ---
 
@@ -138,7 +139,10 @@ class Trial:
     @cached_property
     def swept(self) -> tuple[fields.Sweep, Points]:
         """The points that the step passes, if the edge moves, in the entries they will be kept in."""
-        cuts = self.state.cuts(self.radius, self.zone)
+        return self._sweep(self.state.cuts(self.radius, self.zone))
+
+    def _sweep(self, cuts: Array) -> tuple[fields.Sweep, Points]:
+        """Points of the sweep between these radii."""
         swept = fields.sweep(self.state.radius, self.segment.way, cuts)
         u_powers = powers(swept.u, COLLOCATION)
         x = np.maximum(swept.x, np.nextafter(min(self.radius, self.state.radius), np.inf))
@@ -190,7 +194,8 @@ class Trial:
             free = self.guess + (leg.value(parameter) - one) / slope
         else:
             free = self.guess + (lack - state.depth - self.guess) / (1.0 + leg.compliance * slope)
-        self.guess = free
+        if math.isfinite(free):
+            self.guess = free
         return free
 
     def _integral(self, motion: Motion, duration: float) -> float:
@@ -200,7 +205,11 @@ class Trial:
             if not self.closed:
                 return 0.0
             if self.cohesive:
-                self._close_at_stress(motion, duration)
+                zone = self.zone_at_stress(motion, duration)
+                if not math.isfinite(zone):
+                    return math.nan
+                if self.closure is None or abs(zone - self.zone) > 1e-13 * zone:
+                    self._close(zone)
             assert self.closure is not None
             q, d = self.stress(self.behind, motion, duration), self.opening(self.ahead, motion, duration)
             return self.closure.integral(q, d)
@@ -271,6 +280,24 @@ class Trial:
         branches, strain, _, _ = self._passing(points, arrival.motion)
         return u, self.body.rheology.stress(branches, strain)
 
+    def _gained(self, motion: Motion, duration: float) -> tuple[Array, Array]:
+        """``int b_k dx`` and ``int b_k^2 dx`` over what the step covered.
+
+        What a fast branch still holds is a layer at the edge: the last panel is cut until it is seen.
+        """
+        swept, points = self.swept
+        shortest = self.body.rheology.shortest
+        if duration > GRADING * shortest:
+            count = int(math.log(duration / shortest) / math.log(GRADING))
+            if count not in self._layered:
+                cuts = swept.cuts
+                near = self.radius - (self.radius - cuts[-2]) / GRADING ** np.arange(1, count + 1)
+                near = near[(near > cuts[-2]) & (near < self.radius)]
+                self._layered[count] = self._sweep(np.concatenate((cuts[:-1], near, cuts[-1:])))
+            swept, points = self._layered[count]
+        covered = self._covered(points, motion, duration)
+        return swept.weight @ covered, swept.weight @ covered**2
+
     def force(self, motion: Motion, duration: float) -> float:
         """``F = 2 int_0^a q dx``: what the contact held before has faded, what it gained is integrated."""
         rheology, state, a = self.body.rheology, self.state, self.radius
@@ -279,8 +306,7 @@ class Trial:
         gained = rheology.moduli * (memory - fading * state.memory)
         branches = fading * (state.held - self._lost[0]) + gained * min(a, state.radius)
         if self.direction > 0.0:
-            swept, points = self.swept
-            branches = branches + swept.weight @ self._covered(points, motion, duration)
+            branches = branches + self._gained(motion, duration)[0]
         elastic = rheology.relaxed * (depth * a - self.body.transform.integral(a))
         return 2.0 * (elastic + float(branches.sum()))
 
@@ -322,8 +348,8 @@ class Trial:
                 carried, strains = self._released(points, motion, arrival.duration)
                 free = free + swept.weight @ strains**2
             else:
-                covered = self._covered(points, motion, arrival.duration)
-                held, squares = held + swept.weight @ covered, squares + swept.weight @ covered**2
+                gains = self._gained(motion, arrival.duration)
+                held, squares = held + gains[0], squares + gains[1]
                 branches, _, then, _ = self._passing(points, motion)
                 carried = branches - rheology.moduli * then
             surface = fields.passed(surface, swept, state.time, elapsed, carried, not receding)
@@ -345,7 +371,16 @@ class Trial:
         """The step cut off at ``u``, without closure, and its load parameter: a point of the dense path."""
         rise = arrival.parameter - self.state.parameter
         segment = self.segment.cut(u, rise, arrival.free)
-        trial = Trial(self.body, self.state, self.leg, segment, self.zone, closed=False)
+        trial = Trial(
+            self.body,
+            self.state,
+            self.leg,
+            segment,
+            self.zone,
+            self.cohesive,
+            self.zone_at_rest,
+            closed=False,
+        )
         return trial, self.state.parameter + float(segment.parameter.sum())
 
     def speed(self, arrival: Arrival) -> float:
