@@ -22,10 +22,10 @@ import numpy as np
 from benchmarks.random_scenes import random_scene
 from contact_scene import Scene, Trace
 from validation.cases import load
+from validation.reference import tracking
 from validation.reference.path.options import DEFAULT_TOLERANCE, Options
 from validation.reference.path.solver import solve
 from validation.scenes import names
-from validation.solvers import REFERENCE, SOLVERS
 
 FINE = 32
 LONGEST = 60.0
@@ -82,7 +82,9 @@ def oracle_of(name: str, scene: Scene) -> dict[str, dict[str, Any]]:
         if (":" in name or name.startswith(("sweep", "oscillation"))) and resolution:
             continue  # minutes
         began = time.process_time()
-        answers[fineness] = measures(within(LONGEST, partial(SOLVERS[REFERENCE].solve, scene, resolution)))
+        answers[fineness] = measures(
+            within(LONGEST, partial(tracking.solve, scene, tracking.Options(resolution)))
+        )
         answers[fineness]["seconds"] = time.process_time() - began
     answers.setdefault("fine", answers["default"])
     return answers
@@ -103,7 +105,7 @@ def compared(
     apart = [abs(mine[key] - fine[key]) / abs(fine[key] or 1.0) for key in MEASURES]
     if in_turn:
         began = time.process_time()
-        SOLVERS[REFERENCE].solve(scene)
+        tracking.solve(scene)
         default["seconds"] = time.process_time() - began
     return (
         f"{name:22s} "

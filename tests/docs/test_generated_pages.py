@@ -21,7 +21,7 @@ from validation import scenes
 from validation.cases import load
 from validation.claims.claim import Finding, Part, Verdict
 from validation.fits.statistics import Estimate
-from validation.reference.tracking.recorder import EXTRA_COLUMNS
+from validation.reference.path.recorder import EXTRA_COLUMNS
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "docs"))

@@ -58,7 +58,7 @@ def test_a_run_loads_its_solver_and_nothing_that_it_does_not_call(tmp_path):
     loaded = set(ended.stdout.partition("loaded ")[2].split())
     unused = {"scipy", "rich", "pebble", "multiprocessing", "asyncio", "email", "bem_solver", "fem_solver"}
     unused |= {"meshes", *(f"validation.{one}" for one in EVIDENCE), *HEAVY} - {"numpy"}
-    assert "validation.reference.tracking.solver" in loaded
+    assert "validation.reference.path.solver" in loaded
     assert sorted(loaded & unused) == []
 
 

@@ -11,7 +11,7 @@ import threadpoolctl
 import crosscontact as cc
 from contact_scene.run_control import single_threaded
 from crosscontact.cli import main
-from validation.reference.tracking import Options, solve
+from validation.reference.path import Options, solve
 
 SPHERE = cc.Scene(
     cc.Material(0.75, 0.5, (cc.Branch(6.75, 1.0),)),

@@ -11,6 +11,7 @@ import pytest
 from benchmarks.reference_path import measures
 from contact_scene import Adhesion, Branch, OutcomeKind, Trace
 from validation.cases import load
+from validation.reference import tracking
 from validation.reference.path.abel import PowerTransform, transform
 from validation.reference.path.closure import closure
 from validation.reference.path.equilibrium import elastic_start
@@ -26,7 +27,6 @@ from validation.reference.tracking.closure import EdgeFields, closure_integral
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.law import Griffith, NoTension
 from validation.scenes import names
-from validation.solvers import REFERENCE, SOLVERS
 
 
 @pytest.mark.parametrize(("radius", "zone"), [(0.2, 0.013), (0.2, 1e-6), (0.02, 0.013)])
@@ -126,7 +126,7 @@ def runs():
     @functools.cache
     def both(name: str) -> tuple[Trace, Trace]:
         scene = load(name).scene
-        return solve(scene), SOLVERS[REFERENCE].solve(scene)
+        return solve(scene), tracking.solve(scene)
 
     return both
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from contact_scene import Scene, Trace, UnsupportedScene
-from validation.reference.tracking import Options, refusal, solve
-from validation.reference.tracking.options import DEFAULT_RESOLUTION
+from validation.reference.path import Options, refusal, solve
+from validation.reference.path.options import DEFAULT_RESOLUTION
 from validation.solvers.base import REFERENCE, RunOptions, Solver
 
 
@@ -40,7 +40,7 @@ class FrontTracking(Solver):
         return refusal(scene)
 
     def default_resolution(self, scene: Scene) -> int:
-        return int(DEFAULT_RESOLUTION[scene.is_adhesive])
+        return DEFAULT_RESOLUTION
 
     def coarse_resolution(self, adhesive: bool) -> int:
-        return 8 if adhesive else 4
+        return 4

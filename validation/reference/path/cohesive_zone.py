@@ -15,9 +15,9 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from validation.reference.path.closure import points
+from validation.reference.path.root import bracketed
 
 Array = NDArray[np.float64]
 _EVEN = np.linspace(0.0, 1.0, 5)
@@ -68,4 +68,4 @@ def zone_length(
         return low * low
     if lack(high) >= 0.0:
         return high * high
-    return float(brentq(lack, low, high, xtol=1e-15 * high, rtol=1e-14)) ** 2
+    return bracketed(lack, low, high) ** 2

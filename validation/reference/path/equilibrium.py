@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize_scalar
 
 from contact_scene import Scene, TabulatedProfile
 from contact_scene.errors import SceneError
@@ -23,6 +22,7 @@ from contact_scene.scene import zone_too_long
 from validation.reference.path.closure import BASE, closure
 from validation.reference.path.cohesive_zone import LONGEST, zone_length
 from validation.reference.path.rheology import Body
+from validation.reference.path.root import bracketed
 
 Array = NDArray[np.float64]
 
@@ -147,7 +147,7 @@ def _rising(excess: Callable[[float], float], rim: float) -> float:
         high *= 2.0
     while excess(0.5 * high) > 0.0:
         high *= 0.5
-    return float(brentq(excess, 0.5 * high, high, xtol=1e-300, rtol=1e-15))
+    return bracketed(excess, 0.5 * high, high)
 
 
 def _between(highest: float, lowest: float, knots: Array) -> list[float]:
@@ -169,12 +169,14 @@ def _outermost(residual: Callable[[float], float], radii: list[float]) -> float 
     for radius in radii[1:]:
         value, low = residual(radius), radius
         if 0.0 < at_above < min(value, at_outer):
+            from scipy.optimize import minimize_scalar
+
             dip = minimize_scalar(
                 residual, bounds=(radius, outer), method="bounded", options={"xatol": 1e-8 * radius}
             )
             if dip.fun <= 0.0:
                 value, low, above = dip.fun, dip.x, outer
         if value <= 0.0 < at_above:
-            return float(brentq(residual, low, above, xtol=1e-300, rtol=1e-15))
+            return bracketed(residual, low, above)
         outer, at_outer, above, at_above = above, at_above, radius, value
     return None

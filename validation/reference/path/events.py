@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from contact_scene import Trigger
 from validation.reference.path import kinks
 from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.root import bracketed
 from validation.reference.path.state import State
 from validation.reference.path.step import MOVING, Correction, Fixed, Kind, Plan
 from validation.reference.path.trial import Arrival, Trial
@@ -92,7 +92,7 @@ def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correct
     def along(u: float) -> float:
         return excess(*dense(u))[0]
 
-    at = brentq(along, 1e-9, 1.0, xtol=1e-13) if along(1e-9) < 0.0 < along(1.0) else 1.0
+    at = bracketed(along, 1e-9, 1.0, 1e-13) if along(1e-9) < 0.0 < along(1.0) else 1.0
     part, end = dense(at)
     planned.event = excess(part, end)[1]
     last = tracker.rows.last[0]
@@ -143,7 +143,7 @@ def plan(tracker: Tracker) -> Plan:
     last = place(h)
     if last[0] >= end - 1e-9 * h:
         if m > 1 and last[0] > end and here[0] < end:
-            h = brentq(lambda x: place(x)[0] - end, 0.0, h)
+            h = bracketed(lambda x: place(x)[0] - end, 0.0, h)
         planned = made(h, Kind.END, Fixed.REST if resting else Fixed.LOAD)
         planned.z[0] = end
     elif resting:
@@ -161,7 +161,7 @@ def plan(tracker: Tracker) -> Plan:
         corner, kind = at
         along = lambda x: place(x)[1] * tracker.L - corner  # noqa: E731
         if along(0.0) * along(planned.h) < 0.0:
-            planned = made(brentq(along, 0.0, planned.h), kind, Fixed.RADIUS)
+            planned = made(bracketed(along, 0.0, planned.h), kind, Fixed.RADIUS)
         else:
             planned = made(planned.h, kind, Fixed.RADIUS)
         planned.z[1] = corner / tracker.L
@@ -179,7 +179,7 @@ def _turn_or_fold(
     h = planned.h
     ahead = slope(AHEAD * h)
     if abs(first[1]) > 1e-5 and first[1] * ahead[1] < 0.0:
-        at = brentq(lambda x: slope(x)[1], 0.0, AHEAD * h)
+        at = bracketed(lambda x: slope(x)[1], 0.0, AHEAD * h)
         if at > h:
             return made(0.6 * at)
         if place(at)[0] > place(0.0)[0]:
@@ -189,7 +189,7 @@ def _turn_or_fold(
         and first[0] > 0.0 > ahead[0]
         and (tracker.law.zone > 0.0 or first[1] > 0.0)
     ):
-        at = brentq(lambda x: slope(x)[0], 0.0, AHEAD * h)
+        at = bracketed(lambda x: slope(x)[0], 0.0, AHEAD * h)
         vertex, before = float(place(at)[1]), tracker.vertex
         tracker.vertex = vertex
         if abs(vertex - before) < 0.1 * tracker.tolerance:
@@ -317,7 +317,7 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
     for radius in radii:
         value = residual(float(radius))
         if before[1] * way < 0.0 <= value * way:
-            at = brentq(residual, *sorted((float(radius), before[0])), xtol=1e-14 * a)
+            at = bracketed(residual, *sorted((float(radius), before[0])), 1e-14 * a)
             residual(at)
             trial, arrival = ends[at]
             accept(tracker, Correction(trial, arrival, 0.0, tracker.rows.last[0] + abs(at - a) / tracker.L))

@@ -21,7 +21,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq, minimize_scalar
 
 from contact_scene import Event
 from validation.reference.path.edge_law import EdgeLaw
@@ -41,6 +40,7 @@ from validation.reference.path.energies import (
 )
 from validation.reference.path.polynomials import derivative, horner, inverse
 from validation.reference.path.rheology import Body
+from validation.reference.path.root import bracketed
 from validation.reference.path.scales import Scales
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
@@ -54,6 +54,8 @@ EXTRA_COLUMNS = (
     "separation_energy",
 )
 """Columns beside those of every solver."""
+DEEPEST, PRESSED, PULLED = "largest penetration", "largest force", "largest tension"
+"""Kinds of located events."""
 CELLS = 64
 """Cells in which a step is looked at, and most of its rows; closer at its ends, where it may be a root."""
 _EDGES = np.sin(0.5 * math.pi * np.linspace(0.0, 1.0, CELLS + 1)) ** 2
@@ -128,7 +130,11 @@ class Recorder:
             if stop in self.wanted:
                 self.seen(replace(self._state(trial, arrival, at), time=stop) if at < 1.0 else state)
         for at, (kind, apart) in marked.items():
-            self._mark(kind, rows[u.searchsorted(at)], np.abs(self._spread(way, at, apart)))
+            row = rows[u.searchsorted(at)]
+            if kind in (PRESSED, PULLED):  # no polynomial goes beyond it
+                limit = np.minimum if kind == PRESSED else np.maximum
+                rows[:-1, FORCE] = limit(rows[:-1, FORCE], row[FORCE])
+            self._mark(kind, row, self._spread(way, at, apart))
         self._add(rows)
 
     def level(self, kind: str) -> None:
@@ -205,41 +211,40 @@ class Recorder:
             first, last = way.slopes(np.array([0.0, 1.0]))[:, column]
             if first * last >= 0.0 or min(abs(first), abs(last)) < LEAST_SLOPE * largest:
                 continue
-            at = brentq(lambda u, c=column: float(way.slopes(np.array([u]))[0, c]), 0.0, 1.0, xtol=1e-12)
+            slope = derivative(way.coefficients[:, column])
+            at = bracketed(lambda u, c=slope: float(horner(c, np.array(u))), 0.0, 1.0, 1e-12)
             if column == DEPTH:
-                found[at] = "largest penetration" if first > 0.0 else "", 1e-12
+                found[at] = DEEPEST if first > 0.0 else "", 1e-12
             elif trial.leg.control != "force":
                 exact = self._extremum(trial, arrival, way, at)
-                found[exact] = (
-                    "largest force" if first > 0.0 else "largest tension",
-                    max(abs(exact - at), NARROW),
-                )
+                found[exact] = PRESSED if first > 0.0 else PULLED, max(abs(exact - at), NARROW)
         return found
 
     def _extremum(self, trial: Trial, arrival: Arrival, way: Course, at: float) -> float:
         """The extremum of the force on the dense path, which the course is made to have."""
         foreseen = float(way.at(np.array([at]))[0, FORCE])
         ends = way.at(np.array([0.0, 1.0]))[:, FORCE]
-        sign = math.copysign(1.0, foreseen - ends.mean())
 
-        def below(u: float) -> float:
+        def force(u: float) -> float:
             part, p = trial.part(u, arrival)
             end = part.arrive(p)
-            return -sign * part.force(end.motion, end.duration)
+            return part.force(end.motion, end.duration)
 
-        exact = minimize_scalar(below, bounds=(0.0, 1.0), method="bounded", options={"xatol": NARROW})
-        height, u = -sign * float(exact.fun), float(exact.x)
+        u = at
+        for apart in (0.1, 0.02):  # by parabolas
+            middle = min(max(u, apart), 1.0 - apart)
+            before, here, after = (force(middle + shift) for shift in (-apart, 0.0, apart))
+            bend = before - 2.0 * here + after
+            vertex = middle + 0.5 * apart * (before - after) / bend if bend else at
+            u = min(max(vertex, NARROW), 1.0 - NARROW)
+        height = force(u)
         beyond = abs(foreseen - ends).min() + abs(ends[1] - ends[0])
-        if abs(height - foreseen) > beyond:  # rounding of a step too short for a dense path
+        if not abs(height - foreseen) <= beyond:  # rounding of a step too short for a dense path
             return at
-        slope = float(way.slopes(np.array([u]))[0, FORCE])
-        lift = height - float(way.at(np.array([u]))[0, FORCE])
-        hump, ramp = (
-            np.array([0.0, 0.0, 1.0, -2.0, 1.0, 0.0]),
-            np.array([0.0, 0.0, -u, 1.0 + 2.0 * u, -2.0 - u, 1.0]),
-        )
-        top, rise = horner(hump, np.array(u)), horner(derivative(hump), np.array(u))
-        way.coefficients[:6, FORCE] += lift / top * hump - (slope + lift / top * rise) / top * ramp
+        lift = (height - float(way.at(np.array([u]))[0, FORCE])) / (u * (1.0 - u)) ** 2
+        way.coefficients[2:5, FORCE] += lift * np.array(
+            [1.0, -2.0, 1.0]
+        )  # keeps values and slopes at the ends
         return u
 
     @staticmethod

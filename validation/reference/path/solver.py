@@ -281,12 +281,12 @@ class Run:
             kind = Kind.LOST if self.outcome is not None else tracker.step()
             if self.outcome is None:
                 self._ends_with(kind, leg)
-            if self.outcome is not None or kind in (Kind.END, Kind.LEVEL):
-                if kind is Kind.LEVEL:
-                    self.recorder.level("trigger")
-                return kind
             if self.progress is not None and leg.timed:
-                self.progress(cursor.share(self.scene.loading, segment, tracker.state.time))
+                self.progress(float(cursor.share(self.scene.loading, segment, tracker.state.time)))
+            if kind is Kind.LEVEL:
+                self.recorder.level("trigger")
+            if self.outcome is not None or kind in (Kind.END, Kind.LEVEL):
+                return kind
 
     def _shortest(self, leg: Leg, segment: Segment) -> float:
         """Length of a leg, or of the time in which its load changes by the largest of the run, if shorter."""

@@ -357,7 +357,7 @@ class Trial:
             state,
             parameter=arrival.parameter,
             time=arrival.parameter if self.leg.timed else state.time,
-            depth=depth,
+            depth=self.leg.value(arrival.parameter) if self.leg.control == "penetration" else depth,
             radius=self.radius,
             force=self.force(motion, arrival.duration),
             memory=memory,
