@@ -37,6 +37,8 @@ FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
+DEPARTURES = 3
+"""Times that a departure is looked for, each with the step that ended at the one before."""
 TURNED = 0.01
 """Slope back, in the mean slope of a step, from which on the edge has turned in it: 1e-5 of the step is lost."""
 STILL = 1e-6
@@ -47,8 +49,6 @@ UNFORESEEN = 1e-2
 """Longest first step after a kink, in the scale of the radius, whichever way the edge then turns out to go."""
 CORNERS = 8
 """Corners near which breaks of the closure stay dense: older ones are smooth enough."""
-SHORTEST = 1.0001
-"""Contact radius in zones at which the model ends; at one the kernel is singular at the axis."""
 LOST_FORCE = 1e-12
 """Force without adhesion, in the largest, at which contact is lost."""
 LEAST_CHANGE = 1e-9
@@ -331,7 +331,7 @@ class Tracker:
         if found is None:
             return None
         arrival, steepness = found
-        new = self.state.radius == 0.0
+        new = len(self.rows) == 1
         far = abs(arrival.parameter - p) > 10.0 * plan.h * self.T
         if (far and not new) or arrival.parameter > self.leg.end * (1.0 + 1e-12):
             return None
@@ -408,11 +408,12 @@ class Tracker:
 
         value, arrival = pull(p)
         if value != 0.0:
-            start = self.state.parameter
+            start, end = self.state.parameter, p
             if pull(start)[0] != 0.0:
                 return None
-            p = events.departure(lambda at: pull(at)[0], start, p, 1e-13 * self.T)
-            trial = self.trial(a, self.chord(plan, p, a))
+            for _ in range(DEPARTURES):
+                p = events.departure(lambda at: pull(at)[0], start, end, 1e-13 * self.T)
+                trial = self.trial(a, self.chord(plan, p, a))
             arrival = trial.arrive(p)
             plan.event = Kind.DEPARTURE
         error = 0.0
@@ -427,10 +428,8 @@ class Tracker:
 
     @property
     def least_radius(self) -> float:
-        """Radius below which no contact is followed."""
-        if self.law.cohesive:
-            return self.law.zone
-        return SHORTEST * self.law.zone if self.law.zone else self._vanishing
+        """Radius below which no contact is followed: one zone, at rest if its stress is fixed."""
+        return self.law.zone or self._vanishing
 
     @cached_property
     def _vanishing(self) -> float:

@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+FIRST_STEP = 1e-3
+"""Way of an edge that sets off, in zones."""
 AFTER_CORNER, AFTER_TURN = 0.02, 0.1
 """First step after a corner and after a turn, in the step before."""
 AT_TURN = 0.3
@@ -45,6 +47,8 @@ TOWARDS_FOLD = 0.75
 """Share of the way to a fold that a step goes until the place of the fold is known."""
 FILLED = 1.0 - 1e-5
 """Zone of fixed stress, in the contact radius, at which the contact ends."""
+SAME = 1.0 - 1e-6
+"""Ratio of two drives that are the same."""
 OVER = 3.0
 """Misprediction by a corner passed over, in tolerances, from which on it is landed on."""
 
@@ -239,13 +243,14 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             if tracker.state.radius == 0.0:
                 tracker.touch()
                 return
-            tracker.restart()
+            pulled = tracker.law.pulls(correction.trial, correction.arrival, not tracker.leg.timed)
+            tracker.direction = -1.0 if pulled >= 0.0 else 1.0
+            way = np.array([0.0, tracker.direction])
+            if tracker.law.rated and tracker.leg.timed:  # which has a speed
+                tracker.restart()
+            else:
+                tracker.restart(way, FIRST_STEP * tracker.least_scale / tracker.L)
             tracker.moving = True
-            tracker.direction = (
-                -1.0
-                if tracker.law.pulls(correction.trial, correction.arrival, not tracker.leg.timed) >= 0.0
-                else 1.0
-            )
             if runs_away(tracker):
                 planned.event = Kind.FOLD
         case Kind.RIM:
@@ -284,7 +289,7 @@ def runs_away(tracker: Tracker) -> bool:
         radius = state.radius + tracker.direction * share * (tracker.law.zone or state.radius)
         trial = tracker.trial(radius, tracker.rows.last[0] + share, 1)
         values.append(tracker.residual(trial, state.parameter)[0] * tracker.direction)
-    return values[1] < values[0] < 0.0
+    return values[0] < 0.0 and values[1] < SAME * values[0]
 
 
 def lost(tracker: Tracker, at_fold: bool) -> bool:
