@@ -316,11 +316,15 @@ class Tracker:
         last = self.rows.last
         return float(last[0] + math.hypot((p - last[1]) / self.T, (a - last[4]) / self.L))
 
-    def mispredicted(self, plan: Plan, p: float, a: float, D: float) -> float:
-        """Distance of a corrected point from the predicted one across the path."""
-        off_p, off_a = p / self.T - plan.z[0], a / self.L - plan.z[1]
-        across = abs(off_p * plan.tangent[1] - off_a * plan.tangent[0])
-        return math.hypot(across, D / self.depth - plan.z[2]) if self.leg.free else across
+    def mispredicted(self, plan: Plan, trial: Trial, arrival: Arrival) -> float:
+        """Distance of a corrected point from the predicted one: across the path, and in what follows from it."""
+        off_p, off_a = arrival.parameter / self.T - plan.z[0], trial.radius / self.L - plan.z[1]
+        across = off_p * plan.tangent[1] - off_a * plan.tangent[0]
+        depth = arrival.depth / self.depth - plan.z[2] if self.leg.free else 0.0
+        force = trial.force(arrival.motion, arrival.duration)
+        self.largest_force = max(self.largest_force, abs(self.state.force))
+        load = (force - plan.z[3]) / (self.largest_force or 1.0)
+        return math.hypot(across, depth, load)
 
     def _at_radius(self, plan: Plan) -> Correction | None:
         """The load parameter at which the edge is at the predicted radius."""
@@ -335,7 +339,7 @@ class Tracker:
         far = abs(arrival.parameter - p) > 10.0 * plan.h * self.T
         if (far and not new) or arrival.parameter > self.leg.end * (1.0 + 1e-12):
             return None
-        error = self.mispredicted(plan, arrival.parameter, a, arrival.depth)
+        error = self.mispredicted(plan, trial, arrival)
         rounding = self.noise / abs(steepness or math.inf) / self.T
         return Correction(trial, arrival, max(error - rounding, 0.0), s)
 
@@ -387,7 +391,7 @@ class Tracker:
         if root is None or abs(root - guess) > near * self.L:
             return None
         trial, arrival = trials[root]
-        error = self.mispredicted(plan, p, root, arrival.depth)
+        error = self.mispredicted(plan, trial, arrival)
         return Correction(trial, arrival, error, self.chord(plan, p, root))
 
     def _at_rest(self, plan: Plan) -> Correction | None:
@@ -416,14 +420,7 @@ class Tracker:
                 trial = self.trial(a, self.chord(plan, p, a))
             arrival = trial.arrive(p)
             plan.event = Kind.DEPARTURE
-        error = 0.0
-        if plan.event is not Kind.DEPARTURE:  # nothing moves: what the rows have to show is the load
-            self.largest_force = max(self.largest_force, abs(self.state.force))
-            force = trial.force(arrival.motion, arrival.duration) / (self.largest_force or 1.0)
-            error = math.hypot(
-                arrival.depth / self.depth - plan.z[2],
-                10.0 * (force - plan.z[3] / (self.largest_force or 1.0)),
-            )
+        error = 0.0 if plan.event is Kind.DEPARTURE else self.mispredicted(plan, trial, arrival)
         return Correction(trial, arrival, error, self.chord(plan, p, a))
 
     @property

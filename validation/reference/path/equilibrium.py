@@ -80,12 +80,15 @@ def elastic_start(scene: Scene, body: Body) -> Start | None:
             guess,
         )
 
-    def residual(radius: float) -> float:
+    def released(radius: float) -> float:
         zone, held = zone_at(radius), depth_at(radius)
         knots = np.concatenate((body.transform.knots - radius + zone, body.transform.knots - radius))
         form = closure(radius, zone, np.union1d(zone * BASE, knots[(knots > 0.0) & (knots < zone)]))
         behind, ahead = (held - body.transform(radius + form.s - shift) for shift in (zone, 0.0))
-        return form.integral(modulus * behind, -ahead) / adhesion.closing - 1.0
+        return form.integral(modulus * behind, -ahead)
+
+    def residual(radius: float) -> float:
+        return released(radius) / adhesion.closing - 1.0
 
     def sharp(radius: float) -> float:
         """The residual of a vanishing zone: ``q^2/(2 pi a E*) - w``, negative where the edge is pressed."""
@@ -98,7 +101,7 @@ def elastic_start(scene: Scene, body: Body) -> Start | None:
         highest = max(2.0 * touching_radius(body, depth, rim), 4.0 * zone, ledge)
         while residual(highest) <= max(residual(0.5 * highest), 0.0):
             highest *= 2.0
-    elif residual(rim) <= 0.0:  # a flat face is in contact up to its rim unless that opens
+    elif released(rim) <= adhesion.work:  # a flat face is in contact up to its rim unless that opens
         return Start(depth_at(rim), rim)
     radius = _outermost(residual, _between(highest, zone, body.transform.knots))
     if radius is None:

@@ -1,17 +1,13 @@
-"""Error estimates from two runs: the difference over ``r^p - 1``, ``r`` the ratio of their numbers of steps.
+"""Error estimates: what a run differs by from a second one at ten times the tolerance.
 
-The coarser run may take twice the step, but between the rows of a table, after a kink, or where the
-deviation from an extrapolation of fourth order limits it, it does not: the difference is then a smaller
-part of the error. Curves and the moment at which contact is lost have p = 2. Pull-off and work have p = 1:
-they add up the errors of steps of which some are the same in both runs, and differences of either sign; so
-has the moment at which contact without adhesion has shrunk to a point, which the rows run into.
-What the work differs by at the end may vanish by accident: what it differs by at kinks of the load on the
-way counts as well.
+The second run is the worse of the two, about by the ratio of the tolerances: the difference is its error, and so
+bounds that of the first. Scalars of two runs can agree by accident; curves cannot. A scalar is therefore held to
+be no better than the curve it is read from is in the mean, and the pull-off and the loss of contact no better
+than the work.
 
 A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
-equal times is no error; radius and force are therefore compared by the distance of the curves in a plane
-where time and value both count relative to their ranges. The rows of the coarser run should lie so densely
-that the polygon through them adds nothing.
+equal times is no error. So curves are compared by their distance in a plane where time and value both count
+relative to their ranges; the second run has a row at each time of the first.
 """
 
 from __future__ import annotations
@@ -26,89 +22,64 @@ Columns = Mapping[str, Array]
 
 COARSER = 10.0
 """Tolerance of the second run, in that of the first."""
-LEAST_RATIO = 1.05
-"""Least ratio of steps: of runs with nearly the same steps only what differs by rounding is left."""
 NO_TENSION = 1e-9
 """Tension, relative to the largest force, that is the rounding of a contact without adhesion when it ends."""
-NEARBY = 48
-"""Sides of the other polygon, before and after the corner at the same time and before and after the nearest
-corner, among which the nearest is sought: where an edge collapses, a small shift in time is many rows."""
+LEAST_LOOP = 1e-3
+"""Work of a loop that almost closes, in the work done to and fro, to which errors are still relative."""
+CHUNK = 64
+"""Rows that are compared with all sides of the other polygon at once."""
 
 
-def estimated_errors(
-    fine: Columns, coarse: Columns, detached: bool = False, ratio: float = 2.0, in_a_point: bool = False
-) -> dict[str, float]:
+def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> dict[str, float]:
     """Relative errors of the finer run.
 
-    ``pull_off_force`` and ``loop_energy`` as they are (a loop that almost closes: relative to a thousandth of
-    the work done to and fro), ``contact_radius`` and ``force`` largest over the run, relative to the largest.
-    Of runs that both lose contact (``detached``) also ``detachment_time`` and ``detachment_penetration``,
-    relative to the largest. Neither they nor the pull-off are better than the loop energy: two such moments
-    can agree by accident.
-
-    Parameters
-    ----------
-    fine, coarse : mapping of str to ndarray
-        Columns of the traces of both runs, by name.
-    ratio : float
-        Steps of the finer run over those of the other.
-    detached : bool
-        Whether both runs lose contact.
-    in_a_point : bool
-        Whether contact shrinks to a point before: the moment is then of first order.
-
-    Returns
-    -------
-    dict of str to float
+    ``pull_off_force`` and ``loop_energy`` as they are, ``contact_radius`` and ``force`` the largest over the
+    run, relative to the largest; of runs that both lose contact (``detached``) also ``detachment_time`` and
+    ``detachment_penetration``, relative to the largest. Columns are those of the traces by name; times of
+    ``fine`` are rows of ``coarse``, too.
     """
-    errors = {}
-    first, second = (1.0 / (max(ratio, LEAST_RATIO) ** order - 1.0) for order in (1, 2))
+    errors, mean = {}, {}
+    for name in ("contact_radius", "force"):
+        apart = _distances(fine, coarse, name)
+        errors[name], mean[name] = float(apart.max()), float(np.sqrt(np.mean(apart**2)))
     turnover = float(np.abs(np.diff(fine["external_work"])).sum())
+    least = 0.0
     if turnover > 0.0:
         loop = abs(float(fine["external_work"][-1]))
-        errors["loop_energy"] = first * _work_apart(fine, coarse) / max(loop, 1e-3 * turnover)
-    least = errors.get("loop_energy", 0.0)
+        least = _work_apart(fine, coarse) / max(loop, LEAST_LOOP * turnover)
+        errors["loop_energy"] = least
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
     if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
-        errors["pull_off_force"] = max(first * abs(tension[0] - tension[1]) / tension[0], least)
+        errors["pull_off_force"] = max(abs(tension[0] - tension[1]) / tension[0], mean["force"], least)
     if detached:
         ends = [int(np.flatnonzero(run["contact_radius"] > 0.0)[-1]) for run in (fine, coarse)]
         for name in ("time", "penetration"):
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
             if largest > 0.0:
-                apart = (first if in_a_point else second) * abs(values[0] - values[1])
-                errors[f"detachment_{name}"] = max(apart / largest, least)
-    for name in ("contact_radius", "force"):
-        errors[name] = second * _curve_distance(fine, coarse, name)
+                errors[f"detachment_{name}"] = max(abs(values[0] - values[1]) / largest, least)
     return errors
 
 
 def _work_apart(fine: Columns, coarse: Columns) -> float:
-    """Most that the works of two runs differ by: at the end, and at the kinks that both have stepped onto."""
+    """Most that the works of two runs differ by at times of both, and at the end."""
     _, here, there = np.intersect1d(fine["time"], coarse["time"], return_indices=True)
     here, there = np.append(here, -1), np.append(there, -1)
     return float(np.abs(fine["external_work"][here] - coarse["external_work"][there]).max())
 
 
-def _curve_distance(fine: Columns, coarse: Columns, name: str) -> float:
-    """Largest distance of a row of the finer run from the polygon of the other, over nearby sides."""
-    from scipy.spatial import KDTree
-
+def _distances(fine: Columns, coarse: Columns, name: str) -> Array:
+    """Distances of the rows of the finer run from the polygon through those of the other."""
     scale, span = float(np.abs(fine[name]).max()) or 1.0, float(np.ptp(fine["time"])) or 1.0
-    time, value = fine["time"] / span, fine[name] / scale
-    corner_time, corner = coarse["time"] / span, coarse[name] / scale
-    if len(corner) < 2:
-        return float(np.abs(value - corner[0]).max())
-    places = KDTree(np.column_stack((corner_time, corner)))
-    by_time = corner_time.searchsorted(time)
-    by_place = places.query(np.column_stack((time, value)))[1]
-    near = np.arange(-NEARBY, NEARBY + 1)
-    side = np.hstack([nearest[:, None] + near for nearest in (by_time, by_place)])
-    side = np.clip(side, 0, len(corner) - 2)
-    along_time, along = np.diff(corner_time)[side], np.diff(corner)[side]
-    off_time, off = time[:, None] - corner_time[side], value[:, None] - corner[side]
-    length = along_time**2 + along**2
-    share = (off_time * along_time + off * along) / np.where(length > 0.0, length, 1.0)
-    share = np.clip(share, 0.0, 1.0)
-    return float(np.hypot(off_time - share * along_time, off - share * along).min(axis=1).max())
+    rows = np.column_stack((fine["time"] / span, fine[name] / scale))
+    corners = np.column_stack((coarse["time"] / span, coarse[name] / scale))
+    begin, side = corners[:-1], np.diff(corners, axis=0)
+    length = (side**2).sum(axis=1)
+    length[length == 0.0] = 1.0
+    least = [np.abs(rows[:0, 0])]
+    for chunk in np.array_split(rows, len(rows) // CHUNK + 1):
+        off = chunk[:, None] - begin
+        share = np.clip((off * side).sum(axis=2) / length, 0.0, 1.0)
+        least.append(np.sqrt(((off - share[:, :, None] * side) ** 2).sum(axis=2).min(axis=1, initial=np.inf)))
+    apart = np.concatenate(least)
+    return apart if len(corners) > 1 else np.hypot(*(rows - corners).T)

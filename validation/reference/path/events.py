@@ -322,7 +322,7 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
     for radius in radii:
         value = residual(float(radius))
         if before[1] * way < 0.0 <= value * way:
-            at = bracketed(residual, *sorted((float(radius), before[0])), 1e-14 * a)
+            at = bracketed(residual, before[0], float(radius), 1e-14 * a)
             residual(at)
             trial, arrival = ends[at]
             accept(tracker, Correction(trial, arrival, 0.0, tracker.rows.last[0] + abs(at - a) / tracker.L))

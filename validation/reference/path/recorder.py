@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -68,6 +69,10 @@ LEAST_SLOPE = 1e-13
 """Change over a step, in the largest of a run, below which an extremum is rounding."""
 LEAST_AREA_CHANGE = 1e-6
 """Change of the contact area, relative to the largest, below which no energy release rate is formed."""
+
+
+def _value(coefficients: Array, u: float) -> float:
+    return float(horner(coefficients, np.array(u)))
 
 
 @dataclass
@@ -212,7 +217,7 @@ class Recorder:
             if first * last >= 0.0 or min(abs(first), abs(last)) < LEAST_SLOPE * largest:
                 continue
             slope = derivative(way.coefficients[:, column])
-            at = bracketed(lambda u, c=slope: float(horner(c, np.array(u))), 0.0, 1.0, 1e-12)
+            at = bracketed(partial(_value, slope), 0.0, 1.0, 1e-12)
             if column == DEPTH:
                 found[at] = DEEPEST if first > 0.0 else "", 1e-12
             elif trial.leg.control != "force":

@@ -110,7 +110,8 @@ def solve(
     columns, outcome = run.run()
     errors: dict[str, float] = {}
     if options.estimate_errors and outcome.finished:
-        coarser = Run(scene, replace(options, profile_times=()), COARSER * run.tolerance)
+        times = tuple(columns["time"].tolist())
+        coarser = Run(scene, replace(options, profile_times=(), stop_times=times), COARSER * run.tolerance)
         others, ending = coarser.run()
         if ending.kind is not OutcomeKind.BREAKDOWN:
             detached = {outcome.kind, ending.kind} == {OutcomeKind.DETACHED}
@@ -194,7 +195,9 @@ class Run:
         wanted = frozenset(self.options.profile_times)
         self.recorder = Recorder(body, law, size, self.tolerance, stops, wanted, self._profile)
         small = SMALL_PART * size.radius, SMALL_PART * size.depth
-        self.tracker = Tracker(body, law, state, self.tolerance, *small, accepted=self._accepted)
+        self.tracker = Tracker(
+            body, law, state, self.tolerance, *small, self._accepted, largest_force=size.force
+        )
         self.recorder.begin(state)
         return None
 
