@@ -196,7 +196,8 @@ def _turn_or_fold(
         at = bracketed(lambda x: slope(x)[0], 0.0, AHEAD * h)
         vertex, before = float(place(at)[1]), tracker.vertex
         tracker.vertex = vertex
-        if abs(vertex - before) < 0.1 * tracker.tolerance:
+        lost = 8.0 * math.ulp(tracker.state.parameter) / tracker.T  # gains on the way that are rounding
+        if abs(vertex - before) < 0.1 * tracker.tolerance or place(at)[0] - place(0.0)[0] < lost:
             return made(at, Kind.FOLD, Fixed.RADIUS)
         return made(min(h, TOWARDS_FOLD * at), Kind.TOWARDS if TOWARDS_FOLD * at < h else Kind.NONE)
     return planned

@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 _POINTS, _WEIGHTS = gauss(8)
 GRADED, GRADING = 1.5, 8.0
 """First cut from the end of a long step, in zones, and ratio of the distances of the next ones."""
+LAYER = 2e-3
+"""Thickness of a layer, in zones, below which breaks are graded towards the edge for it."""
 SKIPPED = 1.5
 """Distance of breaks in entries of the table: every other where they are alike, each where they are graded."""
 SPARSE, SPACING = 0.03, 0.1
@@ -30,7 +32,8 @@ class State:
     """A row of the path and all that lies behind it.
 
     ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``:
-    ``int e_j^2 dx`` over the free surface. ``kinks``: radii at which the load had a kink or the edge turned;
+    ``int e_j^2 dx`` over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
+    how deep what it covers still relaxes. ``kinks``: radii at which the load had a kink or the edge turned;
     ``corners``: at which the path had one for that.
     """
 
@@ -44,6 +47,7 @@ class State:
     held: Array
     held_squares: Array
     free_squares: Array
+    layer: float = math.inf
     kinks: tuple[float, ...] = ()
     corners: tuple[float, ...] = ()
 
@@ -94,10 +98,16 @@ class State:
         return breaks
 
     def _layers(self, radius: float, zone: float) -> Array:
-        """Where the radius it began from lies as seen from a zone, while it is passed."""
+        """Where the radius it began from lies as seen from a zone, while it is passed, and layers that relax."""
         here = np.array([self.radius])
         both = np.concatenate((here - radius, here - radius + zone))
-        return (both[:, None] + zone * np.array([0.0, 1e-3, 1e-2, 0.1, -1e-3, -1e-2, -0.1])).ravel()
+        near = (both[:, None] + zone * np.array([0.0, 1e-3, 1e-2, 0.1, -1e-3, -1e-2, -0.1])).ravel()
+        thickest = LAYER * zone
+        if not 0.0 < self.layer < thickest:
+            return near
+        count = math.ceil(math.log(thickest / self.layer) / math.log(GRADING))
+        depth = thickest * GRADING ** -np.arange(1.0, count + 1.0)
+        return np.concatenate((near, zone - depth, both[1] - depth))
 
 
 def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:
