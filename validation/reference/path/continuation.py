@@ -87,6 +87,7 @@ class Tracker:
     h: float = 1.0
     tangent: Array = field(default_factory=lambda: np.array([1.0, 0.0]))
     slopes: dict[Fixed, float] = field(default_factory=dict)
+    steepness: dict[Fixed, float] = field(default_factory=dict)
     fails: int = 0
     evaluations: int = 0
     geometries: int = 0
@@ -142,6 +143,7 @@ class Tracker:
     def begin(self, leg: Leg, T_leg: float) -> None:
         """A new leg: a kink of the path."""
         self.leg, self.T_leg, self.T = leg, T_leg, T_leg
+        self.steepness = {}
         self.L, self.began = min(self.L_run, self.least_scale), leg.start
         self.state = replace(self.state, parameter=leg.start)
         state = self.state
@@ -268,13 +270,13 @@ class Tracker:
         if correction is None or error > REJECTED:
             return self._reject(plan, error)
         self.fails = 0
+        self.steepness = dict(self.slopes) or self.steepness
         correction = events.to_level(self, plan, correction)
+        order, growth = self._order(plan, correction, error)
         events.finish(self, plan, correction)
+        self.rows.order = min(len(self.rows), order)
         if plan.event is Kind.NONE:
-            rising = len(self.rows) <= DEGREE + 1 and self.steps
-            order = min(len(self.rows), DEGREE + 1)
-            growth = 0.9 * max(error, 1e-5) ** (-1.0 / order)
-            self.h = plan.h * min(FIRST_GROWTH if rising else LARGEST_GROWTH, max(0.3, growth))
+            self.h = plan.h * min(FIRST_GROWTH, max(0.3, 0.9 * growth))
         return plan.event
 
     def _turns(self, trial: Trial) -> bool:
@@ -287,11 +289,32 @@ class Tracker:
         """Load parameter gained in a step."""
         return correction.arrival.parameter - self.state.parameter
 
+    def _order(self, plan: Plan, correction: Correction, error: float) -> tuple[int, float]:
+        """The order at which the next step can be longest, and how long that is in this one."""
+        order = self.rows.order
+        if plan.fixed is Fixed.REST or len(self.rows) == 1:
+            best = min(order + 1, DEGREE + 1)
+            return best, max(error, 1e-5) ** (-1.0 / best)
+        trial, arrival = correction.trial, correction.arrival
+        scales = np.array([self.T, self.L, self.depth])
+        off = self.rows.mispredicted(
+            correction.s, np.array([arrival.parameter, trial.radius, arrival.depth]), scales
+        )
+        across = np.abs(off[:, 0] * plan.tangent[1] - off[:, 1] * plan.tangent[0])
+        if self.leg.free:
+            across = np.hypot(across, off[:, 2])
+        orders = np.arange(1, len(across) + 1)
+        growth = np.minimum(np.maximum(across / self.tolerance, 1e-5) ** (-1.0 / orders), FIRST_GROWTH / 0.9)
+        best = len(growth) - 1 - int(growth[:0:-1].argmax())
+        if best == len(growth) - 1 and best < DEGREE:
+            return best + 2, max(error, 1e-5) ** (-1.0 / (best + 2))
+        return best + 1, float(growth[best])
+
     def _reject(self, plan: Plan, error: float) -> Kind:
         """Try a shorter step; where none is short enough, look what became of the contact."""
         self.rejected += 1
         self.fails += 1
-        order = min(len(self.rows), DEGREE + 1)
+        order = self.rows.order
         self.h = plan.h * (max(0.2, 0.9 * error ** (-1.0 / order)) if math.isfinite(error) else 0.25)
         self.slopes = {}
         if self.h < SMALLEST_STEP or self.fails > 40:

@@ -35,12 +35,10 @@ Array = NDArray[np.float64]
 
 FIRST_STEP = 1e-3
 """Way of an edge that sets off, in zones."""
-AFTER_CORNER, AFTER_TURN = 0.02, 0.1
-"""First step after a corner and after a turn, in the step before."""
+AFTER_TURN = 0.1
+"""First step after a turn, in the step before."""
 AT_TURN = 0.3
 """Speed at a turn foreseen, in that at the start of the step, above which it is none."""
-SHARP, AFTER_BEND = 30.0, 0.1
-"""Misprediction up to which the rows before a corner go on to predict the path, from shorter steps."""
 AHEAD = 1.5
 """How far beyond a step, in its way, a turn or fold is looked for."""
 TOWARDS_FOLD = 0.75
@@ -49,7 +47,7 @@ FILLED = 1.0 - 1e-5
 """Zone of fixed stress, in the contact radius, at which the contact ends."""
 SAME = 1.0 - 1e-6
 """Ratio of two drives that are the same."""
-OVER = 3.0
+OVER = 10.0
 """Misprediction by a corner passed over, in tolerances, from which on it is landed on."""
 
 
@@ -125,7 +123,7 @@ def plan(tracker: Tracker) -> Plan:
     coefficients = tracker.rows.predictor(tracker.T, tracker.L, tracker.depth, tracker.tangent)
     orders = np.arange(len(coefficients))
     end = tracker.leg.end / tracker.T
-    m = len(tracker.rows)
+    m = tracker.rows.order
 
     def place(h: float) -> Array:
         return h**orders @ coefficients
@@ -162,7 +160,7 @@ def plan(tracker: Tracker) -> Plan:
         planned = _turn_or_fold(tracker, planned, made, place, slope, first)
     at = _corner(tracker, planned)
     if at is not None:
-        corner, kind = at
+        corner, kind, tracker.after = at
         along = lambda x: place(x)[1] * tracker.L - corner  # noqa: E731
         if along(0.0) * along(planned.h) < 0.0:
             planned = made(bracketed(along, 0.0, planned.h), kind, Fixed.RADIUS)
@@ -203,22 +201,22 @@ def _turn_or_fold(
     return planned
 
 
-def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind] | None:
+def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind, float] | None:
     """The first radius on the way at which the slope of the residual changes by more than the tolerance."""
     L = tracker.L
     a, end = tracker.state.radius, planned.z[1] * L
     way = math.copysign(1.0, end - a) if end != a else 0.0
-    found: list[tuple[float, Kind]] = []
+    found: list[tuple[float, Kind, float]] = []
     if way < 0.0 and end < tracker.least_radius:
-        found.append((tracker.least_radius, Kind.LEAST))
+        found.append((tracker.least_radius, Kind.LEAST, 1.0))
     if way > 0.0 and end > tracker.law.rim * (1.0 + 1e-12):
-        found.append((tracker.law.rim, Kind.RIM))
+        found.append((tracker.law.rim, Kind.RIM, 1.0))
     if way and len(tracker.rows) > 1 and abs(planned.tangent[1]) > 1e-7:
         at, sources = kinks.corners(tracker, way, end)
         if len(at):
-            weight = kinks.weights(tracker, planned, at, sources)
+            weight, after = kinks.weights(tracker, planned, at, sources)
             for i in np.flatnonzero(weight > OVER):
-                found.append((float(at[i]), Kind.CORNER if weight[i] > SHARP else Kind.BEND))
+                found.append((float(at[i]), Kind.CORNER, float(after[i])))
     return min(found, key=lambda each: way * each[0]) if found else None
 
 
@@ -230,11 +228,7 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
         planned.event = Kind.END  # an event that rounds onto it
     match planned.event:
         case Kind.CORNER:
-            table = tracker.rows.table
-            chord = np.diff(table[-2:, [1, 4]], axis=0)[0] / (tracker.T, tracker.L)
-            tracker.restart(chord / np.hypot(*chord), AFTER_CORNER * tracker.h, declare=False)
-        case Kind.BEND:
-            tracker.h = AFTER_BEND * tracker.h
+            tracker.restart(planned.tangent, tracker.after * tracker.h, declare=False)
         case Kind.TURN:
             if _has_come_to_rest(correction):
                 tracker.turn_at(AFTER_TURN * h)

@@ -46,15 +46,16 @@ def weights(tracker: Tracker, plan: Plan, at: Array, kinks: Array) -> Array:
     a, zone, law = tracker.state.radius, tracker.law.zone, tracker.law
     gradient = _gradient(tracker, plan)
     if not zone or not gradient:
-        return np.full(len(at), math.inf)
+        return np.full(len(at), math.inf), np.full(len(at), 0.02)
     jump, bend, apart, (inner, stress, opening, outer) = _probed(tracker, kinks)
     inside = kinks < a
     partner = np.where(inside, opening, stress)
     partner = np.where(at == kinks, np.where(inside, outer, inner), partner)
     factor = 0.5 * math.pi / (a * math.pi**2 * zone * (law.adhesion.work if law.adhesion else 1.0))
     passed = np.minimum(abs(plan.z[1] * tracker.L - a), zone)
-    change = factor * np.abs(partner) * (jump * passed + 0.5 * bend / apart * passed**2)
-    return change / gradient / tracker.tolerance
+    factor = factor * np.abs(partner) / gradient / tracker.tolerance
+    linear, square = factor * jump * passed, factor * 0.5 * bend / apart * passed**2
+    return linear + square, 2.0 / (linear + np.sqrt(linear**2 + 4.0 * square))
 
 
 def _probed(tracker: Tracker, kinks: Array) -> tuple[Array, Array, Array, Array]:
@@ -75,7 +76,7 @@ def _probed(tracker: Tracker, kinks: Array) -> tuple[Array, Array, Array, Array]
     stress = rheology.relaxed * gap + float(rheology.moduli @ state.memory)
     field = total(carried) + np.where(held, stress, -gap)
     one, two, three, four = field[:-4].reshape(-1, 4).T
-    return np.abs(three - two), np.abs(four - three - two + one), apart, field[-4:]
+    return np.abs(2.0 * (three - two) + one - four), np.abs(four - three - two + one), apart, field[-4:]
 
 
 def faded(tracker: Tracker) -> tuple[float, ...]:
@@ -93,8 +94,8 @@ def faded(tracker: Tracker) -> tuple[float, ...]:
 
 def _gradient(tracker: Tracker, plan: Plan) -> float:
     """Of the residual over the plane of ``p/T`` and ``a/L``, from a slope and the direction of the path."""
-    if Fixed.RADIUS in tracker.slopes:
-        return abs(tracker.slopes[Fixed.RADIUS]) * tracker.T / max(abs(plan.tangent[1]), 1e-300)
-    if Fixed.LOAD in tracker.slopes:
-        return abs(tracker.slopes[Fixed.LOAD]) * tracker.L / max(abs(plan.tangent[0]), 1e-300)
+    if Fixed.RADIUS in tracker.steepness:
+        return abs(tracker.steepness[Fixed.RADIUS]) * tracker.T / max(abs(plan.tangent[1]), 1e-300)
+    if Fixed.LOAD in tracker.steepness:
+        return abs(tracker.steepness[Fixed.LOAD]) * tracker.L / max(abs(plan.tangent[0]), 1e-300)
     return 0.0

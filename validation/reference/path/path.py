@@ -43,6 +43,7 @@ class Rows:
 
     table: Array
     kept: int = field(default=DEGREE + 1, repr=False)
+    order: int = 1
 
     @classmethod
     def at(cls, p: float, t: float, D: float, a: float, F: float) -> Rows:
@@ -59,11 +60,26 @@ class Rows:
 
     def restart(self) -> None:
         """A kink at the newest row."""
-        self.table = self.table[-1:]
+        self.table, self.order = self.table[-1:], 1
 
     def append(self, s: float, p: float, t: float, D: float, a: float, F: float) -> None:
         """One row more."""
         self.table = np.vstack((self.table[-(self.kept - 1) :], [s, p, t, D, a, F]))
+        self.order = min(self.order + 1, len(self.table))
+
+    def mispredicted(self, s: float, values: Array, scales: Array) -> Array:
+        """Differences (m, 3) of a new row's ``p, a, D`` from what the last 1, 2, ... m rows predict.
+
+        They are divided differences times the distances from these rows.
+        """
+        at = np.append(s, self.table[::-1, 0])
+        differences = np.vstack((values, self.table[::-1, [1, 4, 3]])) / scales
+        found, reach = np.empty((len(self.table), 3)), 1.0
+        for k in range(1, len(at)):
+            differences = np.diff(differences, axis=0) / (at[k:] - at[:-k])[:, None]
+            reach = reach * (at[k] - at[0])
+            found[k - 1] = differences[0] * reach
+        return found
 
     def measure(self, T: float, L: float) -> None:
         """Arclengths anew in other scales; the newest row keeps its own."""
@@ -73,7 +89,7 @@ class Rows:
 
     def _through(self, s: float, order: int) -> tuple[Array, Array]:
         """Rows and the matrix that takes their differences from the newest, and that of the end, to powers."""
-        rows = self.table[-order:]
+        rows = self.table[-min(order, self.order) :]
         at = np.append((rows[:, 0] - rows[-1, 0]) / (s - rows[-1, 0]), 1.0)
         return rows - rows[-1], np.linalg.inv(powers(at, len(rows)))
 
@@ -90,9 +106,10 @@ class Rows:
 
     def predictor(self, T: float, L: float, depth: float, tangent: Array) -> Array:
         """``(p/T, a/L, D/depth, F)`` in powers of the way from the newest row (m, 4)."""
-        values = self.table[:, [1, 4, 3, 5]] / (T, L, depth, 1.0)
+        table = self.table[-self.order :]
+        values = table[:, [1, 4, 3, 5]] / (T, L, depth, 1.0)
         if len(values) == 1:
             return np.vstack((values, [*tangent, 0.0, 0.0]))
-        way = self.table[:, 0] - self.last[0]
+        way = table[:, 0] - self.last[0]
         matrix = powers(way / -way[0], len(way) - 1)
         return np.linalg.solve(matrix, values) / ((-way[0]) ** np.arange(len(way)))[:, None]

@@ -24,7 +24,6 @@ class Kind(StrEnum):
     END = "end of the leg"
     LEVEL = "level"
     CORNER = "corner"
-    BEND = "slight corner"
     TURN = "turn"
     DEPARTURE = "departure"
     TOWARDS = "towards a fold"
