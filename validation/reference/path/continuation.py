@@ -31,8 +31,10 @@ Array = NDArray[np.float64]
 
 REJECTED = 1.5
 """Error, in tolerances, above which a step is repeated."""
-LARGEST_GROWTH, FIRST_GROWTH = 2.0, 3.0
-"""Ratio of successive steps, and that while the order still rises."""
+LARGEST_GROWTH, LEAST_GROWTH = 3.0, 0.3
+"""Ratio of successive steps."""
+SAFETY = 0.9
+"""Of the step at which the error would be the tolerance."""
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
 SMALLEST_STEP = 1e-10
@@ -276,7 +278,7 @@ class Tracker:
         events.finish(self, plan, correction)
         self.rows.order = min(len(self.rows), order)
         if plan.event is Kind.NONE:
-            self.h = plan.h * min(FIRST_GROWTH, max(0.3, 0.9 * growth))
+            self.h = plan.h * max(LEAST_GROWTH, growth)
         return plan.event
 
     def _turns(self, trial: Trial) -> bool:
@@ -290,25 +292,29 @@ class Tracker:
         return correction.arrival.parameter - self.state.parameter
 
     def _order(self, plan: Plan, correction: Correction, error: float) -> tuple[int, float]:
-        """The order at which the next step can be longest, and how long that is in this one."""
-        order = self.rows.order
-        if plan.fixed is Fixed.REST or len(self.rows) == 1:
-            best = min(order + 1, DEGREE + 1)
-            return best, max(error, 1e-5) ** (-1.0 / best)
-        trial, arrival = correction.trial, correction.arrival
-        scales = np.array([self.T, self.L, self.depth])
-        off = self.rows.mispredicted(
-            correction.s, np.array([arrival.parameter, trial.radius, arrival.depth]), scales
-        )
-        across = np.abs(off[:, 0] * plan.tangent[1] - off[:, 1] * plan.tangent[0])
-        if self.leg.free:
-            across = np.hypot(across, off[:, 2])
-        orders = np.arange(1, len(across) + 1)
-        growth = np.minimum(np.maximum(across / self.tolerance, 1e-5) ** (-1.0 / orders), FIRST_GROWTH / 0.9)
-        best = len(growth) - 1 - int(growth[:0:-1].argmax())
-        if best == len(growth) - 1 and best < DEGREE:
-            return best + 2, max(error, 1e-5) ** (-1.0 / (best + 2))
-        return best + 1, float(growth[best])
+        """How many rows are to predict the next step for it to be longest, and how long it is in this one.
+
+        The more of them where the step may grow as it likes: turns and folds are seen on the predictor. Where
+        kinks too slight to stop at are frequent a parabola goes farther than a polynomial that reaches back
+        over them.
+        """
+
+        def growth(off: Array, rows: Array) -> Array:
+            return np.minimum(SAFETY * np.maximum(off, 1e-5) ** (-1.0 / rows), LARGEST_GROWTH)
+
+        known, off = len(self.rows), np.array([error])
+        if plan.fixed is not Fixed.REST and known > 1:
+            trial, arrival = correction.trial, correction.arrival
+            row = np.array([arrival.parameter, trial.radius, arrival.depth])
+            p, a, D = self.rows.mispredicted(correction.s, row, np.array([self.T, self.L, self.depth])).T
+            across = np.abs(p * plan.tangent[1] - a * plan.tangent[0])
+            off = (np.hypot(across, D) if self.leg.free else across) / self.tolerance
+            each = growth(off, np.arange(1, known + 1))
+            best = known - int(each[:0:-1].argmax())
+            if best < known:
+                return best, float(each[best - 1])
+        rows = min(known + 1, self.rows.kept)
+        return rows, float(growth(off[-1], np.array(rows)))
 
     def _reject(self, plan: Plan, error: float) -> Kind:
         """Try a shorter step; where none is short enough, look what became of the contact."""

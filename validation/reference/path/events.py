@@ -160,13 +160,13 @@ def plan(tracker: Tracker) -> Plan:
         planned = _turn_or_fold(tracker, planned, made, place, slope, first)
     at = _corner(tracker, planned)
     if at is not None:
-        corner, kind, tracker.after = at
+        corner, kind, after = at
         along = lambda x: place(x)[1] * tracker.L - corner  # noqa: E731
         if along(0.0) * along(planned.h) < 0.0:
             planned = made(bracketed(along, 0.0, planned.h), kind, Fixed.RADIUS)
         else:
             planned = made(planned.h, kind, Fixed.RADIUS)
-        planned.z[1] = corner / tracker.L
+        planned.z[1], planned.after = corner / tracker.L, after
     return planned
 
 
@@ -202,7 +202,10 @@ def _turn_or_fold(
 
 
 def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind, float] | None:
-    """The first radius on the way at which the slope of the residual changes by more than the tolerance."""
+    """The first radius on the way at which the slope of the residual changes by more than the tolerance.
+
+    Beside what is there, and the first step from there in the last one.
+    """
     L = tracker.L
     a, end = tracker.state.radius, planned.z[1] * L
     way = math.copysign(1.0, end - a) if end != a else 0.0
@@ -228,7 +231,7 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
         planned.event = Kind.END  # an event that rounds onto it
     match planned.event:
         case Kind.CORNER:
-            tracker.restart(planned.tangent, tracker.after * tracker.h, declare=False)
+            tracker.restart(planned.tangent, planned.after * tracker.h, declare=False)
         case Kind.TURN:
             if _has_come_to_rest(correction):
                 tracker.turn_at(AFTER_TURN * h)

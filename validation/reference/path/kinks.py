@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 NEARBY = 0.02
 """Distance from a kink at which the fields are compared, in zones: a thinner layer counts as a jump."""
 
+AFTER_CORNER = 0.02
+"""First step after a corner, in the step before, where the residual tells nothing about it."""
 FADED = 1e-3
 """Jump, in tolerances and the field at the edge, below which a kink is forgotten."""
 
@@ -41,12 +43,12 @@ def corners(tracker: Tracker, way: float, end: float) -> tuple[Array, Array]:
     return at[within], np.tile(kinks, len(shifts))[within]
 
 
-def weights(tracker: Tracker, plan: Plan, at: Array, kinks: Array) -> Array:
-    """Misprediction of a step that passes over each, in tolerances."""
+def weights(tracker: Tracker, plan: Plan, at: Array, kinks: Array) -> tuple[Array, Array]:
+    """Misprediction of a step that passes over each, in tolerances, and the part of it that leads one astray."""
     a, zone, law = tracker.state.radius, tracker.law.zone, tracker.law
     gradient = _gradient(tracker, plan)
     if not zone or not gradient:
-        return np.full(len(at), math.inf), np.full(len(at), 0.02)
+        return np.full(len(at), math.inf), np.full(len(at), AFTER_CORNER)
     jump, bend, apart, (inner, stress, opening, outer) = _probed(tracker, kinks)
     inside = kinks < a
     partner = np.where(inside, opening, stress)
@@ -61,7 +63,7 @@ def weights(tracker: Tracker, plan: Plan, at: Array, kinks: Array) -> Array:
 def _probed(tracker: Tracker, kinks: Array) -> tuple[Array, Array, Array, Array]:
     """Jumps of the fields at kinks, of their slopes times a distance, that distance; the fields at the edge.
 
-    Those are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
+    Jumps are those of the straight lines through two points on either side: a slope is none. The fields at the edge are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
     """
     state, body = tracker.state, tracker.body
     rheology, a = body.rheology, state.radius

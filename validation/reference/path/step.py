@@ -43,13 +43,17 @@ class Fixed(StrEnum):
 
 @dataclass
 class Plan:
-    """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and along what."""
+    """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and along what.
+
+    ``after``: the first step beyond a corner, in the last one.
+    """
 
     h: float
     z: Array
     tangent: Array
     fixed: Fixed
     event: Kind = Kind.NONE
+    after: float = 1.0
 
 
 @dataclass(frozen=True)
