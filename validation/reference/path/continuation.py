@@ -306,15 +306,17 @@ class Tracker:
         if plan.fixed is not Fixed.REST and known > 1:
             trial, arrival = correction.trial, correction.arrival
             row = np.array([arrival.parameter, trial.radius, arrival.depth])
-            p, a, D = self.rows.mispredicted(correction.s, row, np.array([self.T, self.L, self.depth])).T
+            p, a, D = self.rows.mispredicted(plan.h, row, np.array([self.T, self.L, self.depth])).T
             across = np.abs(p * plan.tangent[1] - a * plan.tangent[0])
-            off = (np.hypot(across, D) if self.leg.free else across) / self.tolerance
-            each = growth(off, np.arange(1, known + 1))
+            if self.leg.free:
+                across = np.hypot(across, D - (p * plan.tangent[0] + a * plan.tangent[1]) * plan.tangent[2])
+            off = across / self.tolerance
+            each = growth(off, np.arange(1.0, known + 1.0))
             best = known - int(each[:0:-1].argmax())
             if best < known:
                 return best, float(each[best - 1])
         rows = min(known + 1, self.rows.kept)
-        return rows, float(growth(off[-1], np.array(rows)))
+        return rows, float(growth(off[-1:], np.array([rows]))[0])
 
     def _reject(self, plan: Plan, error: float) -> Kind:
         """Try a shorter step; where none is short enough, look what became of the contact."""

@@ -132,8 +132,8 @@ def plan(tracker: Tracker) -> Plan:
         return h ** orders[:-1] @ (orders[1:, None] * coefficients[1:])
 
     def made(h: float, event: Kind = Kind.NONE, fixed: Fixed | None = None) -> Plan:
-        there, tangent = place(h), slope(h)[:2]
-        tangent = tangent / np.hypot(*tangent)
+        there, tangent = place(h), slope(h)[:3]
+        tangent = tangent / np.hypot(*tangent[:2])
         if fixed is None:
             moves = abs(tangent[1]) > MOVING and abs(there[1] - here[1]) * tracker.L > tracker.still
             fixed = Fixed.RADIUS if moves else Fixed.LOAD
@@ -231,7 +231,7 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
         planned.event = Kind.END  # an event that rounds onto it
     match planned.event:
         case Kind.CORNER:
-            tracker.restart(planned.tangent, planned.after * tracker.h, declare=False)
+            tracker.restart(planned.tangent[:2], planned.after * tracker.h, declare=False)
         case Kind.TURN:
             if _has_come_to_rest(correction):
                 tracker.turn_at(AFTER_TURN * h)

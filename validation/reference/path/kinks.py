@@ -44,7 +44,7 @@ def corners(tracker: Tracker, way: float, end: float) -> tuple[Array, Array]:
 
 
 def weights(tracker: Tracker, plan: Plan, at: Array, kinks: Array) -> tuple[Array, Array]:
-    """Misprediction of a step that passes over each, in tolerances, and the part of it that leads one astray."""
+    """Misprediction of a step that passes over each, in tolerances; the part of it that mispredicts by one."""
     a, zone, law = tracker.state.radius, tracker.law.zone, tracker.law
     gradient = _gradient(tracker, plan)
     if not zone or not gradient:
@@ -63,7 +63,8 @@ def weights(tracker: Tracker, plan: Plan, at: Array, kinks: Array) -> tuple[Arra
 def _probed(tracker: Tracker, kinks: Array) -> tuple[Array, Array, Array, Array]:
     """Jumps of the fields at kinks, of their slopes times a distance, that distance; the fields at the edge.
 
-    Jumps are those of the straight lines through two points on either side: a slope is none. The fields at the edge are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
+    Jumps are those of the straight lines through two points on either side: a slope is none. The fields at the
+    edge are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
     """
     state, body = tracker.state, tracker.body
     rheology, a = body.rheology, state.radius

@@ -67,12 +67,12 @@ class Rows:
         self.table = np.vstack((self.table[-(self.kept - 1) :], [s, p, t, D, a, F]))
         self.order = min(self.order + 1, len(self.table))
 
-    def mispredicted(self, s: float, values: Array, scales: Array) -> Array:
-        """Differences (m, 3) of a new row's ``p, a, D`` from what the last 1, 2, ... m rows predict.
+    def mispredicted(self, h: float, values: Array, scales: Array) -> Array:
+        """Differences (m, 3) of ``p, a, D`` after a way from what the last 1, 2, ... m rows predict.
 
         They are divided differences times the distances from these rows.
         """
-        at = np.append(s, self.table[::-1, 0])
+        at = np.append(self.last[0] + h, self.table[::-1, 0])
         differences = np.vstack((values, self.table[::-1, [1, 4, 3]])) / scales
         found, reach = np.empty((len(self.table), 3)), 1.0
         for k in range(1, len(at)):

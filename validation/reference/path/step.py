@@ -43,7 +43,7 @@ class Fixed(StrEnum):
 
 @dataclass
 class Plan:
-    """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and along what.
+    """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and its slopes there.
 
     ``after``: the first step beyond a corner, in the last one.
     """
