@@ -305,12 +305,17 @@ class Tracker:
         known, off = len(self.rows), np.array([error])
         if plan.fixed is not Fixed.REST and known > 1:
             trial, arrival = correction.trial, correction.arrival
-            row = np.array([arrival.parameter, trial.radius, arrival.depth])
-            p, a, D = self.rows.mispredicted(plan.h, row, np.array([self.T, self.L, self.depth])).T
-            across = np.abs(p * plan.tangent[1] - a * plan.tangent[0])
-            if self.leg.free:
-                across = np.hypot(across, D - (p * plan.tangent[0] + a * plan.tangent[1]) * plan.tangent[2])
-            off = across / self.tolerance
+            force = trial.force(arrival.motion, arrival.duration)
+            row = np.array([arrival.parameter, trial.radius, arrival.depth, force])
+            scales = np.array([self.T, self.L, self.depth, self.largest_force or 1.0])
+            p, a, D, F = self.rows.mispredicted(plan.h, row, scales).T
+            across, along = (
+                p * plan.tangent[1] - a * plan.tangent[0],
+                p * plan.tangent[0] + a * plan.tangent[1],
+            )
+            depth = D - along * plan.tangent[2] if self.leg.free else 0.0
+            load = F - along * plan.tangent[3] / scales[3]
+            off = np.sqrt(across**2 + depth**2 + load**2) / self.tolerance
             each = growth(off, np.arange(1.0, known + 1.0))
             best = known - int(each[:0:-1].argmax())
             if best < known:

@@ -132,7 +132,7 @@ def plan(tracker: Tracker) -> Plan:
         return h ** orders[:-1] @ (orders[1:, None] * coefficients[1:])
 
     def made(h: float, event: Kind = Kind.NONE, fixed: Fixed | None = None) -> Plan:
-        there, tangent = place(h), slope(h)[:3]
+        there, tangent = place(h), slope(h)
         tangent = tangent / np.hypot(*tangent[:2])
         if fixed is None:
             moves = abs(tangent[1]) > MOVING and abs(there[1] - here[1]) * tracker.L > tracker.still

@@ -68,13 +68,13 @@ class Rows:
         self.order = min(self.order + 1, len(self.table))
 
     def mispredicted(self, h: float, values: Array, scales: Array) -> Array:
-        """Differences (m, 3) of ``p, a, D`` after a way from what the last 1, 2, ... m rows predict.
+        """Differences (m, 4) of ``p, a, D, F`` after a way from what the last 1, 2, ... m rows predict.
 
         They are divided differences times the distances from these rows.
         """
         at = np.append(self.last[0] + h, self.table[::-1, 0])
-        differences = np.vstack((values, self.table[::-1, [1, 4, 3]])) / scales
-        found, reach = np.empty((len(self.table), 3)), 1.0
+        differences = np.vstack((values, self.table[::-1, [1, 4, 3, 5]])) / scales
+        found, reach = np.empty((len(self.table), 4)), 1.0
         for k in range(1, len(at)):
             differences = np.diff(differences, axis=0) / (at[k:] - at[:-k])[:, None]
             reach = reach * (at[k] - at[0])
