@@ -68,8 +68,11 @@ def test_inverse_of_a_path_that_may_turn_at_an_end(way):
     assert inverse(way, rise) == pytest.approx(u, abs=1e-7)
 
 
-@pytest.mark.parametrize("name", ["cycle-v0.02", "force-4", "pdms-retraction-10nm", "instruments:310"])
-def test_an_accepted_row_satisfies_the_next_step(name, monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "near"),
+    [("cycle-v0.02", 1e-6), ("force-4", 1e-6), ("pdms-retraction-10nm", 1e-6), ("instruments:310", 1e-4)],
+)
+def test_an_accepted_row_satisfies_the_next_step(name, near, monkeypatch):
     """The residual does not change when fields come from the table: else it is noise that steps shrink by."""
     run, worst, record = Run(scene_of(name)), [], Run._accepted
 
@@ -88,7 +91,7 @@ def test_an_accepted_row_satisfies_the_next_step(name, monkeypatch):
 
     monkeypatch.setattr(Run, "_accepted", checked)
     run.run()
-    assert np.quantile(np.abs(worst), 0.95) < 3e-6
+    assert np.quantile(np.abs(worst), 0.95) < near
 
 
 @pytest.mark.parametrize("name", [name for name in names() if not name.startswith("bulk")])
