@@ -21,14 +21,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Material
-from validation.reference.creep_compliance import creep_compliance
+from contact_scene import BulkRelaxation, Material
+from validation.reference.creep_compliance import creep_spectrum, relaxation_spectrum
 from validation.reference.path.abel import Transform
 
 Array = NDArray[np.float64]
 
 NEGLIGIBLE = 1e-13
-"""Branch modulus over the glassy modulus below which a branch is less than the round-off of the others."""
+"""Branch modulus over the glassy one, and distance of two times, below which they are round-off of others."""
 
 
 @dataclass(frozen=True)
@@ -92,24 +92,54 @@ def total(variables: Array) -> Array:
 
 
 def rheology(material: Material) -> Rheology:
-    """Plane moduli and compliances of a material with a constant Poisson's ratio."""
-    plane = 1.0 - material.poisson**2
-    moduli, times = material.spectrum
-    matters = moduli > NEGLIGIBLE * material.glassy_modulus
-    significant = Material(
-        material.modulus,
-        material.poisson,
-        tuple(b for b in material.branches if b.time in set(times[matters])),
-    )
-    moduli, times = significant.spectrum
-    creep = creep_compliance(significant)
-    shift = -creep.distances.T  # tau_k - theta_j, exact however close they are
+    """Plane moduli and compliances of a material."""
+    relaxed, moduli, times = plane_spectrum(material)
+    matters = moduli > NEGLIGIBLE * (relaxed + moduli.sum())
+    moduli, times = moduli[matters], times[matters]
+    compliances, retardation, distances = creep_spectrum(relaxed, moduli, times)
+    shift = -distances.T  # tau_k - theta_j, exact however close they are
     return Rheology(
-        relaxed=significant.relaxed_plane_modulus,
-        moduli=moduli / plane,
+        relaxed=relaxed,
+        moduli=moduli,
         times=times,
-        compliances=creep.compliances * plane,
-        retardation=creep.times,
-        branches_of_units=((moduli * times)[:, None] / shift).T / plane,
-        units_of_branches=creep.compliances[None, :] * times[:, None] / shift * plane,
+        compliances=compliances,
+        retardation=retardation,
+        branches_of_units=((moduli * times)[:, None] / shift).T,
+        units_of_branches=compliances[None, :] * times[:, None] / shift,
     )
+
+
+def plane_spectrum(material: Material) -> tuple[float, Array, Array]:
+    """Relaxed plane modulus, and moduli and times of its branches, ascending in time.
+
+    It is that of ``E/(1 - nu^2)``; where the bulk relaxes by itself, of operators with
+    ``1/E* = 1/(4 G) + 3/(4 (3 K + G))``: two creep compliances in series.
+    """
+    moduli, times = material.spectrum
+    bulk = material.bulk
+    if bulk is None:
+        return material.relaxed_plane_modulus, moduli / (1.0 - material.poisson**2), times
+    twice = 2.0 * (1.0 + material.poisson)
+    shear, own = material.modulus / twice, bulk.modulus if isinstance(bulk, BulkRelaxation) else None
+    stiffness = own or material.modulus / (3.0 * (1.0 - 2.0 * material.poisson))
+    branches = bulk.branches if isinstance(bulk, BulkRelaxation) else ()
+    volume, slow = Material(stiffness, 0.0, branches).spectrum
+    mixed = _joined(np.concatenate((times, slow)), np.concatenate((moduli / twice, 3.0 * volume)))
+    series = (
+        (4.0 * shear, 4.0 * moduli / twice, times),
+        (4.0 * stiffness + 4.0 / 3.0 * shear, 4.0 / 3.0 * mixed[1], mixed[0]),
+    )
+    creep = [creep_spectrum(*one) for one in series]
+    glassy = sum(1.0 / (one[0] + float(one[1].sum())) for one in series)
+    retardation, compliances = _joined(*(np.concatenate([one[k] for one in creep]) for k in (1, 0)))
+    return relaxation_spectrum(glassy, compliances, retardation)
+
+
+def _joined(times: Array, strengths: Array) -> tuple[Array, Array]:
+    """Times that rise, each once, and the sums of what belongs to them."""
+    if not times.size:
+        return times, strengths
+    order = times.argsort()
+    times, strengths = times[order], strengths[order]
+    first = np.flatnonzero(np.append(True, np.diff(times) > NEGLIGIBLE * times[1:]))
+    return times[first], np.add.reduceat(strengths, first)

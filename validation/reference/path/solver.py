@@ -23,7 +23,6 @@ from contact_scene import (
     Segment,
     SurfaceProfile,
     Trace,
-    UnsupportedScene,
 )
 from contact_scene.loading import straight
 from contact_scene.machine import machine_columns
@@ -56,17 +55,6 @@ NAME = "reference"
 NO_STABLE_CONTACT = "no stable contact is left"
 
 
-def refusal(scene: Scene) -> UnsupportedScene | None:
-    """Why a scene is not taken; ``None`` if it is."""
-    if scene.material.bulk is None:
-        return None
-    return UnsupportedScene(
-        "material.bulk",
-        "the Abel transform needs bulk and shear to relax alike",
-        "no bulk entry, or the finite-element solver",
-    )
-
-
 @single_threaded()
 def solve(
     scene: Scene,
@@ -96,16 +84,11 @@ def solve(
 
     Raises
     ------
-    UnsupportedScene
-        Separate bulk relaxation.
     SceneError
         A process zone longer than the contact it starts from.
     """
     options = options or Options()
     began = time.perf_counter()
-    unsupported = refusal(scene)
-    if unsupported is not None:
-        raise unsupported
     run = Run(scene, options, options.step_tolerance, progress, monitor)
     columns, outcome = run.run()
     errors: dict[str, float] = {}
