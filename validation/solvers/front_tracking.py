@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from contact_scene import Scene, Trace, UnsupportedScene
-from validation.reference.path import Options, refusal, solve
+from contact_scene import Scene, Trace
+from validation.reference.path import Options, solve
 from validation.reference.path.options import DEFAULT_RESOLUTION
 from validation.solvers.base import REFERENCE, RunOptions, Solver
 
@@ -34,10 +34,6 @@ class FrontTracking(Solver):
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
         own = Options(resolution, estimate_errors=options.estimate_errors, **options.of_solver)
         return solve(scene, own, options.progress, options.monitor)
-
-    def refusal(self, scene: Scene) -> UnsupportedScene | None:
-        """A bulk modulus that relaxes apart from shear."""
-        return refusal(scene)
 
     def default_resolution(self, scene: Scene) -> int:
         return DEFAULT_RESOLUTION
