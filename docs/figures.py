@@ -1,7 +1,7 @@
 """The figures of the documentation that no command draws: ``python docs/figures.py`` writes them anew.
 
 ``cycles.png``: the cycles of Fig. 2 by every solver. ``springs.png``: the one at V = 0.02 R/tau on springs of
-1e-3 to 1e3 times the stiffness of the contact.
+1e-3 to 1e3 times the stiffness of the contact. ``path.png``: paths of the edge, as the reference follows them.
 """
 
 from __future__ import annotations
@@ -111,6 +111,48 @@ def springs() -> Figure:
     return figure
 
 
+def path() -> Figure:
+    """Contact radius over time of an edge without and with hysteresis, and what a path can do marked."""
+    figure = Figure(figsize=(9.0, 3.9), layout="constrained")
+    cycle = cc.builtin("cycle-v0.02")
+    loads = cc.Ramp(0.02, 0.02), cc.Force(0.012, 1.2), cc.Ramp(-0.5, 0.02)
+    free = replace(cycle, loading=replace(cycle.loading, steps=loads))
+    loads = cc.Ramp(0.024, 0.02), cc.Hold(0.4), cc.Ramp(-0.5, 0.02)
+    held = replace(
+        cycle,
+        loading=replace(cycle.loading, steps=loads),
+        adhesion=replace(cycle.adhesion, work_closing=0.3 * cycle.adhesion.work),
+    )
+    titles = "one work of adhesion", "closing gives back 0.3 of what opening takes"
+    for axes, scene, title in zip(figure.subplots(1, 2, sharey=True), (free, held), titles, strict=True):
+        trace = cc.solve(scene, resolution=50).trace
+        last = int(np.flatnonzero(trace.contact_radius > 0.0)[-1]) + 1
+        t, a = trace.time[:last], trace.contact_radius[:last]
+        axes.plot(t, a, color=BLUE, linewidth=1.6)
+        axes.plot([t[-1], t[-1]], [a[-1], 0.0], color=VERMILION, linestyle="--", linewidth=1.2)
+        top = np.flatnonzero(a > (1.0 - 1e-9) * a.max())
+        places = {"start": (0, 8, -12), "fold: contact is lost": (last - 1, -105, -3)}
+        places["run"] = int(np.searchsorted(t, 0.4)), 8, -12
+        if scene is held:
+            axes.plot(t[top], a[top], color=INK, linewidth=3.2)
+            places |= {"rest": (int(top[len(top) // 2]), -10, -16), "departure": (int(top[-1]), 8, 2)}
+        else:
+            places["turn"] = int(a.argmax()), -10, -16
+            rows = np.flatnonzero(t == t[np.flatnonzero(np.diff(t) == 0.0)[0]])
+            axes.plot(t[rows], a[rows], color=VERMILION, linewidth=2.4)
+            places["jump of the load"] = int(rows[len(rows) // 2]), 8, -26
+        for name, (row, *shift) in places.items():
+            axes.plot(t[row], a[row], "o", color=INK, markersize=4.5)
+            at = {"xytext": shift, "textcoords": "offset points"}
+            axes.annotate(name, (t[row], a[row]), fontsize="small", **at)
+        axes.set_title(title, fontsize="small")
+        axes.set_xlabel("time t/τ")
+        axes.set_ylim(0.0)
+        with_grid(axes)
+    figure.axes[0].set_ylabel("contact radius a/R")
+    return figure
+
+
 if __name__ == "__main__":
-    for draw in (cycles, springs):
+    for draw in (cycles, springs, path):
         Path(__file__).with_name(f"{draw.__name__}.png").write_bytes(png(draw(), 110))
