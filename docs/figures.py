@@ -1,7 +1,7 @@
 """The figures of the documentation that no command draws: ``python docs/figures.py`` writes them anew.
 
 ``cycles.png``: the cycles of Fig. 2 by every solver. ``springs.png``: the one at V = 0.02 R/tau on springs of
-1e-3 to 1e3 times the stiffness of the contact. ``path.png``: paths of the edge, as the reference follows them.
+1e-3 to 1e3 times the stiffness of the contact. ``path.png``: paths of the edge that the reference follows.
 """
 
 from __future__ import annotations
