@@ -204,3 +204,9 @@ def test_a_zone_of_fixed_stress_that_fills_its_contact_ends_the_run():
     trace, today = solve(scene), tracking.solve(scene)
     assert trace.outcome.kind is today.outcome.kind is OutcomeKind.BELOW_ZONE
     assert trace.time[-1] == pytest.approx(today.time[-1], rel=2e-5)
+
+
+def test_contact_lost_where_the_zone_leaves_a_kink_is_no_breakdown():
+    trace = solve(scene_of("usual:216"))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert -trace.force.min() == pytest.approx(2.4969e-07, rel=1e-4)

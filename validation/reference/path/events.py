@@ -232,6 +232,8 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
     match planned.event:
         case Kind.CORNER:
             tracker.restart(planned.tangent[:2], planned.after * tracker.h, declare=False)
+            if runs_away(tracker):  # a fold with a kink
+                planned.event = Kind.FOLD
         case Kind.TURN:
             if _has_come_to_rest(correction):
                 tracker.turn_at(AFTER_TURN * h)
@@ -278,7 +280,7 @@ def accept(tracker: Tracker, correction: Correction) -> None:
 
 
 def runs_away(tracker: Tracker) -> bool:
-    """Whether an edge that has just set off is driven the more the farther it gets."""
+    """Whether an edge that sets off, or has come to a kink, is driven the more the farther it gets."""
     if tracker.law.rated and tracker.leg.timed:
         return False
     state = tracker.state
