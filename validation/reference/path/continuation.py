@@ -494,12 +494,12 @@ class Tracker:
         slope = self.slopes.get(of)
         after = x - f / slope if slope else (x + size if of is Fixed.RADIUS else x - math.copysign(size, f))
         best = abs(f), x
-        for _ in range(12):
+        for count in range(12):
             after = max(after, least)
             value = function(after)
             if not math.isfinite(value) or value == f or after == x:
                 break
-            if self.noise > abs(value) > 0.1 * abs(f):  # rounding: no secant leads closer
+            if count and self.noise > abs(value) > 0.1 * abs(f):  # rounding: no secant leads closer
                 return min(best, (abs(value), after))[1]
             slope = (value - f) / (after - x)
             best = min(best, (abs(value), after))

@@ -246,7 +246,7 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             pulled = tracker.law.pulls(correction.trial, correction.arrival, not tracker.leg.timed)
             tracker.direction = -1.0 if pulled >= 0.0 else 1.0
             way = np.array([0.0, tracker.direction])
-            if tracker.law.rated and tracker.leg.timed:  # which has a speed
+            if tracker.law.rated and tracker.leg.timed and tracker.direction < 0.0:  # which has a speed
                 tracker.restart()
             else:
                 tracker.restart(way, FIRST_STEP * tracker.least_scale / tracker.L)
@@ -281,7 +281,7 @@ def accept(tracker: Tracker, correction: Correction) -> None:
 
 def runs_away(tracker: Tracker) -> bool:
     """Whether an edge that sets off, or has come to a kink, is driven the more the farther it gets."""
-    if tracker.law.rated and tracker.leg.timed:
+    if tracker.law.rated and tracker.leg.timed and tracker.direction < 0.0:
         return False
     state = tracker.state
     values = []
