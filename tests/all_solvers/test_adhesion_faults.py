@@ -11,7 +11,7 @@ from validation.measure.observables import observe
 from validation.measure.scaling import unit_sizes
 from validation.solvers import SOLVERS
 
-TRACKING = "validation.reference.tracking"
+PATH = "validation.reference.path"
 HYSTERESIS, RATED, STRESS = ("hysteresis-si",), ("rated-edge-si",), ("fixed-stress-si",)
 
 
@@ -32,11 +32,11 @@ def longer_by(factor):
 
 
 FAULTS = [
-    Fault("reference", "speed twice too large", f"{TRACKING}.edge_path:PolynomialPath.end_slope",
+    Fault("reference", "speed twice too large", f"{PATH}.trial:Trial.speed",
           times(2.0), RATED),
-    Fault("reference", "energy taken up a tenth too large", f"{TRACKING}.interface_work:taken_at",
+    Fault("reference", "energy taken up a tenth too large", f"{PATH}.energies:_separation",
           times(1.1), RATED),
-    Fault("reference", "zone a tenth too long", f"{TRACKING}.cohesive_zone:zone_at", times(1.1), STRESS),
+    Fault("reference", "zone a tenth too long", f"{PATH}.trial:zone_length", times(1.1), STRESS),
     Fault("bem", "closes at what it opens at", "bem_solver.edge_energy:energy_taken",
           closing_as_opening, HYSTERESIS),
     Fault("bem", "always pinned", "bem_solver.edge_energy:closure_of_departure", constant(None), HYSTERESIS),

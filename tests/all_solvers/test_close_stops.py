@@ -14,7 +14,7 @@ import fem_solver
 from contact_scene import SceneError
 from validation.cases import load
 from validation.measure.observables import observe
-from validation.reference import tracking as reference
+from validation.reference import path as reference
 from validation.solvers import solver
 
 APART = 1e-9

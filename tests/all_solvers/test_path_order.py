@@ -17,8 +17,8 @@ from support.faults.path_order import FAULTS
 from bem_solver.bent_path import BentPath
 from fem_solver.following.path import EdgePolynomial
 from fem_solver.following.state import FollowingState
-from validation.reference.tracking import edge_path
-from validation.reference.tracking.step_history import RADIUS, StepHistory
+from validation.reference.path import polynomials
+from validation.reference.path.path import Rows
 
 ORDER = {"bem": 4, "fem": 4, "reference": 5}
 """Rows that the path goes through, the end of the step among them."""
@@ -47,15 +47,15 @@ def by_finite_elements(h, radii):
     return EdgePolynomial.through(state.radius, float(edge(h)), h, state.before).passed(radii)
 
 
-def by_front_tracking(h, radii):
-    history = StepHistory()
-    for n in range(EARLIER, -1, -1):
-        history.add((-n * h, float(edge(-n * h)), 0.0, 0.0))
-    rows = history.extrapolation(RADIUS)
-    return edge_path.path_family(rows, h, float(edge(0.0))).polynomial(float(edge(h))).passing(radii)
+def by_the_path(h, radii):
+    rows = Rows.at(-EARLIER * h, -EARLIER * h, 0.0, float(edge(-EARLIER * h)), 0.0)
+    for n in range(EARLIER - 1, -1, -1):
+        rows.append(rows.last[0] + h, -n * h, -n * h, 0.0, float(edge(-n * h)), 0.0)
+    way = rows.segment(rows.last[0] + h, float(edge(h))).way
+    return polynomials.inverse(way, radii - float(edge(0.0)))
 
 
-MOMENTS = {"bem": by_boundary_elements, "fem": by_finite_elements, "reference": by_front_tracking}
+MOMENTS = {"bem": by_boundary_elements, "fem": by_finite_elements, "reference": by_the_path}
 
 
 def has_its_order(solver):

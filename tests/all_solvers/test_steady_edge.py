@@ -33,7 +33,7 @@ from validation.reference import fixed_stress, steady_crack
 from validation.reference.rated_edge import RatedEdge
 from validation.solvers import SOLVERS
 
-TRACKING = "validation.reference.tracking"
+PATH = "validation.reference.path"
 RATED, STRESS = ("steady-rate-si",), ("steady-stress-si",)
 ACCURACY = {"reference": 5e-4, "bem": 1e-3, "fem": 5e-3}
 each_scene = pytest.mark.parametrize("name", [*RATED, *STRESS])
@@ -160,12 +160,12 @@ def timed(factor):
 
 
 FAULTS = [
-    Fault("reference", "speed twice too large", f"{TRACKING}.edge_path:PolynomialPath.end_slope",
+    Fault("reference", "speed twice too large", f"{PATH}.trial:Trial.speed",
           times(2.0), RATED),
-    Fault("reference", "zone as at rest", f"{TRACKING}.law:Griffith.zone_at",
-          lambda true: lambda self, *given: self.zone_length, STRESS),
-    Fault("reference", "enhancement forgotten", f"{TRACKING}.rheology:rheology", timed(1e-4), RATED),
-    Fault("reference", "enhancement at twice the speed", f"{TRACKING}.rheology:rheology", timed(2.0), STRESS),
+    Fault("reference", "zone as at rest", f"{PATH}.trial:zone_length",
+          lambda true: lambda stress, edges, radius, cohesive, at_rest, guess: at_rest, STRESS),
+    Fault("reference", "enhancement forgotten", f"{PATH}.rheology:rheology", timed(1e-4), RATED),
+    Fault("reference", "enhancement at twice the speed", f"{PATH}.rheology:rheology", timed(2.0), STRESS),
     Fault("bem", "speed twice too large", "bem_solver.edge_energy:end_velocity", times(2.0), RATED),
     Fault("bem", "zone as at rest", "bem_solver.trial:_zone",
           lambda true: lambda problem, surface: problem.zone, STRESS),

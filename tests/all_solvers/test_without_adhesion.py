@@ -30,7 +30,7 @@ from contact_scene import (
 )
 from contact_scene.run_control import outcome_of_loss
 from validation.measure.observables import observe
-from validation.reference import tracking as reference
+from validation.reference import path as reference
 
 GEL, SOFT = Material(2e4, 0.45, (Branch(1e4, 0.3),)), Material(1e3, 0.49, (Branch(2e4, 1.0),))
 PUNCH, BALL, BLUNT = FlatPunch(1e-3), Sphere(5e-3), PowerLaw(4.0, 5e7)
@@ -229,7 +229,7 @@ def test_the_tips_that_are_plane():
 MODULES = {
     "bem": "bem_solver.solver",
     "fem": "fem_solver.solver",
-    "reference": "validation.reference.tracking.solver",
+    "reference": "validation.reference.path.solver",
 }
 
 

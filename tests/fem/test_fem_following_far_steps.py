@@ -25,7 +25,7 @@ from contact_scene import (
 from fem_solver.following.components import Components
 from fem_solver.following.surface_record import EdgePassage, SurfaceRecord, interpolated
 from fem_solver.prony import Prony
-from validation.reference import tracking as reference
+from validation.reference import path as reference
 from validation.solvers.finite_elements import FiniteElements, peels
 
 TWO = Material(0.3, 0.49, (Branch(2.0, 0.05), Branch(1.0, 5.0)))

@@ -9,7 +9,7 @@ import numpy as np
 
 import bem_solver
 from contact_scene import Material, Scene, Trace
-from validation.reference import tracking as reference
+from validation.reference import path as reference
 
 STIFFNESS = 0.75 / (1.0 - 0.5**2)  # E0*
 SCALED = np.pi * STIFFNESS  # F = SCALED * F~

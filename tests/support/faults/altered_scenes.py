@@ -30,7 +30,7 @@ from contact_scene import (
 ENTRANCES = {
     "bem": ("bem_solver", "solver:solve"),
     "fem": ("fem_solver", "solver:solve"),
-    "reference": ("validation.reference.tracking", "solver:solve"),
+    "reference": ("validation.reference.path", "solver:solve"),
 }
 """Package and function by which a scene enters each solver."""
 

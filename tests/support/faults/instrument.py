@@ -11,7 +11,7 @@ from support.faults.injection import Fault
 
 from bem_solver.trigger import Located
 
-TRACKING, SHIFT = "validation.reference.tracking", "contact_scene.temperature_shift"
+PATH, SHIFT = "validation.reference.path", "contact_scene.temperature_shift"
 
 
 def _other_side(true):
@@ -56,6 +56,6 @@ FAULTS = [
           lambda true: lambda run, segment, trigger, dt, contact: (
               contact if true(run, segment, trigger, dt, contact) is not None else None), ("level",)),
     Fault("reference", "the step that passes a level is taken whole",
-          f"{TRACKING}.step_to_level:step_to_level",
-          lambda true: lambda trigger, state, passing, step_until: (passing, True), ("level",)),
+          f"{PATH}.events:to_level",
+          lambda true: lambda tracker, planned, whole: (true(tracker, planned, whole), whole)[1], ("level",)),
 ]  # fmt: skip

@@ -10,18 +10,14 @@ but takes minutes; the same test sees them at once.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from support.faults.injection import Fault
 
-TRACKING, FOLLOWING = "validation.reference.tracking", "fem_solver.following"
+PATH, FOLLOWING = "validation.reference.path", "fem_solver.following"
 
 
 def _fewer_rows(count):
-    return lambda true: (
-        lambda rows, *given: true(replace(rows, times=rows.times[:count], values=rows.values[:count]), *given)
-    )
+    return lambda true: lambda self, s, a, *_: true(self, s, a, count)
 
 
 FAULTS = [
@@ -41,11 +37,9 @@ FAULTS = [
           lambda true: lambda self, radii: np.where(true(self, radii) > 0.0, 1.0, 0.0)),
     Fault("fem", "nodes passed 1 % too early", f"{FOLLOWING}.path:EdgePolynomial.passed",
           lambda true: lambda self, radii: 0.99 * true(self, radii)),
-    Fault("reference", "points passed 1 % too early", f"{TRACKING}.edge_path:PolynomialPath.passing",
-          lambda true: lambda self, x: 0.99 * true(self, x)),
-    Fault("reference", "path through one row less", f"{TRACKING}.edge_path:path_family", _fewer_rows(-1)),
-    Fault("reference", "parabolic path", f"{TRACKING}.edge_path:path_family", _fewer_rows(2)),
-    Fault("reference", "straight path", f"{TRACKING}.edge_path:path_family", _fewer_rows(1)),
-    Fault("reference", "one row less kept for the path", f"{TRACKING}.step_history:StepHistory.extrapolation",
-          lambda true: lambda self, column: true(replace(self, rows=self.rows[-3:]), column)),
+    Fault("reference", "points passed 1 % too early", f"{PATH}.polynomials:inverse",
+          lambda true: lambda way, rise: 0.99 * true(way, rise)),
+    Fault("reference", "path through one row less", f"{PATH}.path:Rows.segment", _fewer_rows(3)),
+    Fault("reference", "parabolic path", f"{PATH}.path:Rows.segment", _fewer_rows(2)),
+    Fault("reference", "straight path", f"{PATH}.path:Rows.segment", _fewer_rows(1)),
 ]  # fmt: skip

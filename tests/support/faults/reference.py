@@ -1,4 +1,4 @@
-"""Single faults for the front tracking."""
+"""Single faults for the reference."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from support.faults.injection import registry
 
 from validation.reference.path.abel import PowerTransform
 
-FAULTS, fault = registry("reference", "validation.reference")
+FAULTS, fault = registry("reference", "validation.reference.path")
 SHORT = ("pdms-retraction-100nm",)
 """Where steps pass over many process zones."""
 
 
-@fault("the half of the closure dropped", "tracking.closure:closure_integral")
+@fault("the half of the closure dropped", "closure:Closure.integral")
 def _(true):
     return lambda *given: 2.0 * true(*given)
 
 
-@fault("tension and compression swapped", "tracking.surface:Surface.edge_stress", ("adhesionless-cycle",))
+@fault("tension and compression swapped", "trial:Trial.stress", ("adhesionless-cycle",))
 def _(true):
     return lambda *given: -true(*given)
 
 
-@fault("1 - nu^2 lost", "path.rheology:rheology")
+@fault("1 - nu^2 lost", "rheology:rheology")
 def _(true):
     return lambda material: true(replace(material, poisson=0.0))
 
 
-@fault("relaxation and retardation times swapped", "path.rheology:rheology")
+@fault("relaxation and retardation times swapped", "rheology:rheology")
 def _(true):
     def rheology(material):
         found = true(material)
@@ -38,148 +38,94 @@ def _(true):
     return rheology
 
 
-@fault("a branch dropped", "path.rheology:rheology")
+@fault("a branch dropped", "rheology:rheology")
 def _(true):
     return lambda material: true(replace(material, branches=material.branches[1:]))
 
 
-@fault("force of one side of the axis only", "tracking.surface:Surface.force")
+@fault("force of one side of the axis only", "trial:Trial.force")
 def _(true):
     return lambda *given: 0.5 * true(*given)
 
 
-@fault("energy without a branch", "path.rheology:Rheology.stored_in_contact")
+@fault("energy without a branch", "energies:stored_energy")
 def _(true):
-    def stored(self, branches, strain):
-        return true(self, branches, strain) - 0.5 * (branches[:, :1] ** 2 / self.moduli[:1]).sum(axis=1)
+    def stored(body, state):
+        return true(body, state) - float((state.held_squares / body.rheology.moduli)[:1].sum())
 
     return stored
 
 
-@fault("the profile in place of its Abel transform", "path.abel:transform")
+@fault("the profile in place of its Abel transform", "abel:transform")
 def _(true):
     return lambda indenter: PowerTransform(0.5 / indenter.radius, 2.0)
 
 
-@fault("process zone half as long", "tracking.closure:closure_integral")
+@fault("process zone half as long", "edge_law:EdgeLaw.zone")
 def _(true):
-    return lambda edge, zone, *given: true(edge, 0.5 * zone, *given)
+    return lambda self: 0.5 * true(self)
 
 
-@fault("curvature of the closure's kernel left out", "path.closure:kernel_slope")
+@fault("curvature of the closure's kernel left out", "closure:kernel_slope")
 def _(true):
     return lambda *given: 0.0 * true(*given)
 
 
-@fault("covered points without their glassy jump", "path.rheology:Rheology.cover")
+@fault("covered points without their glassy jump", "rheology:Rheology.cover")
 def _(true):
     return lambda self, units, strain: units @ self.branches_of_units
 
 
-@fault("released points forget their relaxation", "path.rheology:Rheology.release")
+@fault("released points forget their relaxation", "rheology:Rheology.release")
 def _(true):
     return lambda self, branches, strain: true(self, 0.0 * branches, strain)
 
 
-@fault("internal variables in contact not advanced", "tracking.surface_step:field_update")
+@fault("internal variables in contact not advanced", "memory:Ramp.end")
 def _(true):
-    def update(*given):
-        found = true(*given)
-        return replace(found, decay=np.ones_like(found.decay), gain=np.zeros_like(found.gain))
-
-    return update
+    return lambda self: (self.memory, true(self)[1])
 
 
-@fault("start with the other modulus", "tracking.equilibrium:elastic_surface")
+@fault("start with the other modulus", "state:start_state")
 def _(true):
     return lambda body, depth, radius, glassy: true(body, depth, radius, not glassy)
 
 
-@fault("edge passes every point at the end of the step", "tracking.edge_path:ParabolicPath.passing")
+@fault("edge passes every point at the end of the step", "polynomials:inverse")
 def _(true):
-    return lambda self, x: np.ones_like(x)
+    return lambda way, rise: np.ones_like(rise)
 
 
-@fault("surface energy of the wrong sign in the balance", "tracking.recorder:Recorder.columns")
+@fault("surface energy of the wrong sign in the balance", "energies:_separation")
 def _(true):
-    return lambda self, whole=True: true(replace(self, work=-self.work), whole)
+    return lambda *given: -true(*given)
 
 
-@fault("closure 0.3 % too large", "tracking.closure:closure_integral", ("elastic-glassy", "elastic-relaxed"))
-def _(true):
-    return lambda *given: 1.003 * true(*given)
-
-
-@fault("force 0.3 % too large", "tracking.surface:Surface.force", ("punch-programme",))
+@fault("closure 0.3 % too large", "closure:Closure.integral", ("elastic-glassy", "elastic-relaxed"))
 def _(true):
     return lambda *given: 1.003 * true(*given)
 
 
-@fault("edge fields with a length of 1e-6", "tracking.closure:closure_integral", ("cycle-si-small",))
+@fault("force 0.3 % too large", "trial:Trial.force", ("punch-programme",))
 def _(true):
-    return lambda edge, zone, *given: true(edge, zone + 1e-6, *given)
+    return lambda *given: 1.003 * true(*given)
 
 
-@fault(
-    "internal variables by the trapezoidal rule", "tracking.surface_step:field_update", ("punch-programme",)
-)
+@fault("edge fields with a length of 1e-6", "edge_law:EdgeLaw.zone", ("cycle-si-small",))
 def _(true):
-    def update(surface, body, depth):
-        found, y = true(surface, body, depth), 0.5 * depth.duration / body.rheology.times
-        return replace(found, decay=(1.0 - y) / (1.0 + y))
-
-    return update
+    return lambda self: true(self) + 1e-6
 
 
-@fault(
-    "free surface recovers 3 % too slowly", "surface_step:field_update", ("repressed-profile", "cycle-v0.02")
-)
+@fault("internal variables by the trapezoidal rule", "memory:Ramp.end", ("punch-programme",))
 def _(true):
-    def update(*given):
-        found = true(*given)
-        return replace(found, recovery=found.recovery**0.97)
+    def end(self):
+        y = 0.5 * float(self.clock.sum()) / self.times
+        decay = (1.0 - y) / (1.0 + y)
+        return decay * self.memory + (1.0 - decay) * self.rate * self.times, true(self)[1]
 
-    return update
+    return end
 
 
-@fault("the spring 2 % too soft in the balance", "tracking.control:balanced", ("spring-elastic",))
+@fault("free surface recovers 3 % too slowly", "fields:Passages.at", ("repressed-profile", "cycle-v0.02"))
 def _(true):
-    def balanced(surface, body, segment, *given, **more):
-        return true(surface, body, replace(segment, compliance=1.02 * segment.compliance), *given, **more)
-
-    return balanced
-
-
-@fault("the wake recovers 1 % too slowly", "tracking.surface_step:field_update", ("cycle-v0.002",))
-def _(true):
-    def update(*given):
-        found = true(*given)
-        return replace(found, recovery=found.recovery**0.99)
-
-    return update
-
-
-@fault("the interface takes up 1 % more", "tracking.interface_work:taken_at", ("rated-edge-si",))
-def _(true):
-    return lambda *given: 1.01 * true(*given)
-
-
-@fault("points of a step over zones released at its end", "tracking.edge_path:PolynomialPath.passing", SHORT)
-def _(true):
-    return lambda self, x: np.ones_like(x)
-
-
-@fault(
-    "points of a step over zones released 1 % too early", "tracking.edge_path:PolynomialPath.passing", SHORT
-)
-def _(true):
-    return lambda self, x: 0.99 * true(self, x)
-
-
-@fault("wake of earlier steps over zones recovers half as fast", "tracking.surface_step:field_update", SHORT)
-def _(true):
-    def update(*given):
-        found = true(*given)
-        return replace(found, recovery=found.recovery**0.5)
-
-    return update
+    return lambda self, x, G, time, times, retardation: true(self, x, G, time, times, retardation / 0.97)

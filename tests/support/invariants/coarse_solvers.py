@@ -19,8 +19,7 @@ import bem_solver
 import fem_solver
 import meshes
 from contact_scene import Scene, Trace
-from validation.reference import tracking as reference
-from validation.reference.tracking.step_error import FORCE_SHARE
+from validation.reference import path as reference
 from validation.solvers.contact_range import largest_contact_radius
 
 SAFETY = 3.0
@@ -48,7 +47,7 @@ class CoarseSolver:
             return bem_solver.Options(self.resolution).step_tolerance
         if self.name == "fem":
             return FEM_TOLERANCE
-        return FORCE_SHARE * reference.Options(self.resolution).fineness(scene.is_adhesive).deviation
+        return reference.Options(self.resolution).step_tolerance
 
     def end(self, scene: Scene) -> dict[str, tuple[float, float]]:
         """Force and radius of the last row, each with its error: from two runs, and what one step may do."""

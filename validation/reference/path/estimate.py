@@ -1,9 +1,9 @@
 """Error estimates: what a run differs by from a second one at ten times the tolerance.
 
 The second run is the worse of the two, about by the ratio of the tolerances: the difference is its error, and so
-bounds that of the first. Scalars of two runs can agree by accident; curves cannot. A scalar is therefore held to
-be no better than the curve it is read from is in the mean, and the pull-off and the loss of contact no better
-than the work.
+bounds that of the first. Scalars of two runs can agree by accident; curves cannot. The pull-off is therefore held
+to be no better than the curves are in the mean, and the loss of contact, at a limit point where the time is
+stationary, no better than the force is at half the rows. A curve ends no better than when contact is lost.
 
 A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
 equal times is no error. So curves are compared by their distance in a plane where time and value both count
@@ -38,26 +38,27 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
     ``detachment_penetration``, relative to the largest. Columns are those of the traces by name; times of
     ``fine`` are rows of ``coarse``, too.
     """
-    errors, mean = {}, {}
-    for name in ("contact_radius", "force"):
-        apart = _distances(fine, coarse, name)
-        errors[name], mean[name] = float(apart.max()), float(np.sqrt(np.mean(apart**2)))
+    errors = {}
+    apart = {name: _distances(fine, coarse, name) for name in ("contact_radius", "force")}
+    mean = max(float(np.sqrt(np.mean(each**2))) for each in apart.values())
     turnover = float(np.abs(np.diff(fine["external_work"])).sum())
-    least = 0.0
     if turnover > 0.0:
         loop = abs(float(fine["external_work"][-1]))
-        least = _work_apart(fine, coarse) / max(loop, LEAST_LOOP * turnover)
-        errors["loop_energy"] = least
+        errors["loop_energy"] = _work_apart(fine, coarse) / max(loop, LEAST_LOOP * turnover)
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
     if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
-        errors["pull_off_force"] = max(abs(tension[0] - tension[1]) / tension[0], mean["force"], least)
+        errors["pull_off_force"] = max(abs(tension[0] - tension[1]) / tension[0], mean)
     if detached:
         ends = [int(np.flatnonzero(run["contact_radius"] > 0.0)[-1]) for run in (fine, coarse)]
         for name in ("time", "penetration"):
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
             if largest > 0.0:
-                errors[f"detachment_{name}"] = max(abs(values[0] - values[1]) / largest, least)
+                errors[f"detachment_{name}"] = max(
+                    abs(values[0] - values[1]) / largest, float(np.median(apart["force"]))
+                )
+    for name, each in apart.items():
+        errors[name] = max(float(each.max()), errors.get("detachment_time", 0.0))
     return errors
 
 
