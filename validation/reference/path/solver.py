@@ -306,7 +306,7 @@ class Run:
             self.recorder.free(state, state.depth + self.scene.loading.compliance * state.force)
 
     def _end(self, kind: OutcomeKind, reason: str) -> None:
-        self.outcome = Outcome(kind, reason, self.tracker.state.time)
+        self.outcome = Outcome(kind, reason, float(self.tracker.state.time))
 
 
 def _finite_rows(columns: dict[str, Array], outcome: Outcome) -> tuple[dict[str, Array], Outcome]:

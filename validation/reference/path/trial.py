@@ -356,7 +356,7 @@ class Trial:
         return replace(
             state,
             parameter=arrival.parameter,
-            time=arrival.parameter if self.leg.timed else state.time,
+            time=float(arrival.parameter) if self.leg.timed else state.time,
             depth=self.leg.value(arrival.parameter) if self.leg.control == "penetration" else depth,
             radius=self.radius,
             force=self.force(motion, arrival.duration),
