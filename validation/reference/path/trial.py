@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import fields
-from validation.reference.path.closure import Closure, closure
+from validation.reference.path.closure import BASE, Closure, closure
 from validation.reference.path.cohesive_zone import zone_length
 from validation.reference.path.legs import Leg
 from validation.reference.path.memory import (
@@ -107,7 +107,7 @@ class Trial:
             return self.stress(self._points(x, x[:0])[0], motion, duration)
 
         within = self.state.thinned(self.state.edges_between(0.0, self.radius), self.zone)
-        edges = np.union1d(within, self.radius - self.zone + self.state.breaks(self.radius, self.zone))
+        edges = np.union1d(within, self.radius - self.zone * (1.0 - BASE))
         return zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
 
     # what does not depend on the end ---
@@ -367,7 +367,7 @@ class Trial:
             free_squares=free,
             layer=rheology.shortest * self.speed(arrival)
             if self.direction > 0.0 and arrival.duration
-            else math.inf,
+            else state.layer,
         )
 
     def part(self, u: float, arrival: Arrival) -> tuple[Trial, float]:
