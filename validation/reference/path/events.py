@@ -41,6 +41,8 @@ AT_TURN = 0.3
 """Speed at a turn foreseen, in that at the start of the step, above which it is none."""
 AHEAD = 1.5
 """How far beyond a step, in its way, a turn or fold is looked for."""
+SAME_FOLD = 0.1
+"""Change of the place of a fold foreseen, in tolerances, below which it is landed on."""
 TOWARDS_FOLD = 0.75
 """Share of the way to a fold that a step goes until the place of the fold is known."""
 FILLED = 1.0 - 1e-5
@@ -195,7 +197,7 @@ def _turn_or_fold(
         vertex, before = float(place(at)[1]), tracker.vertex
         tracker.vertex = vertex
         lost = 8.0 * math.ulp(tracker.state.parameter) / tracker.T  # gains on the way that are rounding
-        if abs(vertex - before) < 0.1 * tracker.tolerance or place(at)[0] - place(0.0)[0] < lost:
+        if abs(vertex - before) < SAME_FOLD * tracker.tolerance or place(at)[0] - place(0.0)[0] < lost:
             return made(at, Kind.FOLD, Fixed.RADIUS)
         return made(min(h, TOWARDS_FOLD * at), Kind.TOWARDS if TOWARDS_FOLD * at < h else Kind.NONE)
     return planned

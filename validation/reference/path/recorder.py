@@ -146,9 +146,13 @@ class Recorder:
         """The last row is where the path meets a level, to the rounding of its load."""
         self._mark(kind, self._ends[-1], np.spacing(np.abs(self._ends[-1][: FORCE + 1])))
 
-    def lost(self, in_a_point: bool, uncertainty: tuple[float, ...]) -> None:
-        """Contact is lost at the last row."""
+    def lost(self, in_a_point: bool, apart: float) -> None:
+        """Contact is lost at the last row; a limit point, where the time is stationary, is that far off."""
         time, depth, radius, force = self._ends[-1][: FORCE + 1].tolist()
+        change = self._ends[-1] - self._ends[0]
+        uncertainty: tuple[float, ...] = ()
+        if change[RADIUS] != 0.0:
+            uncertainty = (0.0, 0.0, abs(float(change[FORCE] / change[RADIUS])) * apart, apart)
         force, radius = (0.0, 0.0) if in_a_point else (force, radius)
         self.events.append(Event("pull-off", time, depth, force, radius, uncertainty))
 
@@ -211,9 +215,12 @@ class Recorder:
 
     def _extrema(self, trial: Trial, arrival: Arrival, way: Course) -> dict[float, tuple[str, float]]:
         """Extrema of penetration and force within a step: their kinds, and how far off they are in ``u``."""
-        found = {}
+        found: dict[float, tuple[str, float]] = {}
+        ends = way.slopes(np.array([0.0, 1.0]))
+        if ends[:, TIME].min() < 0.0:  # rounding of a shortest step, or past a limit point
+            return found
         for column, largest in ((DEPTH, self.scales.depth), (FORCE, self.scales.force)):
-            first, last = way.slopes(np.array([0.0, 1.0]))[:, column]
+            first, last = ends[:, column]
             if first * last >= 0.0 or min(abs(first), abs(last)) < LEAST_SLOPE * largest:
                 continue
             slope = derivative(way.coefficients[:, column])

@@ -300,7 +300,7 @@ class Run:
     def _lose_contact(self, leg: Leg) -> None:
         """Contact ends here; the last row is the free surface, unless a force takes the indenter further."""
         state = self.tracker.state
-        self.recorder.lost(self.scene.ends_in_a_point, ())
+        self.recorder.lost(self.scene.ends_in_a_point, events.SAME_FOLD * self.tolerance * self.tracker.L)
         self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
         if state.radius > 0.0 and leg.control != "force":
             self.recorder.free(state, state.depth + self.scene.loading.compliance * state.force)
