@@ -19,7 +19,7 @@ from validation.reference import (
     steady_crack,
 )
 from validation.reference.creep_compliance import creep_compliance
-from validation.reference.tracking import solve
+from validation.reference.path import solve
 
 THREE = Material(1.2, 0.3, (Branch(3.0, 0.05), Branch(2.0, 1.0), Branch(4.0, 8.0)))
 ELASTIC = Material(2.0, 0.4)

@@ -21,8 +21,8 @@ from contact_scene import (
 )
 from validation.reference import lee_radok, prony_integrals, sneddon
 from validation.reference.force_of_history import force_of_history
+from validation.reference.path import Options, solve
 from validation.reference.ting import Ting
-from validation.reference.tracking import Options, solve
 
 CLOSE = Material(0.75, 0.5, (Branch(3.0, 1.0), Branch(3.75, 1.05)))
 
