@@ -214,3 +214,8 @@ def test_contact_lost_where_the_zone_leaves_a_kink_is_no_breakdown():
     trace = solve(scene_of("usual:216"))
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert -trace.force.min() == pytest.approx(2.4969e-07, rel=1e-4)
+
+
+def test_rows_within_a_step_are_right_where_branches_relax_in_a_small_part_of_it():
+    trace = solve(scene_of("plain:211"))
+    assert -trace.force.min() == pytest.approx(0.0217459, rel=1e-4)
