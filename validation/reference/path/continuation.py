@@ -4,27 +4,20 @@ A step goes a way ``h`` in the plane of ``p/T`` and ``a/L``, predicted by the po
 the last kink. Then either the radius is what was predicted, and the load parameter is the root of the edge
 condition, which needs one geometry; or, where the edge hardly moves, the other way about; or the edge rests.
 At a limit point of the load the radius is fixed, and nothing special happens.
-
-``T`` is half the time since the leg began: a leg may last 1e8 times as long as what happens first in it.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path import events, kinks
-from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.legs import Leg
-from validation.reference.path.path import Rows
+from validation.reference.path import events
 from validation.reference.path.polynomials import DEGREE
-from validation.reference.path.state import Body, State, start_state
 from validation.reference.path.step import Correction, Fixed, Kind, Plan
+from validation.reference.path.tracker import RESIDUAL, Tracker
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
@@ -35,207 +28,20 @@ LARGEST_GROWTH, LEAST_GROWTH = 3.0, 0.3
 """Ratio of successive steps."""
 SAFETY = 0.9
 """Of the step at which the error would be the tolerance."""
-FIRST_STEP = 1e-3
-"""First step of a leg, in parts of the shortest time and of the zone."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
 DEPARTURES = 3
 """Times that a departure is looked for, each with the step that ended at the one before."""
 TURNED = 0.01
 """Slope back, in the mean slope of a step, from which on the edge has turned in it: 1e-5 of the step is lost."""
-STILL = 1e-6
-"""Travel of the edge, in zones, below which it is at rest."""
 SEEN = 1e6
 """Difference of two radii, in zones and the rounding of the residual, from which the residual tells its slope."""
 UNFORESEEN = 1e-2
 """Longest first step after a kink, in the scale of the radius, whichever way the edge then turns out to go."""
-CORNERS = 8
-"""Corners near which breaks of the closure stay dense: older ones are smooth enough."""
-LOST_FORCE = 1e-12
-"""Force without adhesion, in the largest, at which contact is lost."""
-LEAST_CHANGE = 1e-9
-"""Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
-SMALL_PART = 0.1
-"""Scales of radius and penetration, in the largest of the run."""
-RESIDUAL = 1e-12
-"""At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
 
 
-@dataclass
-class Tracker:
-    """A run in progress.
-
-    ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration; ``L_run`` the largest of the radius,
-    ``turn`` where the edge set off. ``slopes``: of the residual over
-    the load parameter and the radius, as last seen; they save evaluations.
-    """
-
-    body: Body
-    law: EdgeLaw
-    state: State
-    tolerance: float
-    L_run: float
-    depth: float
-    accepted: Callable[[Trial, Arrival, State, float], None] = lambda *_: None
-    leg: Leg = None  # type: ignore[assignment]
-    rows: Rows = None  # type: ignore[assignment]
-    T: float = 1.0
-    L: float = 1.0
-    began: float = 0.0
-    turn: float = 0.0
-    zone: float = 0.0
-    T_leg: float = 1.0
-    T_first: float = 1.0
-    h: float = 1.0
-    tangent: Array = field(default_factory=lambda: np.array([1.0, 0.0]))
-    slopes: dict[Fixed, float] = field(default_factory=dict)
-    steepness: dict[Fixed, float] = field(default_factory=dict)
-    fails: int = 0
-    evaluations: int = 0
-    geometries: int = 0
-    steps: int = 0
-    rejected: int = 0
-    moving: bool = False
-    direction: float = -1.0
-    vertex: float = math.nan
-    stuck_at: int = -1
-    verbose: bool = False
-    level: events.Level | None = None
-    largest_force: float = 0.0
-
-    # geometry and residual ---
-
-    @property
-    def noise(self) -> float:
-        """Residual below which there is only rounding."""
-        zone = self.law.zone
-        return (
-            max(10.0 * RESIDUAL, 8.0 * np.finfo(float).eps * self.state.radius / zone)
-            if zone
-            else 10.0 * RESIDUAL
-        )
-
-    @property
-    def least_scale(self) -> float:
-        """Scale of the radius where the edge sets off."""
-        return self.law.zone or 1e-2 * self.L_run
-
-    @property
-    def still(self) -> float:
-        """Travel that changes nothing an edge can see."""
-        return STILL * (self.law.zone or 1e-3 * self.L_run)
-
-    def trial(self, radius: float, s: float, order: int = DEGREE) -> Trial:
-        """The step from here to a radius."""
-        self.geometries += 1
-        segment = self.rows.segment(s, radius, order)
-        if self.law.cohesive:
-            zone = min(self.zone or self.law.zone, 0.5 * radius)
-            return Trial(self.body, self.state, self.leg, segment, zone, self.law.cohesive, self.law.zone)
-        return Trial(self.body, self.state, self.leg, segment, self.law.zone)
-
-    def residual(self, trial: Trial, parameter: float) -> tuple[float, Arrival]:
-        """Of the edge condition, at the end of a trial at a load parameter."""
-        self.evaluations += 1
-        arrival = trial.arrive(parameter)
-        return self.law.residual(trial, arrival, self.T_leg / self.L_run, not self.leg.timed), arrival
-
-    # a leg ---
-
-    def begin(self, leg: Leg, T_leg: float) -> None:
-        """A new leg: a kink of the path."""
-        self.leg, self.T_leg, self.T = leg, T_leg, T_leg
-        self.steepness = {}
-        self.L, self.began = min(self.L_run, self.least_scale), leg.start
-        self.state = replace(self.state, parameter=leg.start)
-        state = self.state
-        self.rows = Rows.at(leg.start, state.time, state.depth, state.radius, state.force)
-        if state.radius == 0.0 and state.depth >= 0.0:
-            self.touch()
-            return
-        self.restart(np.array([1.0, 0.0]))
-        self.moving = False
-        if leg.timed:
-            self.T_first = self.T = T_leg * self.h
-            self.h = 1.0
-
-    def touch(self) -> None:
-        """The first step of a new contact, as if it were elastic: to a small part of the largest penetration.
-
-        A plane tip is in contact as a whole.
-        """
-        if self.law.tip:
-            begun = start_state(self.body, self.state.depth, self.law.tip, True)
-            self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
-            self.rows.table[-1, 4] = self.law.tip
-            self.restart()
-            return
-        transform, leg = self.body.transform, self.leg
-        deepest = LEAST_CHANGE * self.depth / SMALL_PART
-        a = self.L_run
-        while float(transform(np.array([0.5 * a]))[0]) > deepest and a > 1e-2 * self.L_run:
-            a *= 0.5
-        load = depth = float(transform(np.array([a]))[0])
-        if leg.control == "force":
-            load = 2.0 * self.body.rheology.glassy * (a * depth - transform.integral(a))
-        change = abs(leg.value(leg.end) - leg.value(leg.start)) or load
-        p = (leg.end - leg.start) * min(load / change, 1.0)
-        self.T_first, self.L = max(2.0 * p, 1e-300) if leg.timed else SMALL_PART, a
-        self.T = self.T_first
-        way = np.array([p / self.T, a / self.L])
-        self.restart(way / np.hypot(*way), float(np.hypot(*way)))
-
-    def restart(self, tangent: Array | None = None, h: float | None = None, declare: bool = True) -> None:
-        """A kink at the last row."""
-        self.rows.restart()
-        self.slopes = {}
-        self.moving, self.vertex = tangent is not None and self.moving, math.nan
-        self.tangent = np.array([1.0, 0.0]) if tangent is None else tangent
-        radius, zone = self.state.radius, self.law.zone
-        if h is None:
-            quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
-            h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
-            h = max(h, 1e-9 if self.leg.timed else 1e-4)
-        self.h = h
-        state = self.state
-        if declare:
-            self.turn = radius
-            state = replace(state, kinks=kinks.faded(self))
-        if all(abs(radius - kink) > 1e-9 * radius for kink in state.kinks + state.corners):
-            if declare:
-                state = replace(state, kinks=(*state.kinks, radius))
-            else:
-                state = replace(state, corners=(*state.corners, radius)[-CORNERS:])
-        self.state = state
-
-    def turn_at(self, h: float) -> None:
-        """The edge turns at the last row; the next step is ``h``, and the scales grow anew from there."""
-        self.restart(h=h)
-        if self.leg.timed:
-            self.T_first, self.began = h * self.T, self.state.parameter
-
-    def rescale(self) -> None:
-        """Scales grow with the time since the leg began and the way since the edge turned.
-
-        Segments keep their polynomials; only chords change.
-        """
-        T, L = self.T, self.L_run
-        if self.leg.timed:
-            T = min(self.T_leg, max(0.5 * (self.state.parameter - self.began), self.T_first))
-        L = min(L, max(0.5 * abs(self.state.radius - self.turn), self.least_scale))
-        if (T, L) == (self.T, self.L):
-            return
-        ratio = np.array([self.T / T, self.L / L])
-        table = self.rows.table
-        direction = self.tangent
-        if len(table) > 1:
-            direction = np.diff(table[-2:, [1, 4]], axis=0)[0] / (self.T, self.L)
-            direction = direction / np.hypot(*direction)
-        self.h *= math.hypot(*(direction * ratio))
-        self.tangent = self.tangent * ratio
-        self.tangent = self.tangent / np.hypot(*self.tangent)
-        self.T, self.L = T, L
-        self.rows.measure(T, L)
+class Continuation(Tracker):
+    """A run that goes on along its path."""
 
     def step(self) -> Kind:
         """One attempt; what it came to."""
@@ -245,30 +51,9 @@ class Tracker:
         error = math.inf if correction is None else correction.error / self.tolerance
         if len(self.rows) == 1 and correction is not None:
             error = 0.0  # nothing to judge by: the first step is small
-        if correction is not None and error <= REJECTED and plan.fixed is Fixed.RADIUS:
-            rise = (
-                correction.trial.segment.parameter
-                + self.rows_rise(correction) * correction.trial.segment.basis
-            )
-            falling = float(rise @ np.arange(len(rise))) < 0.0
-            if (
-                falling
-                and (self.law.zone or correction.trial.direction > 0.0)
-                and plan.event not in (Kind.FOLD, Kind.END)
-            ):
-                error = math.inf  # beyond a limit point that was not foreseen
-        if error <= REJECTED and correction.trial.direction and self._turns(correction.trial):
-            error = math.inf
-        if self.verbose:
-            at = correction and (correction.arrival.parameter, correction.trial.radius)
-            print(
-                self.steps,
-                plan.fixed,
-                plan.event,
-                f"h {plan.h:.2e} e {error:.2g} m {len(self.rows)}",
-                at,
-                flush=True,
-            )
+        if correction is not None and error <= REJECTED:
+            passed_by = self._falls(plan, correction) or self._turns(correction.trial)
+            error = math.inf if passed_by else error
         if correction is None or error > REJECTED:
             return self._reject(plan, error)
         self.fails = 0
@@ -281,15 +66,22 @@ class Tracker:
             self.h = plan.h * max(LEAST_GROWTH, growth)
         return plan.event
 
+    def _falls(self, plan: Plan, correction: Correction) -> bool:
+        """Whether a step ends beyond a limit point that was not foreseen."""
+        trial = correction.trial
+        if plan.fixed is not Fixed.RADIUS or plan.event in (Kind.FOLD, Kind.END):
+            return False
+        gained = correction.arrival.parameter - self.state.parameter
+        rise = trial.segment.parameter + gained * trial.segment.basis
+        return float(rise @ np.arange(len(rise))) < 0.0 and (self.law.zone > 0.0 or trial.direction > 0.0)
+
     def _turns(self, trial: Trial) -> bool:
         """Whether the edge turns within a step: then its path is no function of the radius."""
+        if not trial.direction:
+            return False
         way, orders = trial.segment.way, np.arange(DEGREE + 1)
         slopes = np.array([way[1], way @ orders]) * trial.direction
         return bool(slopes.min() < -TURNED * abs(trial.radius - trial.state.radius) - self.still)
-
-    def rows_rise(self, correction: Correction) -> float:
-        """Load parameter gained in a step."""
-        return correction.arrival.parameter - self.state.parameter
 
     def _order(self, plan: Plan, correction: Correction, error: float) -> tuple[int, float]:
         """How many rows are to predict the next step for it to be longest, and how long it is in this one.
@@ -334,8 +126,6 @@ class Tracker:
             self.fails = 0
             return Kind.LOST
         return Kind.REJECTED
-
-    # the corrector ---
 
     def _correct(self, plan: Plan) -> Correction | None:
         if plan.fixed is Fixed.RADIUS:
@@ -417,7 +207,7 @@ class Tracker:
         if self.law.rated and guess >= state.radius and plan.fixed is Fixed.LOAD and self.leg.timed:
             function(state.radius)
             _, arrival = trials[state.radius]
-            allowed = events.allowed_speed(self.law, arrival.integral)
+            allowed = self.law.allowed_speed(arrival.integral)
             guess = state.radius - max(allowed * (p - state.parameter), 1e-3 * self.still)
             size = 0.5 * (state.radius - guess)
         root = self._secants(function, guess, size, Fixed.LOAD, 1e-14 * self.L, -math.inf)
@@ -442,7 +232,7 @@ class Tracker:
             if (
                 drive > 0.0 and self.law.rated and self.leg.timed
             ):  # however slowly, it moves: by less than is seen
-                travel = events.allowed_speed(self.law, arrival.integral) * (at - self.state.parameter)
+                travel = self.law.allowed_speed(arrival.integral) * (at - self.state.parameter)
                 drive = drive if travel > 0.1 * self.still else 0.0
             return drive, arrival
 
@@ -458,24 +248,6 @@ class Tracker:
             plan.event = Kind.DEPARTURE
         error = 0.0 if plan.event is Kind.DEPARTURE else self.mispredicted(plan, trial, arrival)
         return Correction(trial, arrival, error, self.chord(plan, p, a))
-
-    @property
-    def least_radius(self) -> float:
-        """Radius below which no contact is followed: one zone, at rest if its stress is fixed."""
-        return self.law.zone or self._vanishing
-
-    @cached_property
-    def _vanishing(self) -> float:
-        """Radius of an elastic contact whose force is lost in the rounding of the largest."""
-        transform, radius = self.body.transform, self.L_run / SMALL_PART
-
-        def force(a: float) -> float:
-            return a * float(transform(np.array([a]))[0]) - transform.integral(a)
-
-        a, largest = radius, force(radius)
-        while a > 1e-6 * self.L_run and force(a) > LOST_FORCE * largest:
-            a *= 0.8
-        return a
 
     def _secants(
         self,

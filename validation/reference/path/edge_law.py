@@ -38,6 +38,10 @@ class EdgeLaw:
         """Whether an opening edge takes up what its speed tells."""
         return self.adhesion is not None and self.adhesion.rate is not None
 
+    def allowed_speed(self, integral: float) -> float:
+        """Speed at which the rate law lets an edge open."""
+        return opening_speed(self.adhesion, integral) if self.adhesion else 0.0
+
     def at_rim(self, radius: float) -> bool:
         """Whether the edge is that of the indenter."""
         return radius >= self.rim * (1.0 - 1e-12)
@@ -79,7 +83,7 @@ class EdgeLaw:
         if at_once or arrival.duration == 0.0:
             return value / adhesion.opening(math.inf) - 1.0
         # the speed the law allows against that of the path: regular at rest, where w(v) has an infinite slope
-        allowed, speed = opening_speed(adhesion, value), -trial.speed(arrival)
+        allowed, speed = self.allowed_speed(value), -trial.speed(arrival)
         return (
             (allowed - speed) * scale if value > adhesion.work or speed > 0.0 else value / adhesion.work - 1.0
         )

@@ -13,23 +13,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Trigger
 from validation.reference.path import kinks
-from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.root import bracketed
-from validation.reference.path.state import State
 from validation.reference.path.step import MOVING, Correction, Fixed, Kind, Plan
+from validation.reference.path.tracker import Tracker
 from validation.reference.path.trial import Arrival, Trial
-from validation.reference.rated_edge import opening_speed
-
-if TYPE_CHECKING:
-    from validation.reference.path.continuation import Tracker
 
 Array = NDArray[np.float64]
 
@@ -51,25 +44,6 @@ SAME = 1.0 - 1e-6
 """Ratio of two drives that are the same."""
 OVER = 10.0
 """Misprediction by a corner passed over, in tolerances, from which on it is landed on."""
-
-
-@dataclass
-class Level:
-    """The level that ends a load step, and the side of it on which the path is."""
-
-    trigger: Trigger
-    side: float
-
-    @classmethod
-    def of(cls, trigger: Trigger | None, state: State) -> Level | None:
-        """That of a load step which begins at a state."""
-        if trigger is None:
-            return None
-        return cls(trigger, trigger.side(trigger.excess(state.depth, state.force, state.radius)))
-
-    def excess(self, depth: float, force: float, radius: float) -> float:
-        """How far beyond the level, seen from the side it is approached from."""
-        return -self.side * self.trigger.excess(depth, force, radius)
 
 
 def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correction:
@@ -101,11 +75,6 @@ def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correct
     planned.event = excess(part, end)[1]
     last = tracker.rows.last[0]
     return replace(correction, trial=part, arrival=end, s=last + at * (correction.s - last))
-
-
-def allowed_speed(law: EdgeLaw, integral: float) -> float:
-    """Speed at which an edge with a rate law opens."""
-    return opening_speed(law.adhesion, integral)
 
 
 def departure(pull: Callable[[float], float], start: float, end: float, narrow: float) -> float:
@@ -217,9 +186,11 @@ def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind, float] | None
     if way > 0.0 and end > tracker.law.rim * (1.0 + 1e-12):
         found.append((tracker.law.rim, Kind.RIM, 1.0))
     if way and len(tracker.rows) > 1 and abs(planned.tangent[1]) > 1e-7:
-        at, sources = kinks.corners(tracker, way, end)
+        state, law = tracker.state, tracker.law
+        at, sources = kinks.corners(state, law, way, end)
         if len(at):
-            weight, after = kinks.weights(tracker, planned, at, sources)
+            seen = tracker.gradient(planned.tangent) * tracker.tolerance
+            weight, after = kinks.weights(state, tracker.body, law, abs(end - a), seen, at, sources)
             for i in np.flatnonzero(weight > OVER):
                 found.append((float(at[i]), Kind.CORNER, float(after[i])))
     return min(found, key=lambda each: way * each[0]) if found else None

@@ -16,6 +16,7 @@ turned, or rested: a kink, found by looking at it.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,7 +126,7 @@ def passed(
     entries = len(parabola)
     values = np.column_stack((elapsed, carried)).reshape(entries, len(NODES), -1)
     left = np.matmul(_TO_POWERS, values)
-    new = (
+    new: tuple[NDArray[Any], ...] = (
         np.full(entries, held),
         parabola,
         np.full(entries, time),

@@ -10,16 +10,13 @@ distance passed, over the gradient of the residual.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.rheology import total
-from validation.reference.path.step import Fixed, Plan
-
-if TYPE_CHECKING:
-    from validation.reference.path.continuation import Tracker
+from validation.reference.path.state import Body, State
 
 Array = NDArray[np.float64]
 NEARBY = 0.02
@@ -31,11 +28,11 @@ FADED = 1e-3
 """Jump, in tolerances and the field at the edge, below which a kink is forgotten."""
 
 
-def corners(tracker: Tracker, way: float, end: float) -> tuple[Array, Array]:
+def corners(state: State, law: EdgeLaw, way: float, end: float) -> tuple[Array, Array]:
     """Radii on the way at which the residual may have a kink, and the kinks they come from."""
-    state, zone = tracker.state, tracker.law.zone
+    zone = law.zone
     kinks = np.array(state.kinks)
-    shifts = (-zone, 0.0, zone) if zone and not tracker.law.cohesive else (0.0,)
+    shifts = (-zone, 0.0, zone) if zone and not law.cohesive else (0.0,)
     at = np.concatenate([kinks + shift for shift in shifts])
     ahead = way * (at - state.radius)
     near = 1e-7 * zone if zone else 1e-9 * state.radius
@@ -43,32 +40,35 @@ def corners(tracker: Tracker, way: float, end: float) -> tuple[Array, Array]:
     return at[within], np.tile(kinks, len(shifts))[within]
 
 
-def weights(tracker: Tracker, plan: Plan, at: Array, kinks: Array) -> tuple[Array, Array]:
-    """Misprediction of a step that passes over each, in tolerances; the part of it that mispredicts by one."""
-    a, zone, law = tracker.state.radius, tracker.law.zone, tracker.law
-    gradient = _gradient(tracker, plan)
-    if not zone or not gradient:
+def weights(
+    state: State, body: Body, law: EdgeLaw, passed: float, seen: float, at: Array, kinks: Array
+) -> tuple[Array, Array]:
+    """Misprediction of a step that passes over each, in tolerances; the part of it that mispredicts by one.
+
+    ``passed``: way of the edge in the step. ``seen``: change of the residual in one tolerance.
+    """
+    a, zone = state.radius, law.zone
+    if not zone or not seen:
         return np.full(len(at), math.inf), np.full(len(at), AFTER_CORNER)
-    jump, bend, apart, (inner, stress, opening, outer) = _probed(tracker, kinks)
+    jump, bend, apart, (inner, stress, opening, outer) = _probed(state, body, zone, kinks)
     inside = kinks < a
     partner = np.where(inside, opening, stress)
     partner = np.where(at == kinks, np.where(inside, outer, inner), partner)
     factor = 0.5 * math.pi / (a * math.pi**2 * zone * (law.adhesion.work if law.adhesion else 1.0))
-    passed = np.minimum(abs(plan.z[1] * tracker.L - a), zone)
-    factor = factor * np.abs(partner) / gradient / tracker.tolerance
+    passed = min(passed, zone)
+    factor = factor * np.abs(partner) / seen
     linear, square = factor * jump * passed, factor * 0.5 * bend / apart * passed**2
     return linear + square, 2.0 / (linear + np.sqrt(linear**2 + 4.0 * square))
 
 
-def _probed(tracker: Tracker, kinks: Array) -> tuple[Array, Array, Array, Array]:
+def _probed(state: State, body: Body, zone: float, kinks: Array) -> tuple[Array, Array, Array, Array]:
     """Jumps of the fields at kinks, of their slopes times a distance, that distance; the fields at the edge.
 
     Jumps are those of the straight lines through two points on either side: a slope is none. The fields at the
     edge are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
     """
-    state, body = tracker.state, tracker.body
     rheology, a = body.rheology, state.radius
-    size = tracker.law.zone or 0.1 * a
+    size = zone or 0.1 * a
     apart = np.minimum(NEARBY * size, np.maximum(np.abs(kinks - a) / 3.0, 1e-9 * a))
     probes = (kinks[:, None] + apart[:, None] * np.array([-2.0, -1.0, 1.0, 2.0])).ravel()
     edge = np.array([a - size, a * (1.0 - 1e-12), a * (1.0 + 1e-12), a + size])
@@ -82,23 +82,13 @@ def _probed(tracker: Tracker, kinks: Array) -> tuple[Array, Array, Array, Array]
     return np.abs(2.0 * (three - two) + one - four), np.abs(four - three - two + one), apart, field[-4:]
 
 
-def faded(tracker: Tracker) -> tuple[float, ...]:
+def faded(state: State, body: Body, zone: float, tolerance: float) -> tuple[float, ...]:
     """The kinks that are left, without those whose fields have become smooth."""
-    state = tracker.state
     kinks = np.array(state.kinks)
     if state.radius == 0.0 or len(kinks) < 2:
         return state.kinks
-    jump, bend, _, edge = _probed(tracker, kinks)
+    jump, bend, _, edge = _probed(state, body, zone, kinks)
     scale = np.where(kinks < state.radius, np.abs(edge[:2]).max(), np.abs(edge[2:]).max())
-    left = jump + bend > FADED * tracker.tolerance * scale
-    left |= np.abs(kinks - state.radius) < 1e-6 * (tracker.law.zone or state.radius)
+    left = jump + bend > FADED * tolerance * scale
+    left |= np.abs(kinks - state.radius) < 1e-6 * (zone or state.radius)
     return tuple(kinks[left].tolist())
-
-
-def _gradient(tracker: Tracker, plan: Plan) -> float:
-    """Of the residual over the plane of ``p/T`` and ``a/L``, from a slope and the direction of the path."""
-    if Fixed.RADIUS in tracker.steepness:
-        return abs(tracker.steepness[Fixed.RADIUS]) * tracker.T / max(abs(plan.tangent[1]), 1e-300)
-    if Fixed.LOAD in tracker.steepness:
-        return abs(tracker.steepness[Fixed.LOAD]) * tracker.L / max(abs(plan.tangent[0]), 1e-300)
-    return 0.0

@@ -1,6 +1,7 @@
 """Load steps as legs: stretches over which the load is smooth in one parameter.
 
-A jump of the load is a leg of its own. Time stands, and the parameter is the share of the jump.
+A jump of the load is a leg of its own. Time stands, and the parameter is the share of the jump. A load step may
+end before its legs do, at a level.
 """
 
 from __future__ import annotations
@@ -10,8 +11,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-from contact_scene import Segment
+from contact_scene import Segment, Trigger
 from contact_scene.loading import Control
+from validation.reference.path.state import State
 
 SHORTEST = 16.0
 """Leg, in units of the last place of its end, below which it is lost in rounding."""
@@ -35,6 +37,25 @@ class Leg:
     def free(self) -> bool:
         """Whether the penetration follows from the balance of forces."""
         return self.control != "penetration"
+
+
+@dataclass
+class Level:
+    """The level that ends a load step, and the side of it on which the path is."""
+
+    trigger: Trigger
+    side: float
+
+    @classmethod
+    def of(cls, trigger: Trigger | None, state: State) -> Level | None:
+        """That of a load step which begins at a state."""
+        if trigger is None:
+            return None
+        return cls(trigger, trigger.side(trigger.excess(state.depth, state.force, state.radius)))
+
+    def excess(self, depth: float, force: float, radius: float) -> float:
+        """How far beyond the level, seen from the side it is approached from."""
+        return -self.side * self.trigger.excess(depth, force, radius)
 
 
 def jump(segment: Segment, penetration: float, force: float) -> Leg | None:

@@ -91,7 +91,8 @@ class Rows:
         """Rows and the matrix that takes their differences from the newest, and that of the end, to powers."""
         rows = self.table[-min(order, self.order) :]
         at = np.append((rows[:, 0] - rows[-1, 0]) / (s - rows[-1, 0]), 1.0)
-        return rows - rows[-1], np.linalg.inv(powers(at, len(rows)))
+        matrix: Array = np.linalg.inv(powers(at, len(rows)))
+        return rows - rows[-1], matrix
 
     def segment(self, s: float, a: float, order: int = DEGREE) -> Segment:
         """The step that ends at arclength and radius."""

@@ -36,11 +36,11 @@ from contact_scene.run_control import (
 )
 from validation.reference.path import events
 from validation.reference.path.abel import transform
-from validation.reference.path.continuation import SMALL_PART, Tracker
+from validation.reference.path.continuation import Continuation
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import elastic_start
 from validation.reference.path.estimate import COARSER, estimated_errors
-from validation.reference.path.legs import Leg, jump, timed_legs
+from validation.reference.path.legs import Leg, Level, jump, timed_legs
 from validation.reference.path.options import Options
 from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
@@ -48,6 +48,7 @@ from validation.reference.path.rheology import Body, rheology
 from validation.reference.path.scales import scales
 from validation.reference.path.state import State, start_state
 from validation.reference.path.step import Kind
+from validation.reference.path.tracker import SMALL_PART
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
@@ -126,7 +127,7 @@ class Run:
     outcome: Outcome | None = None
     begun: bool = False
     recorder: Recorder = field(init=False)
-    tracker: Tracker = field(init=False)
+    tracker: Continuation = field(init=False)
 
     def run(self) -> tuple[dict[str, Array], Outcome]:
         """All load steps: the columns of the rows, and how it ended."""
@@ -178,7 +179,7 @@ class Run:
         wanted = frozenset(self.options.profile_times)
         self.recorder = Recorder(body, law, size, self.tolerance, stops, wanted, self._profile)
         small = SMALL_PART * size.radius, SMALL_PART * size.depth
-        self.tracker = Tracker(
+        self.tracker = Continuation(
             body, law, state, self.tolerance, *small, self._accepted, largest_force=size.force
         )
         self.recorder.begin(state)
@@ -245,7 +246,7 @@ class Run:
             state = tracker.state
             if self.outcome is not None or cursor.triggered(segment, state.depth, state.force, state.radius):
                 return
-        tracker.level = events.Level.of(segment.trigger, state)
+        tracker.level = Level.of(segment.trigger, state)
         for leg in timed_legs(segment):
             if self._follow(leg, segment, cursor) is Kind.LEVEL or self.outcome is not None:
                 return

@@ -1,0 +1,239 @@
+"""Where a run is on the path of its edge: state, rows, scales of load parameter and radius, and the residual.
+
+``T`` is half the time since the leg began: a leg may last 1e8 times as long as what happens first in it. ``L`` is
+half the way since the edge turned. Both start anew at a turn of the edge.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.path import kinks
+from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.legs import Leg, Level
+from validation.reference.path.path import Rows
+from validation.reference.path.polynomials import DEGREE
+from validation.reference.path.state import Body, State, start_state
+from validation.reference.path.step import Fixed
+from validation.reference.path.trial import Arrival, Trial
+
+Array = NDArray[np.float64]
+
+FIRST_STEP = 1e-3
+"""First step of a leg, in parts of the shortest time and of the zone."""
+STILL = 1e-6
+"""Travel of the edge, in zones, below which it is at rest."""
+CORNERS = 8
+"""Corners near which breaks of the closure stay dense: older ones are smooth enough."""
+LOST_FORCE = 1e-12
+"""Force without adhesion, in the largest, at which contact is lost."""
+LEAST_CHANGE = 1e-9
+"""Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
+SMALL_PART = 0.1
+"""Scales of radius and penetration, in the largest of the run."""
+RESIDUAL = 1e-12
+"""At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
+
+
+@dataclass
+class Tracker:
+    """A run in progress.
+
+    ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration; ``L_run`` the largest of the
+    radius, ``turn`` where the edge set off. ``slopes``: of the residual over the load parameter and the radius,
+    as last seen; they save evaluations.
+    """
+
+    body: Body
+    law: EdgeLaw
+    state: State
+    tolerance: float
+    L_run: float
+    depth: float
+    accepted: Callable[[Trial, Arrival, State, float], None] = lambda *_: None
+    leg: Leg = None  # type: ignore[assignment]
+    rows: Rows = None  # type: ignore[assignment]
+    T: float = 1.0
+    L: float = 1.0
+    began: float = 0.0
+    turn: float = 0.0
+    zone: float = 0.0
+    T_leg: float = 1.0
+    T_first: float = 1.0
+    h: float = 1.0
+    tangent: Array = field(default_factory=lambda: np.array([1.0, 0.0]))
+    slopes: dict[Fixed, float] = field(default_factory=dict)
+    steepness: dict[Fixed, float] = field(default_factory=dict)
+    fails: int = 0
+    evaluations: int = 0
+    geometries: int = 0
+    steps: int = 0
+    rejected: int = 0
+    moving: bool = False
+    direction: float = -1.0
+    vertex: float = math.nan
+    stuck_at: int = -1
+    level: Level | None = None
+    largest_force: float = 0.0
+
+    @property
+    def noise(self) -> float:
+        """Residual below which there is only rounding."""
+        zone = self.law.zone
+        return (
+            max(10.0 * RESIDUAL, 8.0 * np.finfo(float).eps * self.state.radius / zone)
+            if zone
+            else 10.0 * RESIDUAL
+        )
+
+    @property
+    def least_scale(self) -> float:
+        """Scale of the radius where the edge sets off."""
+        return self.law.zone or 1e-2 * self.L_run
+
+    @property
+    def still(self) -> float:
+        """Travel that changes nothing an edge can see."""
+        return STILL * (self.law.zone or 1e-3 * self.L_run)
+
+    def trial(self, radius: float, s: float, order: int = DEGREE) -> Trial:
+        """The step from here to a radius."""
+        self.geometries += 1
+        segment = self.rows.segment(s, radius, order)
+        if self.law.cohesive:
+            zone = min(self.zone or self.law.zone, 0.5 * radius)
+            return Trial(self.body, self.state, self.leg, segment, zone, self.law.cohesive, self.law.zone)
+        return Trial(self.body, self.state, self.leg, segment, self.law.zone)
+
+    def residual(self, trial: Trial, parameter: float) -> tuple[float, Arrival]:
+        """Of the edge condition, at the end of a trial at a load parameter."""
+        self.evaluations += 1
+        arrival = trial.arrive(parameter)
+        return self.law.residual(trial, arrival, self.T_leg / self.L_run, not self.leg.timed), arrival
+
+    def gradient(self, tangent: Array) -> float:
+        """Of the residual over the plane of ``p/T`` and ``a/L``, from a slope and the direction of the path."""
+        if Fixed.RADIUS in self.steepness:
+            return abs(self.steepness[Fixed.RADIUS]) * self.T / max(abs(tangent[1]), 1e-300)
+        if Fixed.LOAD in self.steepness:
+            return abs(self.steepness[Fixed.LOAD]) * self.L / max(abs(tangent[0]), 1e-300)
+        return 0.0
+
+    def begin(self, leg: Leg, T_leg: float) -> None:
+        """A new leg: a kink of the path."""
+        self.leg, self.T_leg, self.T = leg, T_leg, T_leg
+        self.steepness = {}
+        self.L, self.began = min(self.L_run, self.least_scale), leg.start
+        self.state = replace(self.state, parameter=leg.start)
+        state = self.state
+        self.rows = Rows.at(leg.start, state.time, state.depth, state.radius, state.force)
+        if state.radius == 0.0 and state.depth >= 0.0:
+            self.touch()
+            return
+        self.restart(np.array([1.0, 0.0]))
+        self.moving = False
+        if leg.timed:
+            self.T_first = self.T = T_leg * self.h
+            self.h = 1.0
+
+    def touch(self) -> None:
+        """The first step of a new contact, as if it were elastic: to a small part of the largest penetration.
+
+        A plane tip is in contact as a whole.
+        """
+        if self.law.tip:
+            begun = start_state(self.body, self.state.depth, self.law.tip, True)
+            self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
+            self.rows.table[-1, 4] = self.law.tip
+            self.restart()
+            return
+        transform, leg = self.body.transform, self.leg
+        deepest = LEAST_CHANGE * self.depth / SMALL_PART
+        a = self.L_run
+        while float(transform(np.array([0.5 * a]))[0]) > deepest and a > 1e-2 * self.L_run:
+            a *= 0.5
+        load = depth = float(transform(np.array([a]))[0])
+        if leg.control == "force":
+            load = 2.0 * self.body.rheology.glassy * (a * depth - transform.integral(a))
+        change = abs(leg.value(leg.end) - leg.value(leg.start)) or load
+        p = (leg.end - leg.start) * min(load / change, 1.0)
+        self.T_first, self.L = max(2.0 * p, 1e-300) if leg.timed else SMALL_PART, a
+        self.T = self.T_first
+        way = np.array([p / self.T, a / self.L])
+        self.restart(way / np.hypot(*way), float(np.hypot(*way)))
+
+    def restart(self, tangent: Array | None = None, h: float | None = None, declare: bool = True) -> None:
+        """A kink at the last row."""
+        self.rows.restart()
+        self.slopes = {}
+        self.moving, self.vertex = tangent is not None and self.moving, math.nan
+        self.tangent = np.array([1.0, 0.0]) if tangent is None else tangent
+        radius, zone = self.state.radius, self.law.zone
+        if h is None:
+            quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
+            h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
+            h = max(h, 1e-9 if self.leg.timed else 1e-4)
+        self.h = h
+        state = self.state
+        if declare:
+            self.turn = radius
+            state = replace(state, kinks=kinks.faded(self.state, self.body, zone, self.tolerance))
+        if all(abs(radius - kink) > 1e-9 * radius for kink in state.kinks + state.corners):
+            if declare:
+                state = replace(state, kinks=(*state.kinks, radius))
+            else:
+                state = replace(state, corners=(*state.corners, radius)[-CORNERS:])
+        self.state = state
+
+    def turn_at(self, h: float) -> None:
+        """The edge turns at the last row; the next step is ``h``, and the scales grow anew from there."""
+        self.restart(h=h)
+        if self.leg.timed:
+            self.T_first, self.began = h * self.T, self.state.parameter
+
+    def rescale(self) -> None:
+        """Scales grow with the time since the leg began and the way since the edge turned.
+
+        Segments keep their polynomials; only chords change.
+        """
+        T, L = self.T, self.L_run
+        if self.leg.timed:
+            T = min(self.T_leg, max(0.5 * (self.state.parameter - self.began), self.T_first))
+        L = min(L, max(0.5 * abs(self.state.radius - self.turn), self.least_scale))
+        if (T, L) == (self.T, self.L):
+            return
+        ratio = np.array([self.T / T, self.L / L])
+        table = self.rows.table
+        direction = self.tangent
+        if len(table) > 1:
+            direction = np.diff(table[-2:, [1, 4]], axis=0)[0] / (self.T, self.L)
+            direction = direction / np.hypot(*direction)
+        self.h *= math.hypot(*(direction * ratio))
+        self.tangent = self.tangent * ratio
+        self.tangent = self.tangent / np.hypot(*self.tangent)
+        self.T, self.L = T, L
+        self.rows.measure(T, L)
+
+    @property
+    def least_radius(self) -> float:
+        """Radius below which no contact is followed: one zone, at rest if its stress is fixed."""
+        return self.law.zone or self._vanishing
+
+    @cached_property
+    def _vanishing(self) -> float:
+        """Radius of an elastic contact whose force is lost in the rounding of the largest."""
+        transform, radius = self.body.transform, self.L_run / SMALL_PART
+
+        def force(a: float) -> float:
+            return a * float(transform(np.array([a]))[0]) - transform.integral(a)
+
+        a, largest = radius, force(radius)
+        while a > 1e-6 * self.L_run and force(a) > LOST_FORCE * largest:
+            a *= 0.8
+        return a
