@@ -51,7 +51,7 @@ def points(breaks: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Closure:
-    """The closure at one radius; ``s``, ``weight`` (m,): points and weights from the inner end of the zone."""
+    """The closure at a radius; ``s``, ``weight`` (m,): points and weights from the inner end of the zone."""
 
     zone: float
     s: Array
@@ -77,7 +77,7 @@ class Closure:
 
 
 def closure(radius: float, zone: float, breaks: Array) -> Closure:
-    """The closure at a radius, by Gauss in panels between breaks, no wider than what they are off the axis."""
+    """The closure at a radius, by Gauss in panels between breaks, no wider than they are off the axis."""
     start = radius - zone
     near = zone > NEAR_AXIS * radius
     if near:

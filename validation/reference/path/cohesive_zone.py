@@ -1,7 +1,7 @@
 """Length of a process zone of fixed cohesive stress, from the tension behind the edge.
 
-The tension over the zone is that of the sharp edge, ``sigma = (1/pi) int_r^inf q'(x)/sqrt(x^2 - r^2) dx``. Integrated
-over ``r`` from ``b = a - da`` to ``a``, and by parts over ``x = b/cos(t)``,
+The tension over the zone is that of the sharp edge, ``sigma = (1/pi) int_r^inf q'(x)/sqrt(x^2 - r^2) dx``.
+Integrated over ``r`` from ``b = a - da`` to ``a``, and by parts over ``x = b/cos(t)``,
 
     int_b^a sigma dr = -(1/pi) int_0^arccos(b/a) q(b/cos t) dt = (4/pi) s da.
 

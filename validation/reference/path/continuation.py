@@ -1,9 +1,9 @@
 """Continuation of the edge along its path, step by step, whatever drives it.
 
-A step goes a way ``h`` in the plane of ``p/T`` and ``a/L``, predicted by the polynomial through the rows since
-the last kink. Then either the radius is what was predicted, and the load parameter is the root of the edge
-condition, which needs one geometry; or, where the edge hardly moves, the other way about; or the edge rests.
-At a limit point of the load the radius is fixed, and nothing special happens.
+A step goes a way ``h`` in the plane of ``p/T`` and ``a/L``, predicted by the polynomial through the rows
+since the last kink. Then either the radius is what was predicted, and the load parameter is the root of the
+edge condition, which needs one geometry; or, where the edge hardly moves, the other way about; or the edge
+rests. At a limit point of the load the radius is fixed, and nothing special happens.
 """
 
 from __future__ import annotations
@@ -33,11 +33,11 @@ SMALLEST_STEP = 1e-10
 DEPARTURES = 3
 """Times that a departure is looked for, each with the step that ended at the one before."""
 TURNED = 0.01
-"""Slope back, in the mean slope of a step, from which on the edge has turned in it: 1e-5 of the step is lost."""
+"""Slope back, in the mean slope of a step, from which on the edge has turned: 1e-5 of the step is lost."""
 SEEN = 1e6
-"""Difference of two radii, in zones and the rounding of the residual, from which the residual tells its slope."""
+"""Difference of two radii, in zones and the rounding of the residual, that tells the slope."""
 UNFORESEEN = 1e-2
-"""Longest first step after a kink, in the scale of the radius, whichever way the edge then turns out to go."""
+"""Longest first step after a kink, in the scale of the radius, whichever way the edge then goes."""
 
 
 class Continuation(Tracker):
@@ -143,7 +143,7 @@ class Continuation(Tracker):
         return float(last[0] + math.hypot((p - last[1]) / self.T, (a - last[4]) / self.L))
 
     def mispredicted(self, plan: Plan, trial: Trial, arrival: Arrival) -> float:
-        """Distance of a corrected point from the predicted one: across the path, and in what follows from it."""
+        """Distance of a corrected point from the predicted one: across the path, and in depth and force."""
         off_p, off_a = arrival.parameter / self.T - plan.z[0], trial.radius / self.L - plan.z[1]
         across = off_p * plan.tangent[1] - off_a * plan.tangent[0]
         depth = arrival.depth / self.depth - plan.z[2] if self.leg.free else 0.0
@@ -221,7 +221,7 @@ class Continuation(Tracker):
         return Correction(trial, arrival, error, self.chord(plan, p, root))
 
     def _at_rest(self, plan: Plan) -> Correction | None:
-        """The edge stays; if it would set off within the step, that ends there. ``None``: it moves at once."""
+        """The edge stays; if it would set off, the step ends there. ``None``: it moves at once."""
         p, a = self._load(plan), self.state.radius
         trial = self.trial(a, self.chord(plan, p, a))
 

@@ -1,7 +1,7 @@
 """What the edge asks for: a residual that rises with the radius through zero where the edge is stable.
 
-An edge that opens takes up ``work``, or ``w(v)``; one that closes ``closing``. In between it rests, as it does
-at the rim of a flat face as long as it does not open, and where it has a rate law at fixed time. Without
+An edge that opens takes up ``work``, or ``w(v)``; one that closes ``closing``. In between it rests, as it
+does at the rim of a flat face as long as it does not open, and where it has a rate law at fixed time. Without
 adhesion no tension is left at the edge and no overlap next to it.
 """
 

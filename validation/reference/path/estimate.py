@@ -1,9 +1,10 @@
 """Error estimates: what a run differs by from a second one at ten times the tolerance.
 
-The second run is the worse of the two, about by the ratio of the tolerances: the difference is its error, and so
-bounds that of the first. Scalars of two runs can agree by accident; curves cannot. The pull-off is therefore held
-to be no better than the curves are in the mean, and the loss of contact, at a limit point where the time is
-stationary, no better than the force is at half the rows. A curve ends no better than when contact is lost.
+The second run is the worse of the two, about by the ratio of the tolerances: the difference is its error, and
+so bounds that of the first. Scalars of two runs can agree by accident; curves cannot. The pull-off is
+therefore held to be no better than the curves are in the mean, and the loss of contact, at a limit point
+where the time is stationary, no better than the force is at half the rows. A curve ends no better than when
+contact is lost.
 
 A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
 equal times is no error. So curves are compared by their distance in a plane where time and value both count

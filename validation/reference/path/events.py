@@ -47,7 +47,7 @@ OVER = 10.0
 
 
 def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correction:
-    """The step cut where the path comes to the level, or its zone fills the contact: roots on the dense path."""
+    """The step cut where the path comes to the level, or its zone fills the contact."""
     level = tracker.level if tracker.leg.timed else None
 
     def excess(trial: Trial, arrival: Arrival) -> tuple[float, Kind]:
@@ -266,7 +266,7 @@ def runs_away(tracker: Tracker) -> bool:
 
 
 def lost(tracker: Tracker, at_fold: bool) -> bool:
-    """At a fixed load parameter: whether there is no other stable edge. If there is, the contact goes there."""
+    """Whether there is no other stable edge at the same load; if there is, the contact goes there."""
     tracker.restart()
     state, zone = tracker.state, tracker.law.zone
     a, p = state.radius, state.parameter

@@ -2,14 +2,14 @@
 
 A radius is a Prony element by itself. In contact it carries ``C_k = b_k - E_k M_k(t)``, which fades as
 ``exp(-t/tau_k)``; outside unit strains ``e_j``, which fade as ``exp(-t/theta_j)``. So what it was left with
-when the edge passed it last, and when that was, is all there is to know. The table has an entry for every part
-of the path that is still the last to have passed its radii. Both are smooth along the path, not over the
+when the edge passed it last, and when that was, is all there is to know. The table has an entry for every
+part of the path that is still the last to have passed its radii. Both are smooth along the path, not over the
 radius: where the edge turns they go with the root of the distance. So they are polynomials of ``g`` with
 
     x = x_0 + X (c g + (1 - c) g^2),    0 <= g <= 1,
 
-the parabola that leaves and arrives with the slopes of the path. What a step leaves behind depends on what was
-there before; where two entries met before, the new ones meet, too. Where neighbours disagree the edge has
+the parabola that leaves and arrives with the slopes of the path. What a step leaves behind depends on what
+was there before; where two entries met before, the new ones meet, too. Where neighbours disagree the edge has
 turned, or rested: a kink, found by looking at it.
 """
 
@@ -35,9 +35,9 @@ _TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
 class Passages:
     """Entry i holds the radii in ``(edges[i], edges[i + 1]]``; beyond the last nothing has ever been.
 
-    ``parabola`` (l, 3): ``x_0, X, c``. ``time`` (l,). ``left`` (l, 6, n + 1): coefficients of the time of passage
-    after ``time``, and of what is carried. ``shape`` (l, n): a part of that which goes as the indenter, ``G(x)``:
-    exact in the state of a start.
+    ``parabola`` (l, 3): ``x_0, X, c``. ``time`` (l,). ``left`` (l, 6, n + 1): coefficients of the time of
+    passage after ``time``, and of what is carried. ``shape`` (l, n): a part of that which goes as the
+    indenter, ``G(x)``: exact in the state of a start.
     """
 
     edges: Array
@@ -121,7 +121,7 @@ def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
 def passed(
     before: Passages, swept: Sweep, time: float, elapsed: Array, carried: Array, held: bool
 ) -> Passages:
-    """The table after a step: ``carried`` (m, n) by the points of the sweep at ``elapsed`` (m,) after ``time``."""
+    """The table after a step: ``carried`` (m, n) by points of the sweep at ``elapsed`` (m,) from ``time``."""
     parabola = swept.parabola
     entries = len(parabola)
     values = np.column_stack((elapsed, carried)).reshape(entries, len(NODES), -1)

@@ -1,10 +1,10 @@
 """Kinks of the fields, weighed by what they do to the path.
 
-Where the load has a kink or the edge turns, the fields it leaves have a jump, or a jump of slope. The edge feels
-it where an end of its zone comes to that radius, or the edge itself does: at ``c - da``, ``c + da`` and ``c``
-the slope of the residual over the radius changes, by the product of the jump on one side and of the field that
-the closure pairs it with on the other. Passing over it unseen mispredicts the path by that change, over the
-distance passed, over the gradient of the residual.
+Where the load has a kink or the edge turns, the fields it leaves have a jump, or a jump of slope. The edge
+feels it where an end of its zone comes to that radius, or the edge itself does: at ``c - da``, ``c + da`` and
+``c`` the slope of the residual over the radius changes, by the product of the jump on one side and of the
+field that the closure pairs it with on the other. Passing over it unseen mispredicts the path by that change,
+over the distance passed, over the gradient of the residual.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ def weights(
 def _probed(state: State, body: Body, zone: float, kinks: Array) -> tuple[Array, Array, Array, Array]:
     """Jumps of the fields at kinks, of their slopes times a distance, that distance; the fields at the edge.
 
-    Jumps are those of the straight lines through two points on either side: a slope is none. The fields at the
-    edge are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
+    Jumps are those of the straight lines through two points on either side: a slope is none. The fields at
+    the edge are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
     """
     rheology, a = body.rheology, state.radius
     size = zone or 0.1 * a

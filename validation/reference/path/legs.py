@@ -1,7 +1,7 @@
 """Load steps as legs: stretches over which the load is smooth in one parameter.
 
-A jump of the load is a leg of its own. Time stands, and the parameter is the share of the jump. A load step may
-end before its legs do, at a level.
+A jump of the load is a leg of its own. Time stands, and the parameter is the share of the jump. A load step
+may end before its legs do, at a level.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ class Ramp:
 
 @dataclass(frozen=True)
 class Collocated:
-    """A step during which the penetration (c,) is a polynomial of ``u``, and so is the memory (c, n) beside a layer.
+    """A step with a penetration (c,) that is a polynomial of ``u``, as is the memory (c, n) beside a layer.
 
     ``layer`` (n,): what fades as ``exp(-t/tau)`` from the start; ``last``: memory and penetration at the end.
     """
@@ -109,7 +109,7 @@ Motion = Ramp | Collocated
 
 @dataclass(frozen=True)
 class Collocation:
-    """Steps with penetrations ``D(0) + given + v free`` at the nodes; memories and layers are as affine in ``v``."""
+    """Steps with penetrations ``D(0) + given + v free`` at nodes; memory and layer are affine in ``v``."""
 
     times: Array
     clock: Array
@@ -139,8 +139,8 @@ def collocation(
 ) -> Collocation:
     """Memories under two penetrations relative to the first, given at the nodes.
 
-    A branch slower than the step starts from its memory. A faster one has a smooth solution of its own, which it
-    falls onto: that is collocated at all nodes, and what the memory differs from it by fades.
+    A branch slower than the step starts from its memory. A faster one has a smooth solution of its own, which
+    it falls onto: that is collocated at all nodes, and what the memory differs from it by fades.
     """
     count = COLLOCATION + 1
     rates = PATH_AT_NODES @ clock @ _SLOPES.T  # t'(u)

@@ -1,8 +1,9 @@
 """Rows of a run since the last kink, and the polynomials of ``u`` in [0, 1] through them and one more.
 
-A row is ``(s, p, t, D, a, F)``: arclength, load parameter, time, penetration, radius, force. The load parameter
-is the time while the load moves in time, and the share of a jump while time stands. Arclength is the length of
-the chords in the plane of ``p/T`` and ``a/L``; when the scales change only chords do, segments stay as they are.
+A row is ``(s, p, t, D, a, F)``: arclength, load parameter, time, penetration, radius, force. The load
+parameter is the time while the load moves in time, and the share of a jump while time stands. Arclength is
+the length of the chords in the plane of ``p/T`` and ``a/L``; when the scales change only chords do, segments
+stay as they are.
 """
 
 from __future__ import annotations
@@ -88,7 +89,7 @@ class Rows:
             self.table[:-1, 0] = self.table[-1, 0] - chord[::-1].cumsum()[::-1]
 
     def _through(self, s: float, order: int) -> tuple[Array, Array]:
-        """Rows and the matrix that takes their differences from the newest, and that of the end, to powers."""
+        """Rows less the newest, and the matrix that takes them and the same for the end to powers."""
         rows = self.table[-min(order, self.order) :]
         at = np.append((rows[:, 0] - rows[-1, 0]) / (s - rows[-1, 0]), 1.0)
         matrix: Array = np.linalg.inv(powers(at, len(rows)))

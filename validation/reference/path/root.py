@@ -1,4 +1,4 @@
-"""A root between two ends: what a run needs of SciPy, which takes longer to load than most runs to compute."""
+"""A root between two ends: what a run needs of SciPy, which takes longer to load than most runs take."""
 
 from __future__ import annotations
 

@@ -22,17 +22,17 @@ GRADED, GRADING = 1.5, 8.0
 LAYER = 2e-3
 """Thickness of a layer, in zones, below which breaks are graded towards the edge for it."""
 SKIPPED = 1.5
-"""Distance of breaks in entries of the table: every other where they are alike, each where they are graded."""
+"""Distance of breaks in entries of the table: every other where alike, each where they are graded."""
 SPARSE, SPACING = 0.03, 0.1
-"""Distance of breaks away from kinks and corners, at least and at most, in zones (or tenths of the radius)."""
+"""Distance of breaks away from kinks and corners, least and largest, in zones (or tenths of the radius)."""
 
 
 @dataclass(frozen=True)
 class State:
     """A row of the path and all that lies behind it.
 
-    ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``:
-    ``int e_j^2 dx`` over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
+    ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``: ``int
+    e_j^2 dx`` over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
     how deep what it covers still relaxes. ``kinks``: radii at which the load had a kink or the edge turned;
     ``corners``: at which the path had one for that.
     """
@@ -98,7 +98,7 @@ class State:
         return breaks
 
     def _layers(self, radius: float, zone: float) -> Array:
-        """Where the radius it began from lies as seen from a zone, while it is passed, and layers that relax."""
+        """Where the radius it began from lies as seen from a zone that passes it, and layers that relax."""
         here = np.array([self.radius])
         both = np.concatenate((here - radius, here - radius + zone))
         near = (both[:, None] + zone * np.array([0.0, 1e-3, 1e-2, 0.1, -1e-3, -1e-2, -0.1])).ravel()

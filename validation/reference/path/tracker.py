@@ -1,7 +1,7 @@
 """Where a run is on the path of its edge: state, rows, scales of load parameter and radius, and the residual.
 
-``T`` is half the time since the leg began: a leg may last 1e8 times as long as what happens first in it. ``L`` is
-half the way since the edge turned. Both start anew at a turn of the edge.
+``T`` is half the time since the leg began: a leg may last 1e8 times as long as what happens first in it.
+``L`` is half the way since the edge turned. Both start anew at a turn of the edge.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ class Tracker:
     """A run in progress.
 
     ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration; ``L_run`` the largest of the
-    radius, ``turn`` where the edge set off. ``slopes``: of the residual over the load parameter and the radius,
-    as last seen; they save evaluations.
+    radius, ``turn`` where the edge set off. ``slopes``: of the residual over the load parameter and the
+    radius, as last seen; they save evaluations.
     """
 
     body: Body
@@ -118,7 +118,7 @@ class Tracker:
         return self.law.residual(trial, arrival, self.T_leg / self.L_run, not self.leg.timed), arrival
 
     def gradient(self, tangent: Array) -> float:
-        """Of the residual over the plane of ``p/T`` and ``a/L``, from a slope and the direction of the path."""
+        """Of the residual in the plane of ``p/T`` and ``a/L``, by a slope and the direction of the path."""
         if Fixed.RADIUS in self.steepness:
             return abs(self.steepness[Fixed.RADIUS]) * self.T / max(abs(tangent[1]), 1e-300)
         if Fixed.LOAD in self.steepness:

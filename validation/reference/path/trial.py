@@ -180,7 +180,7 @@ class Trial:
         return Arrival(parameter, duration, motion, self._integral(motion, duration), free)
 
     def _balance(self, family: Collocation, clock: Array, parameter: float) -> float:
-        """What the penetration changes by in the step, for the load to be what it has to: it is affine in it."""
+        """Change of the penetration in the step for the load to be as it has to: it is affine in it."""
         leg, state = self.leg, self.state
         if not self.segment.basis.any():  # a part of a step that is known
             return 0.0
@@ -326,7 +326,7 @@ class Trial:
     # acceptance ---
 
     def state_after(self, arrival: Arrival) -> State:
-        """The state at the end: integrals over contact and free surface recur exactly (Q of b^2, H of e^2)."""
+        """The state at the end: integrals over contact and free surface recur exactly."""
         state, rheology, motion = self.state, self.body.rheology, arrival.motion
         memory, depth = motion.end()
         fading = np.exp(-arrival.duration / rheology.times)
