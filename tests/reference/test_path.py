@@ -53,8 +53,8 @@ def test_closure_is_that_of_nodes(radius, zone):
 @pytest.mark.parametrize("time", [1e-6, 0.03, 1.0, 1e4])
 def test_memory_by_collocation_is_that_of_a_ramp(time):
     times, memory, clock = np.array([time]), np.array([0.3]), np.array([0.0, 0.5, 0.4, 0.1, 0.0])
-    exact = Ramp(times, clock, memory, 0.1, 0.7).end()
-    end = collocation(times, clock, memory, 0.1, 0.7 * (PATH_AT_NODES @ clock), np.zeros(9)).motion().end()
+    exact = Ramp(times, clock, memory, 0.1, 0.7).end
+    end = collocation(times, clock, memory, 0.1, 0.7 * (PATH_AT_NODES @ clock), np.zeros(9)).motion().end
     assert end[1] == pytest.approx(exact[1], rel=1e-12)
     assert end[0][0] == pytest.approx(exact[0][0], rel=1e-6, abs=1e-7)
 

@@ -121,7 +121,7 @@ def course(
         rates = [float(horner(derivative(c), np.array(at))) for c in (clock, depth, way)]
         ends[row] = _slopes(body, law, state, q, *rates)
     if trial.direction:
-        end[2] += trial.direction * float(trial.swept[0].weight @ stress[1:-1] ** 2) / body.rheology.glassy
+        end[2] += trial.direction * float(trial.swept[0].weight @ stress**2) / body.rheology.glassy
         end[3] += _separation(law, trial, arrival)
     coefficients = np.zeros((_SIZE, STRESS))
     for column, change in ((TIME, clock), (DEPTH, depth), (RADIUS, way)):

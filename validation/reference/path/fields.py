@@ -93,7 +93,8 @@ def untouched(radius: float, time: float, held: Array, shape: Array) -> Passages
 class Sweep:
     """The radii a step passes, in the entries it will leave between ``cuts``, in their order along the way.
 
-    ``u`` (l * 6,): where on the step; ``x`` and ``weight``: radii and weights of an integral over them.
+    ``u`` (l * 6 + 2,): where on the step, with both its ends; ``x`` and ``weight``: radii, and weights of an
+    integral over them, zero at the ends.
     """
 
     cuts: Array
@@ -113,9 +114,11 @@ def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
     linear = np.minimum(np.maximum(linear, 0.0), 2.0)[:, None]
     x = cuts[:-1, None] + whole[:, None] * NODES * (linear + (1.0 - linear) * NODES)
     weight = np.abs(whole[:, None]) * WEIGHTS * (linear + 2.0 * (1.0 - linear) * NODES)
-    x = x.ravel()
     parabola = np.column_stack((cuts[:-1], whole, linear))
-    return Sweep(cuts, parabola, inverse(way, x - radius), x, weight.ravel())
+    x = np.concatenate((cuts[:1], x.ravel(), cuts[-1:]))
+    u = inverse(way, x - radius)
+    u[0], u[-1] = 0.0, 1.0
+    return Sweep(cuts, parabola, u, x, np.concatenate(([0.0], weight.ravel(), [0.0])))
 
 
 def passed(
@@ -124,7 +127,7 @@ def passed(
     """The table after a step: ``carried`` (m, n) by points of the sweep at ``elapsed`` (m,) from ``time``."""
     parabola = swept.parabola
     entries = len(parabola)
-    values = np.column_stack((elapsed, carried)).reshape(entries, len(NODES), -1)
+    values = np.column_stack((elapsed, carried))[1:-1].reshape(entries, len(NODES), -1)
     left = np.matmul(_TO_POWERS, values)
     new: tuple[NDArray[Any], ...] = (
         np.full(entries, held),

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +44,7 @@ _SLOPES = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ramp:
     """A step during which the penetration is linear in time."""
 
@@ -62,6 +63,7 @@ class Ramp:
             self.depth + self.rate * elapsed,
         )
 
+    @cached_property
     def end(self) -> tuple[Array, float]:
         """``M`` and ``D`` at the end."""
         elapsed = float(self.clock.sum())
@@ -73,11 +75,11 @@ class Ramp:
         return self.rate * self.clock
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Collocated:
     """A step with a penetration (c,) that is a polynomial of ``u``, as is the memory (c, n) beside a layer.
 
-    ``layer`` (n,): what fades as ``exp(-t/tau)`` from the start; ``last``: memory and penetration at the end.
+    ``layer`` (n,): what fades as ``exp(-t/tau)`` from the start; ``end``: memory and penetration at the end.
     """
 
     times: Array
@@ -85,7 +87,7 @@ class Collocated:
     memories: Array
     layer: Array
     depths: Array
-    last: tuple[Array, float]
+    end: tuple[Array, float]
 
     def during(self, u_powers: Array) -> tuple[Array, Array]:
         """As of :class:`Ramp`."""
@@ -94,10 +96,6 @@ class Collocated:
             elapsed = u_powers[:, : DEGREE + 1] @ self.clock
             memories += self.layer * np.exp(-np.maximum(elapsed, 0.0)[:, None] / self.times)
         return memories, u_powers @ self.depths
-
-    def end(self) -> tuple[Array, float]:
-        """As of :class:`Ramp`."""
-        return self.last
 
     def depth_slope(self) -> Array:
         """As of :class:`Ramp`."""

@@ -34,7 +34,7 @@ from validation.reference.path.state import GRADING, Body, State
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Points:
     """Radii with what they carry when the step begins; ``passed`` change sides where ``u_powers`` say."""
 
@@ -43,6 +43,16 @@ class Points:
     carried: Array
     passed: NDArray[np.intp]
     u_powers: Array
+
+
+@dataclass(frozen=True)
+class Passing:
+    """Points in contact as the edge passes them, and when that is, since the step began (m, 1)."""
+
+    branches: Array
+    strain: Array
+    memory: Array
+    elapsed: Array
 
 
 @dataclass(frozen=True)
@@ -58,7 +68,7 @@ class Arrival:
     @property
     def depth(self) -> float:
         """Penetration."""
-        return self.motion.end()[1]
+        return self.motion.end[1]
 
 
 class Trial:
@@ -84,6 +94,8 @@ class Trial:
         self.direction = float(np.sign(self.radius - state.radius))
         self.closure: Closure | None = None
         self._layered: dict[int, tuple[fields.Sweep, Points]] = {}
+        self._passings: dict[tuple[Points, Motion], Passing] = {}
+        self._forces: dict[Motion, float] = {}
         self.guess = 0.0
         if closed and zone > 0.0 and not cohesive:
             self._close(zone)
@@ -138,7 +150,7 @@ class Trial:
 
     @cached_property
     def swept(self) -> tuple[fields.Sweep, Points]:
-        """The points that the step passes, if the edge moves, in the entries they will be kept in."""
+        """The points that the step passes, and its ends, if the edge moves, in the entries they will be kept in."""
         return self._sweep(self.state.cuts(self.radius, self.zone))
 
     def _sweep(self, cuts: Array) -> tuple[fields.Sweep, Points]:
@@ -220,12 +232,13 @@ class Trial:
     def stress(self, points: Points, motion: Motion, duration: float) -> Array:
         """``q`` of points in contact at the end."""
         rheology = self.body.rheology
-        memory, depth = motion.end()
+        memory, depth = motion.end
         q = rheology.relaxed * (depth - points.G) + points.carried @ np.exp(-duration / rheology.times)
         q += rheology.moduli @ memory
         if self.direction > 0.0 and len(points.passed):
             at = points.passed
-            q[at] = rheology.relaxed * (depth - points.G[at]) + total(self._covered(points, motion, duration))
+            covered = self._covered(self._passing(points, motion), motion, duration)
+            q[at] = rheology.relaxed * (depth - points.G[at]) + total(covered)
         return q
 
     def opening(self, points: Points, motion: Motion, duration: float) -> Array:
@@ -233,11 +246,11 @@ class Trial:
         rheology = self.body.rheology
         d = points.carried @ np.exp(-duration / rheology.retardation)
         if self.direction < 0.0 and len(points.passed):
-            d[points.passed] = total(self._released(points, motion, duration)[1])
-        return d - (motion.end()[1] - points.G)
+            d[points.passed] = total(self._released(self._passing(points, motion), duration)[1])
+        return d - (motion.end[1] - points.G)
 
-    def _passing(self, points: Points, motion: Motion) -> tuple[Array, Array, Array, Array]:
-        """Points in contact at the edge: branch forces, strains, memories, and times since the step began."""
+    def _passing(self, points: Points, motion: Motion) -> Passing:
+        """Points in contact at the edge."""
         rheology, at = self.body.rheology, points.passed
         elapsed = (points.u_powers[:, : len(motion.clock)] @ motion.clock)[:, None]
         memory, depth = motion.during(points.u_powers)
@@ -246,39 +259,38 @@ class Trial:
             branches = rheology.cover(carried * np.exp(-elapsed / rheology.retardation), strain)
         else:
             branches = carried * np.exp(-elapsed / rheology.times) + rheology.moduli * memory
-        return branches, strain, memory, elapsed
+        return Passing(branches, strain, memory, elapsed)
 
-    def _released(self, points: Points, motion: Motion, duration: float) -> tuple[Array, Array]:
+    def _swept_passing(self, points: Points, motion: Motion) -> Passing:
+        """Points of a sweep, for force, energies and what is left."""
+        key = points, motion
+        if key not in self._passings:
+            self._passings[key] = self._passing(points, motion)
+        return self._passings[key]
+
+    def _released(self, passing: Passing, duration: float) -> tuple[Array, Array]:
         """Unit strains of points released on the way, when they were and at the end."""
-        branches, strain, _, elapsed = self._passing(points, motion)
-        units = self.body.rheology.release(branches, strain)
-        return units, units * np.exp(-(duration - elapsed) / self.body.rheology.retardation)
+        rheology = self.body.rheology
+        units = rheology.release(passing.branches, passing.strain)
+        return units, units * np.exp((passing.elapsed - duration) / rheology.retardation)
 
-    def _covered(self, points: Points, motion: Motion, duration: float) -> Array:
+    def _covered(self, passing: Passing, motion: Motion, duration: float) -> Array:
         """Branch forces of points covered on the way at the end."""
-        branches, _, memory, elapsed = self._passing(points, motion)
-        fading = np.exp(-(duration - elapsed) / self.body.rheology.times)
-        return branches * fading + self.body.rheology.moduli * (motion.end()[0] - fading * memory)
+        rheology = self.body.rheology
+        fading = np.exp((passing.elapsed - duration) / rheology.times)
+        return passing.branches * fading + rheology.moduli * (motion.end[0] - fading * passing.memory)
 
     def edge_stress(self, arrival: Arrival) -> tuple[Array, Array]:
         """``u`` and ``q`` just inside the edge, at both ends of the step and where it passes its points."""
-        first, last = self.state.radius, self.radius
-        if self.direction > 0.0:
-            first = max(first * (1.0 + 1e-12), np.nextafter(0.0, 1.0))  # what is covered next
         if self.direction == 0.0:
-            u, x = np.concatenate(([0.0], fields.NODES, [1.0])), np.full(len(fields.NODES) + 2, last)
-            G, carried = self._carried(x)
+            u = np.concatenate(([0.0], fields.NODES, [1.0]))
+            x = np.full(len(u), self.radius)
+            points = Points(x, *self._carried(x), np.arange(len(x)), powers(u, COLLOCATION))
         else:
             swept, points = self.swept
-            u = np.concatenate(([0.0], swept.u, [1.0]))
-            x = np.concatenate(([first], points.x, [last]))
-            G, carried = (
-                np.insert(inner, (0, len(inner)), ends, axis=0)
-                for inner, ends in zip((points.G, points.carried), self._carried(x[[0, -1]]), strict=True)
-            )
-        points = Points(x, G, carried, np.arange(len(x)), powers(u, COLLOCATION))
-        branches, strain, _, _ = self._passing(points, arrival.motion)
-        return u, self.body.rheology.stress(branches, strain)
+            u = swept.u
+        passing = self._swept_passing(points, arrival.motion)
+        return u, self.body.rheology.stress(passing.branches, passing.strain)
 
     def _gained(self, motion: Motion, duration: float) -> tuple[Array, Array]:
         """``int b_k dx`` and ``int b_k^2 dx`` over what the step covered.
@@ -295,13 +307,19 @@ class Trial:
                 near = near[(near > cuts[-2]) & (near < self.radius)]
                 self._layered[count] = self._sweep(np.concatenate((cuts[:-1], near, cuts[-1:])))
             swept, points = self._layered[count]
-        covered = self._covered(points, motion, duration)
+        covered = self._covered(self._swept_passing(points, motion), motion, duration)
         return swept.weight @ covered, swept.weight @ covered**2
 
     def force(self, motion: Motion, duration: float) -> float:
-        """``F = 2 int_0^a q dx``: what the contact held before has faded, what it gained is integrated."""
+        """``F = 2 int_0^a q dx``."""
+        if motion not in self._forces:
+            self._forces[motion] = self._force(motion, duration)
+        return self._forces[motion]
+
+    def _force(self, motion: Motion, duration: float) -> float:
+        """What the contact held before has faded, what it gained is integrated."""
         rheology, state, a = self.body.rheology, self.state, self.radius
-        memory, depth = motion.end()
+        memory, depth = motion.end
         fading = np.exp(-duration / rheology.times)
         gained = rheology.moduli * (memory - fading * state.memory)
         branches = fading * (state.held - self._lost[0]) + gained * min(a, state.radius)
@@ -328,7 +346,7 @@ class Trial:
     def state_after(self, arrival: Arrival) -> State:
         """The state at the end: integrals over contact and free surface recur exactly."""
         state, rheology, motion = self.state, self.body.rheology, arrival.motion
-        memory, depth = motion.end()
+        memory, depth = motion.end
         fading = np.exp(-arrival.duration / rheology.times)
         recovering = np.exp(-arrival.duration / rheology.retardation)
         gained = rheology.moduli * (memory - fading * state.memory)
@@ -343,16 +361,15 @@ class Trial:
         surface = state.surface
         if self.direction != 0.0:
             swept, points = self.swept
-            elapsed = points.u_powers[:, : len(motion.clock)] @ motion.clock
+            passing = self._swept_passing(points, motion)
             if receding:
-                carried, strains = self._released(points, motion, arrival.duration)
+                carried, strains = self._released(passing, arrival.duration)
                 free = free + swept.weight @ strains**2
             else:
                 gains = self._gained(motion, arrival.duration)
                 held, squares = held + gains[0], squares + gains[1]
-                branches, _, then, _ = self._passing(points, motion)
-                carried = branches - rheology.moduli * then
-            surface = fields.passed(surface, swept, state.time, elapsed, carried, not receding)
+                carried = passing.branches - rheology.moduli * passing.memory
+            surface = fields.passed(surface, swept, state.time, passing.elapsed, carried, not receding)
         return replace(
             state,
             parameter=arrival.parameter,
