@@ -45,8 +45,8 @@ _FROM_KNOTS = np.linalg.inv(powers(_KNOTS, ORDER - 1))
 
 def points(breaks: Array) -> tuple[Array, Array]:
     """Points and weights of Gauss between breaks."""
-    width = np.diff(breaks)
-    return (breaks[:-1, None] + width[:, None] * POINTS).ravel(), (width[:, None] * WEIGHTS).ravel()
+    width = (breaks[1:] - breaks[:-1])[:, None]
+    return (breaks[:-1, None] + width * POINTS).ravel(), (width * WEIGHTS).ravel()
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
         breaks = np.union1d(breaks, graded[graded < zone])
     s, weight = points(breaks)
     x, y = radius - zone + s, radius + s
-    width = np.diff(breaks)
+    width = breaks[1:] - breaks[:-1]
     main = 0.5 * math.pi / np.sqrt(x * y)
     if near:
         m = len(s)

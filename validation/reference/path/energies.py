@@ -117,9 +117,10 @@ def course(
     u, stress = trial.edge_stress(arrival)
     end = np.array([after.force, stored_energy(body, after), first[TIP], first[SEPARATION]])
     ends = np.empty((2, 4))
-    for row, state, at, q in ((0, trial.state, 0.0, stress[0]), (1, after, 1.0, stress[-1])):
-        rates = [float(horner(derivative(c), np.array(at))) for c in (clock, depth, way)]
-        ends[row] = _slopes(body, law, state, q, *rates)
+    changes = clock, depth, way
+    ends[0] = _slopes(body, law, trial.state, stress[0], *(float(change[1]) for change in changes))
+    arriving = (float(change @ np.arange(len(change))) for change in changes)
+    ends[1] = _slopes(body, law, after, stress[-1], *arriving)
     if trial.direction:
         end[2] += trial.direction * float(trial.swept[0].weight @ stress**2) / body.rheology.glassy
         end[3] += _separation(law, trial, arrival)
@@ -191,11 +192,10 @@ def _separation(law: EdgeLaw, trial: Trial, arrival: Arrival) -> float:
 
 def _smooth(first: Array, last: Array, slopes: Array, before: tuple[float, Array] | None) -> Array:
     """Coefficients from values and slopes at both ends; ``before``: ``u < 0`` and values there."""
-    degree = 3 if before is None else 4
-    ends = powers(np.array([0.0, 1.0]), degree)
-    matrix = np.vstack((ends, np.hstack((np.zeros((2, 1)), ends[:, :-1] * np.arange(1, degree + 1)))))
-    right = np.vstack((first, last, slopes))
-    if before is not None:
-        matrix = np.vstack((matrix, powers(np.array([before[0]]), degree)))
-        right = np.vstack((right, before[1]))
-    return np.asarray(np.linalg.solve(matrix, right))
+    leaving, arriving = slopes - (last - first)
+    cubic = np.array([first, slopes[0], -2.0 * leaving - arriving, leaving + arriving])
+    if before is None:
+        return cubic
+    u, value = before
+    bump = np.array([[0.0], [0.0], [1.0], [-2.0], [1.0]]) / (u * (1.0 - u)) ** 2
+    return np.vstack((cubic, 0.0 * first)) + bump * (value - u ** np.arange(4) @ cubic)

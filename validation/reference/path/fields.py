@@ -108,9 +108,9 @@ def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
     """Points of a step from ``radius`` along ``radius + way(u)``, cut at radii in their order along it."""
     ends = np.zeros(len(cuts))
     ends[1:-1], ends[-1] = inverse(way, cuts[1:-1] - radius), 1.0
-    whole = np.diff(cuts)
+    whole = cuts[1:] - cuts[:-1]
     slopes = horner(derivative(way), ends)
-    linear = 1.0 + 0.5 * np.diff(ends) * (slopes[:-1] - slopes[1:]) / whole
+    linear = 1.0 + 0.5 * (ends[1:] - ends[:-1]) * (slopes[:-1] - slopes[1:]) / whole
     linear = np.minimum(np.maximum(linear, 0.0), 2.0)[:, None]
     x = cuts[:-1, None] + whole[:, None] * NODES * (linear + (1.0 - linear) * NODES)
     weight = np.abs(whole[:, None]) * WEIGHTS * (linear + 2.0 * (1.0 - linear) * NODES)

@@ -77,7 +77,7 @@ class Rows:
         differences = np.vstack((values, self.table[::-1, [1, 4, 3, 5]])) / scales
         found, reach = np.empty((len(self.table), 4)), 1.0
         for k in range(1, len(at)):
-            differences = np.diff(differences, axis=0) / (at[k:] - at[:-k])[:, None]
+            differences = (differences[1:] - differences[:-1]) / (at[k:] - at[:-k])[:, None]
             reach = reach * (at[k] - at[0])
             found[k - 1] = differences[0] * reach
         return found
@@ -85,7 +85,8 @@ class Rows:
     def measure(self, T: float, L: float) -> None:
         """Arclengths anew in other scales; the newest row keeps its own."""
         if len(self.table) > 1:
-            chord = np.hypot(np.diff(self.table[:, 1]) / T, np.diff(self.table[:, 4]) / L)
+            rise = self.table[1:] - self.table[:-1]
+            chord = np.hypot(rise[:, 1] / T, rise[:, 4] / L)
             self.table[:-1, 0] = self.table[-1, 0] - chord[::-1].cumsum()[::-1]
 
     def _through(self, s: float, order: int) -> tuple[Array, Array]:

@@ -34,7 +34,9 @@ def derivative(coefficients: Array) -> Array:
 
 def powers(u: Array, degree: int) -> Array:
     """``u^0 ... u^degree`` (m, degree + 1)."""
-    return np.vander(u, degree + 1, increasing=True)
+    table = np.ones((len(u), degree + 1))
+    table[:, 1:] = u[:, None]
+    return np.multiply.accumulate(table, axis=1, out=table)
 
 
 def inverse(way: Array, rise: Array) -> Array:

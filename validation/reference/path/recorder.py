@@ -39,7 +39,8 @@ from validation.reference.path.energies import (
     stored_energy,
     stored_when_free,
 )
-from validation.reference.path.polynomials import derivative, horner, inverse
+from validation.reference.path.memory import COLLOCATION
+from validation.reference.path.polynomials import derivative, horner, inverse, powers
 from validation.reference.path.rheology import Body
 from validation.reference.path.root import bracketed
 from validation.reference.path.scales import Scales
@@ -60,7 +61,8 @@ DEEPEST, PRESSED, PULLED = "largest penetration", "largest force", "largest tens
 CELLS = 64
 """Cells in which a step is looked at, and most of its rows; closer at its ends, where it may be a root."""
 _EDGES = np.sin(0.5 * math.pi * np.linspace(0.0, 1.0, CELLS + 1)) ** 2
-_CENTRES = np.sin(0.5 * math.pi * (np.arange(CELLS) + 0.5) / CELLS) ** 2
+_WIDTHS = _EDGES[1:] - _EDGES[:-1]
+_AT_CENTRES = powers(np.sin(0.5 * math.pi * (np.arange(CELLS) + 0.5) / CELLS) ** 2, COLLOCATION)
 CURVED = 12.0
 """Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
 NARROW = 3e-3
@@ -181,15 +183,18 @@ class Recorder:
 
     def _places(self, trial: Trial, way: Course, state: State, also: Array) -> Array:
         """``u`` of the rows of a step, the last at its end."""
-        columns, largest = [RADIUS, FORCE], [self.scales.radius, self.scales.force]
+        columns, largest = [TIME, RADIUS, FORCE], [1.0, self.scales.radius, self.scales.force]
         if trial.leg.free:
             columns, largest = [*columns, DEPTH], [*largest, self.scales.depth]
-        first, second = way.slopes(_CENTRES), way.slopes(_CENTRES, 2)
-        clock = np.where(first[:, TIME] > 0.0, first[:, TIME], math.inf)
-        bend = np.abs(second[:, columns] - first[:, columns] * (second[:, TIME] / clock)[:, None])
-        bend = (bend / np.array(largest)).max(axis=1)
+        changes = way.coefficients[: COLLOCATION + 1, columns]
+        slopes = changes[1:] * np.arange(1, COLLOCATION + 1)[:, None]
+        first = _AT_CENTRES[:, :-1] @ slopes
+        second = _AT_CENTRES[:, :-2] @ (slopes[1:] * np.arange(1, COLLOCATION)[:, None])
+        clock = np.where(first[:, 0] > 0.0, first[:, 0], math.inf)
+        bend = np.abs(second - first * (second[:, 0] / clock)[:, None]) / largest
+        bend = bend[:, 1:].max(axis=1)
         allowed = 8.0 * self.allowed * (1.0 if self.linear else CURVED)
-        parts = np.concatenate(([0.0], (np.sqrt(bend / allowed) * np.diff(_EDGES)).cumsum()))
+        parts = np.concatenate(([0.0], (np.sqrt(bend / allowed) * _WIDTHS).cumsum()))
         count = min(max(math.ceil(parts[-1]), 1), CELLS)
         even = np.interp(parts[-1] * np.arange(1, count) / count, parts, _EDGES)
         even = even[np.abs(even[:, None] - also).min(axis=1, initial=math.inf) > 1e-6]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,20 +52,25 @@ class State:
     kinks: tuple[float, ...] = ()
     corners: tuple[float, ...] = ()
 
+    @cached_property
+    def _marks(self) -> Array:
+        """Kinks and corners that rise, between infinities."""
+        return np.array([-math.inf, *sorted(self.kinks + self.corners), math.inf])
+
     def edges_between(self, low: float, high: float) -> Array:
         """Edges of the table strictly between two radii."""
         edges = self.surface.edges
-        first, last = np.searchsorted(edges, low, side="right"), np.searchsorted(edges, high, side="left")
+        first, last = edges.searchsorted(low, side="right"), edges.searchsorted(high, side="left")
         return edges[first:last]
 
     def thinned(self, edges: Array, size: float) -> Array:
         """Edges that rise, as close as the rows that left them where the path was not smooth, else sparse."""
         if len(edges) < 3:
             return edges
-        marks = np.array(self.kinks + self.corners)
-        away = np.abs(edges[:, None] - marks).min(axis=1, initial=math.inf)
-        width = np.diff(edges, prepend=-math.inf, append=math.inf)
-        width = np.minimum(width[:-1], width[1:])
+        after = self._marks.searchsorted(edges)
+        away = np.minimum(self._marks[after] - edges, edges - self._marks[after - 1])
+        gaps = edges[1:] - edges[:-1]
+        width = np.minimum(np.append(gaps, math.inf), np.append(math.inf, gaps))
         least = np.minimum(np.maximum(SKIPPED * width, np.minimum(0.3 * away, SPARSE * size)), SPACING * size)
         sure = away < 1e-12 * edges
         kept, last = [], -math.inf
@@ -93,7 +99,8 @@ class State:
         ahead = self.thinned(self.edges_between(radius, radius + zone), zone) - radius
         breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(radius, zone)))
         breaks = np.unique(breaks[(breaks >= 0.0) & (breaks <= zone)])
-        breaks = breaks[np.append(True, np.diff(breaks) > max(1e-12 * zone, 4.0 * math.ulp(radius)))]
+        apart = breaks[1:] - breaks[:-1] > max(1e-12 * zone, 4.0 * math.ulp(radius))
+        breaks = breaks[np.append(True, apart)]
         breaks[-1] = zone
         return breaks
 

@@ -212,7 +212,7 @@ class Tracker:
         table = self.rows.table
         direction = self.tangent
         if len(table) > 1:
-            direction = np.diff(table[-2:, [1, 4]], axis=0)[0] / (self.T, self.L)
+            direction = (table[-1, [1, 4]] - table[-2, [1, 4]]) / (self.T, self.L)
             direction = direction / np.hypot(*direction)
         self.h *= math.hypot(*(direction * ratio))
         self.tangent = self.tangent * ratio
