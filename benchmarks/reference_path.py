@@ -34,15 +34,17 @@ MEASURES = ("pull_off", "time", "radius", "largest", "work")
 
 
 def measures(trace: Trace) -> dict[str, Any]:
-    """Scalars of a trace, at the last row in contact."""
-    touching = np.flatnonzero(trace.contact_radius > 0.0)
+    """Scalars of a trace, at the last row in contact; at the last of all where nothing pulls."""
+    pulls = float(trace.force.min()) < -1e-12 * float(trace.force.max())
+    touching = np.flatnonzero(trace.contact_radius > (0.0 if pulls else -1.0))
     last = int(touching[-1]) if touching.size else 0
     return {
-        "pull_off": max(-float(trace.force.min()), 0.0),
+        "pull_off": max(-float(trace.force.min()), 0.0) if pulls else 0.0,
         "time": float(trace.time[last]),
         "radius": float(trace.contact_radius[last]),
         "largest": float(trace.contact_radius.max()),
         "work": float(trace.external_work[last]),
+        "most_work": float(np.abs(trace.external_work).max()),
         "outcome": str(trace.outcome.kind),
         "steps": trace.counters.steps,
     }
@@ -102,7 +104,8 @@ def compared(
         return f"{name:22s} FAILED {type(error).__name__}: {str(error)[:80]} | {fine['outcome']}"
     seconds = time.process_time() - began
     mine, counters = measures(trace), trace.counters
-    apart = [abs(mine[key] - fine[key]) / abs(fine[key] or 1.0) for key in MEASURES]
+    sizes = {key: abs(fine[key]) for key in MEASURES} | {"work": fine["most_work"]}
+    apart = [abs(mine[key] - fine[key]) / (sizes[key] or 1.0) for key in MEASURES]
     if in_turn:
         began = time.process_time()
         tracking.solve(scene)

@@ -120,6 +120,8 @@ SCENES = {
     "adhesionless-cycle": 1e-5,
     "pdms-retraction-10nm": 1e-5,
     "instruments:113": 1e-5,  # a punch comes off as a whole
+    "plain:208": 1e-12,  # a cone without adhesion comes off in a point
+    "plain:414": 1e-12,  # a punch is let go in the rounding of its penetration
     "instruments:115": 1e-5,  # a rim is left for a slow way
     "short-zones:114": 2e-5,  # a fold in the rounding of the time
     "short-zones:306": 1e-5,  # a closing edge with a rate law sets off

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from contact_scene import Adhesion
 from validation.reference.path.trial import Arrival, Trial
 from validation.reference.rated_edge import opening_speed
@@ -70,9 +72,8 @@ class EdgeLaw:
         if not math.isfinite(value):
             return math.nan
         if adhesion is None:
-            strain = abs(arrival.depth) + abs(
-                float(trial.body.transform(trial.radius + 0.0 * trial.behind.x[:1])[0])
-            )
+            widest = max(trial.radius, trial.state.radius)
+            strain = abs(arrival.depth) + float(trial.body.transform(np.array([widest]))[0])
             return -value / strain if strain > 0.0 else 0.0
         if trial.direction == 0.0 and self.rests(trial.radius):
             return self.pulls(trial, arrival, at_once)

@@ -218,6 +218,9 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
                 return
             pulled = tracker.law.pulls(correction.trial, correction.arrival, not tracker.leg.timed)
             tracker.direction = -1.0 if pulled >= 0.0 else 1.0
+            if tracker.direction < 0.0 and tracker.state.radius <= tracker.least_radius:
+                planned.event = Kind.LEAST
+                return
             way = np.array([0.0, tracker.direction])
             if tracker.law.rated and tracker.leg.timed and tracker.direction < 0.0:  # which has a speed
                 tracker.restart()

@@ -222,8 +222,13 @@ class Tracker:
 
     @property
     def least_radius(self) -> float:
-        """Radius below which no contact is followed: one zone, at rest if its stress is fixed."""
-        return self.law.zone or self._vanishing
+        """Radius below which no contact is followed: one zone, at rest if its stress is fixed.
+
+        Without adhesion a plane tip is let go as a whole; other contacts end in a point. A force only tells a
+        penetration where it is not lost in rounding.
+        """
+        end_in_a_point = self._vanishing if self.leg.control == "force" else 0.0
+        return self.law.zone or self.law.tip or end_in_a_point
 
     @cached_property
     def _vanishing(self) -> float:

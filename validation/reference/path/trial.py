@@ -90,7 +90,8 @@ class Trial:
     ) -> None:
         self.body, self.state, self.leg, self.segment = body, state, leg, segment
         self.zone, self.cohesive, self.zone_at_rest = zone, cohesive, at_rest
-        self.radius = state.radius + float(segment.way.sum())
+        radius = state.radius + float(segment.way.sum())
+        self.radius = radius if radius > 4.0 * math.ulp(state.radius) else 0.0
         self.direction = float(np.sign(self.radius - state.radius))
         self.closure: Closure | None = None
         self._layered: dict[int, tuple[fields.Sweep, Points]] = {}
@@ -319,6 +320,8 @@ class Trial:
     def _force(self, motion: Motion, duration: float) -> float:
         """What the contact held before has faded, what it gained is integrated."""
         rheology, state, a = self.body.rheology, self.state, self.radius
+        if a == 0.0:  # not the rounding of what there was
+            return 0.0
         memory, depth = motion.end
         fading = np.exp(-duration / rheology.times)
         gained = rheology.moduli * (memory - fading * state.memory)
