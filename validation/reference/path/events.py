@@ -283,8 +283,9 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
         ends[radius] = trial, arrival
         return value
 
-    near = max(0.05 * zone, 1e-3 * a) if at_fold else 1e-3 * (zone or a)
-    if a + way * near > least and residual(a + way * near) * way > 0.0:
+    near = a + way * (max(0.05 * zone, 1e-3 * a) if at_fold else 1e-3 * (zone or a))
+    before = near, residual(near) if near > least else math.nan
+    if before[1] * way > 0.0:
         if tracker.stuck_at == tracker.steps:
             return True
         tracker.stuck_at = tracker.steps
@@ -294,8 +295,7 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
         if way < 0.0
         else a * np.geomspace(1.0, 3.0, 17)[1:]
     )
-    before = math.nan, math.nan
-    for radius in radii:
+    for radius in radii[way * (radii - near) > 0.0]:
         value = residual(float(radius))
         if before[1] * way < 0.0 <= value * way:
             at = bracketed(residual, before[0], float(radius), 1e-14 * a)
