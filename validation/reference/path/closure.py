@@ -94,7 +94,9 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
         matrix = np.where(panel[:, None] < panel, weight, 0.0)
         for first, h in zip(range(0, m, COUNT), width.tolist(), strict=True):
             matrix[first : first + COUNT, first : first + COUNT] = h * _REST
-        return Closure(zone, s, weight, width, main, s[None, :], matrix * _kernel_slopes(x, y - zone, zone))
+        row, column = matrix.nonzero()
+        matrix[row, column] *= _kernel_slopes(x[column], (y - zone)[row], zone)
+        return Closure(zone, s, weight, width, main, s[None, :], matrix)
     moments = np.ones((ORDER, len(s)))
     np.multiply.accumulate(np.broadcast_to(s / zone, (ORDER - 1, len(s))), axis=0, out=moments[1:])
     return Closure(zone, s, weight, width, main, moments, kernel_slope(radius - zone, zone).T)
@@ -111,8 +113,8 @@ def kernel_slope(start: float, zone: float) -> Array:
 
 
 def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:
-    """``dK/dx`` at every pair: rows of ``y = behind + zone``, columns of ``x``."""
-    x, behind = x[None, :, None], behind[:, None, None]
+    """``dK/dx`` at pairs of ``x`` and ``y = behind + zone``."""
+    x, behind = x[..., None], behind[..., None]
     r = 0.5 * (x + behind) + 0.5 * (x - behind) * _RING
     slope = 0.5 * (1.0 + _RING)
     first, second = x + r, r + behind + 2.0 * zone
@@ -128,7 +130,7 @@ _ANGLES = np.pi * (_TERMS + 0.5) / len(_TERMS)
 def _at_knots(zone: float) -> Array:
     """Coefficients at one ratio of zone and radius."""
     at = 1.0 - zone + zone * _KNOTS
-    return np.asarray((_FROM_KNOTS @ _kernel_slopes(at, at, zone).T @ _FROM_KNOTS.T).ravel())
+    return np.asarray((_FROM_KNOTS @ _kernel_slopes(at[:, None], at, zone) @ _FROM_KNOTS.T).ravel())
 
 
 _TABLE = (2.0 - (_TERMS[:, None] == 0)) / len(_TERMS) * np.cos(np.outer(_TERMS, _ANGLES))

@@ -18,7 +18,6 @@ direction and speed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +32,8 @@ from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 _POINTS, _WEIGHTS = gauss(8)
+_QUARTERS = np.linspace(0.0, 1.0, 5)
+_EVEN, _EVEN_WEIGHTS = (_QUARTERS[:-1, None] + 0.25 * _POINTS).ravel(), np.tile(0.25 * _WEIGHTS, 4)
 
 QUANTITIES = (
     "time",
@@ -55,7 +56,7 @@ _SIZE = 2 * COLLOCATION + 1
 def stored_energy(body: Body, state: State) -> float:
     """``U``, both sides of the edge."""
     rheology = body.rheology
-    strain = _over_contact(state, lambda x: (state.depth - body.transform(x)) ** 2, np.array([]))
+    strain = state.radius * float(_EVEN_WEIGHTS @ (state.depth - body.transform(state.radius * _EVEN)) ** 2)
     branches = float((state.held_squares / rheology.moduli).sum())
     return rheology.relaxed * strain + branches + float((state.free_squares / rheology.compliances).sum())
 
@@ -64,22 +65,15 @@ def stored_when_free(body: Body, state: State) -> float:
     """``U`` right after all contact is lost: the whole contact released at once."""
     rheology = body.rheology
 
-    def squares(x: Array) -> Array:
-        G = body.transform(x)
-        _, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
-        units = rheology.release(carried + rheology.moduli * state.memory, state.depth - G)
-        return np.asarray(units**2 @ (1.0 / rheology.compliances))
-
     edges = state.edges_between(0.0, state.radius)
-    return _over_contact(state, squares, edges) + float((state.free_squares / rheology.compliances).sum())
-
-
-def _over_contact(state: State, density: Callable[[Array], Array], edges: Array) -> float:
-    """Integral over the contact of what is smooth between edges."""
-    breaks = np.unique(np.concatenate((state.radius * np.linspace(0.0, 1.0, 5), edges)))
-    width = np.diff(breaks)
-    x = (breaks[:-1, None] + width[:, None] * _POINTS).ravel()
-    return float((width[:, None] * _WEIGHTS).ravel() @ density(x)) if len(x) else 0.0
+    breaks = np.unique(np.concatenate((state.radius * _QUARTERS, edges)))
+    width = np.diff(breaks)[:, None]
+    x = (breaks[:-1, None] + width * _POINTS).ravel()
+    G = body.transform(x)
+    _, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
+    units = rheology.release(carried + rheology.moduli * state.memory, state.depth - G)
+    squares = (width * _WEIGHTS).ravel() @ units**2 + state.free_squares
+    return float((squares / rheology.compliances).sum())
 
 
 @dataclass(frozen=True)

@@ -54,20 +54,20 @@ class Passages:
         entry = self.edges.searchsorted(x) - 1
         beyond = x > self.edges[-1]
         np.minimum(entry, len(self.held) - 1, out=entry)
-        start, whole, linear = self.parabola[entry].T
+        start, whole, linear = self.parabola.take(entry, axis=0).T
         share = np.minimum(np.maximum((x - start) / whole, 0.0), 1.0)
         root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
         g = 2.0 * share / np.maximum(linear + root, 1e-300)
         g = g[:, None]
-        coefficients = self.left[entry]
+        coefficients = self.left.take(entry, axis=0)
         left = coefficients[:, -1] * g
         for order in range(coefficients.shape[1] - 2, 0, -1):
             left += coefficients[:, order]
             left *= g
         left += coefficients[:, 0]
-        held = self.held[entry]
-        elapsed = time - self.time[entry] - left[:, 0]
-        carried = left[:, 1:] + self.shape[entry] * G[:, None]
+        held = self.held.take(entry)
+        elapsed = time - self.time.take(entry) - left[:, 0]
+        carried = left[:, 1:] + self.shape.take(entry, axis=0) * G[:, None]
         carried *= np.exp(-elapsed[:, None] / np.where(held[:, None], times, retardation))
         if beyond.any():
             carried[beyond], held = 0.0, held & ~beyond

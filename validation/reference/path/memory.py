@@ -54,14 +54,12 @@ class Ramp:
     depth: float
     rate: float
 
-    def during(self, u_powers: Array) -> tuple[Array, Array]:
-        """``M`` (m, n) and ``D`` (m,) on the way, at powers of ``u``."""
-        elapsed = u_powers[:, : DEGREE + 1] @ self.clock
-        faded = np.expm1(-elapsed[:, None] / self.times)
-        return (
-            self.memory * (1.0 + faded) - self.rate * self.times * faded,
-            self.depth + self.rate * elapsed,
-        )
+    def during(self, u_powers: Array) -> tuple[Array, Array, Array]:
+        """Time since the step began (m, 1), ``M`` (m, n) and ``D`` (m,) on the way, at powers of ``u``."""
+        elapsed = (u_powers[:, : DEGREE + 1] @ self.clock)[:, None]
+        faded = np.expm1(-elapsed / self.times)
+        memories = self.memory * (1.0 + faded) - self.rate * self.times * faded
+        return elapsed, memories, self.depth + self.rate * elapsed[:, 0]
 
     @cached_property
     def end(self) -> tuple[Array, float]:
@@ -89,13 +87,13 @@ class Collocated:
     depths: Array
     end: tuple[Array, float]
 
-    def during(self, u_powers: Array) -> tuple[Array, Array]:
+    def during(self, u_powers: Array) -> tuple[Array, Array, Array]:
         """As of :class:`Ramp`."""
+        elapsed = (u_powers[:, : DEGREE + 1] @ self.clock)[:, None]
         memories = u_powers @ self.memories
         if self.layer.any():
-            elapsed = u_powers[:, : DEGREE + 1] @ self.clock
-            memories += self.layer * np.exp(-np.maximum(elapsed, 0.0)[:, None] / self.times)
-        return memories, u_powers @ self.depths
+            memories += self.layer * np.exp(-np.maximum(elapsed, 0.0) / self.times)
+        return elapsed, memories, u_powers @ self.depths
 
     def depth_slope(self) -> Array:
         """As of :class:`Ramp`."""

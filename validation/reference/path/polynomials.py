@@ -34,9 +34,9 @@ def derivative(coefficients: Array) -> Array:
 
 def powers(u: Array, degree: int) -> Array:
     """``u^0 ... u^degree`` (m, degree + 1)."""
-    table = np.ones((len(u), degree + 1))
-    table[:, 1:] = u[:, None]
-    return np.multiply.accumulate(table, axis=1, out=table)
+    table = np.empty((degree + 1, len(u)))
+    table[0], table[1:] = 1.0, u
+    return np.multiply.accumulate(table, axis=0, out=table).T
 
 
 def inverse(way: Array, rise: Array) -> Array:
@@ -52,10 +52,11 @@ def inverse(way: Array, rise: Array) -> Array:
     linear = min(max(1.0 + 0.5 * float(slopes[0] - slopes.sum()) / whole, 0.0), 2.0)
     root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
     u = 2.0 * share / np.maximum(linear + root, 1e-300)
+    both = np.zeros((len(way), 2))
+    both[:, 0], both[:-1, 1] = way, slopes
     for _ in range(8):
-        slope = horner(slopes, u)
-        slope[slope == 0.0] = whole
-        step = (horner(way, u) - rise) / slope
+        value, slope = (powers(u, len(way) - 1) @ both).T
+        step = (value - rise) / np.where(slope == 0.0, whole, slope)
         u = np.minimum(np.maximum(u - step, 0.0), 1.0)
         if np.abs(step).max() < 1e-8:  # quadratic: one more would be below rounding
             break

@@ -22,6 +22,7 @@ GRADED, GRADING = 1.5, 8.0
 """First cut from the end of a long step, in zones, and ratio of the distances of the next ones."""
 LAYER = 2e-3
 """Thickness of a layer, in zones, below which breaks are graded towards the edge for it."""
+_NEAR = np.array([0.0, 1e-3, 1e-2, 0.1, -1e-3, -1e-2, -0.1])
 SKIPPED = 1.5
 """Distance of breaks in entries of the table: every other where alike, each where they are graded."""
 SPARSE, SPACING = 0.03, 0.1
@@ -69,8 +70,9 @@ class State:
             return edges
         after = self._marks.searchsorted(edges)
         away = np.minimum(self._marks[after] - edges, edges - self._marks[after - 1])
-        gaps = edges[1:] - edges[:-1]
-        width = np.minimum(np.append(gaps, math.inf), np.append(math.inf, gaps))
+        gaps = np.full(len(edges) + 1, math.inf)
+        gaps[1:-1] = edges[1:] - edges[:-1]
+        width = np.minimum(gaps[1:], gaps[:-1])
         least = np.minimum(np.maximum(SKIPPED * width, np.minimum(0.3 * away, SPARSE * size)), SPACING * size)
         sure = away < 1e-12 * edges
         kept, last = [], -math.inf
@@ -98,7 +100,7 @@ class State:
         behind = self.thinned(self.edges_between(radius - zone, radius), zone) - (radius - zone)
         ahead = self.thinned(self.edges_between(radius, radius + zone), zone) - radius
         breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(radius, zone)))
-        breaks = np.unique(breaks[(breaks >= 0.0) & (breaks <= zone)])
+        breaks = np.sort(breaks[(breaks >= 0.0) & (breaks <= zone)])
         apart = breaks[1:] - breaks[:-1] > max(1e-12 * zone, 4.0 * math.ulp(radius))
         breaks = breaks[np.append(True, apart)]
         breaks[-1] = zone
@@ -106,9 +108,8 @@ class State:
 
     def _layers(self, radius: float, zone: float) -> Array:
         """Where the radius it began from lies as seen from a zone that passes it, and layers that relax."""
-        here = np.array([self.radius])
-        both = np.concatenate((here - radius, here - radius + zone))
-        near = (both[:, None] + zone * np.array([0.0, 1e-3, 1e-2, 0.1, -1e-3, -1e-2, -0.1])).ravel()
+        both = np.array([self.radius - radius, self.radius - radius + zone])
+        near = (both[:, None] + zone * _NEAR).ravel()
         thickest = LAYER * zone
         if not 0.0 < self.layer < thickest:
             return near

@@ -71,6 +71,9 @@ class Arrival:
         return self.motion.end[1]
 
 
+_NONE = np.zeros(0, int), np.zeros((0, COLLOCATION + 1))
+
+
 class Trial:
     """The step from a state along a segment; its end radius is where the segment ends.
 
@@ -130,16 +133,15 @@ class Trial:
         edge = self.radius  # a point that rounds onto it is in contact, as in the table
         x = np.concatenate((np.minimum(behind, edge), np.maximum(ahead, np.nextafter(edge, np.inf))))
         G, carried = self._carried(x)
-        none = np.zeros(0, int), np.zeros((0, COLLOCATION + 1))
         sides = []
         for side, moves in (
             (slice(0, len(behind)), self.direction > 0.0),
             (slice(len(behind), None), self.direction < 0.0),
         ):
-            low, high = sorted((self.state.radius, self.radius))
-            passed, u_powers = none
+            passed, u_powers = _NONE
             if moves:
-                passed = np.flatnonzero((x[side] > low) & (x[side] <= high))
+                low, high = sorted((self.state.radius, self.radius))
+                passed = ((x[side] > low) & (x[side] <= high)).nonzero()[0]
                 u_powers = powers(inverse(self.segment.way, x[side][passed] - self.state.radius), COLLOCATION)
             sides.append(Points(x[side], G[side], carried[side], passed, u_powers))
         return sides[0], sides[1]
@@ -151,7 +153,7 @@ class Trial:
 
     @cached_property
     def swept(self) -> tuple[fields.Sweep, Points]:
-        """The points that the step passes, and its ends, if the edge moves, in the entries they will be kept in."""
+        """The points that a moving edge passes, and the ends, in the entries they will be kept in."""
         return self._sweep(self.state.cuts(self.radius, self.zone))
 
     def _sweep(self, cuts: Array) -> tuple[fields.Sweep, Points]:
@@ -253,8 +255,7 @@ class Trial:
     def _passing(self, points: Points, motion: Motion) -> Passing:
         """Points in contact at the edge."""
         rheology, at = self.body.rheology, points.passed
-        elapsed = (points.u_powers[:, : len(motion.clock)] @ motion.clock)[:, None]
-        memory, depth = motion.during(points.u_powers)
+        elapsed, memory, depth = motion.during(points.u_powers)
         strain, carried = depth - points.G[at], points.carried[at]
         if self.direction > 0.0:
             branches = rheology.cover(carried * np.exp(-elapsed / rheology.retardation), strain)
