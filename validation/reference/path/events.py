@@ -111,8 +111,7 @@ def plan(tracker: Tracker) -> Plan:
         return Plan(h, there, tangent, fixed, event)
 
     h, here, first = tracker.h, coefficients[0], slope(0.0)
-    touched = tracker.state.radius > 0.0 or tracker.state.depth < 0.0
-    resting = tracker.law.rests(tracker.state.radius) and not tracker.moving and touched
+    resting = tracker.law.rests(tracker.state.radius) and not tracker.moving
     last = place(h)
     if last[0] >= end - 1e-9 * h:
         if m > 1 and last[0] > end and here[0] < end:

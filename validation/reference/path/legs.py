@@ -17,6 +17,8 @@ from validation.reference.path.state import State
 
 SHORTEST = 16.0
 """Leg, in units of the last place of its end, below which it is lost in rounding."""
+AT_ONCE = 1e-9
+"""Of a leg: what sets the indenter going later finds it at rest."""
 AT_LOAD = 1e-12
 """Difference from the load that a leg begins with, relative to it, which is rounding and no jump."""
 
@@ -37,6 +39,12 @@ class Leg:
     def free(self) -> bool:
         """Whether the penetration follows from the balance of forces."""
         return self.control != "penetration"
+
+    @property
+    def presses(self) -> bool:
+        """Whether an indenter that is at the surface, and free of load, is pressed on from the start."""
+        soon = self.start + AT_ONCE * (self.end - self.start)
+        return self.control == "force" or self.value(soon) > 0.0
 
 
 @dataclass

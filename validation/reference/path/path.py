@@ -93,7 +93,7 @@ class Rows:
         """Rows less the newest, and the matrix that takes them and the same for the end to powers."""
         rows = self.table[-min(order, self.order) :]
         at = np.append((rows[:, 0] - rows[-1, 0]) / (s - rows[-1, 0]), 1.0)
-        matrix: Array = np.linalg.inv(powers(at, len(rows)))
+        matrix = np.asarray(np.linalg.inv(powers(at, len(rows))), dtype=np.float64)
         return rows - rows[-1], matrix
 
     def segment(self, s: float, a: float, order: int = DEGREE) -> Segment:

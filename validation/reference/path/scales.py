@@ -20,12 +20,17 @@ class Scales:
 
 
 def scales(scene: Scene, body: Body, start: State) -> Scales:
-    """As if the contact were relaxed and without adhesion, or as it begins, whichever is larger."""
+    """As if the contact were relaxed and without adhesion, or as it begins, whichever is larger.
+
+    Where nothing is ever touched any length is one.
+    """
     edge = scene.indenter.edge
     deepest, hardest = _largest_load(scene, body)
-    radius = max(start.radius, touching_radius(body, deepest, edge), pressed_radius(body, hardest, edge))
+    radius = (
+        max(start.radius, touching_radius(body, deepest, edge), pressed_radius(body, hardest, edge)) or 1.0
+    )
     shape = body.shape(radius)
-    depth = max(abs(start.depth), abs(deepest), shape, _depth_under(body, hardest, edge))
+    depth = max(abs(start.depth), abs(deepest), shape, _depth_under(body, hardest, edge)) or 1.0
     weight = 2.0 * body.rheology.relaxed * (depth * radius - body.transform.integral(radius))
     return Scales(radius, depth, max(abs(start.force), weight, hardest))
 

@@ -133,7 +133,7 @@ class Tracker:
         self.state = replace(self.state, parameter=leg.start)
         state = self.state
         self.rows = Rows.at(leg.start, state.time, state.depth, state.radius, state.force)
-        if state.radius == 0.0 and state.depth >= 0.0:
+        if state.radius == 0.0 and state.depth >= 0.0 and leg.presses:
             self.touch()
             return
         self.restart(np.array([1.0, 0.0]))
@@ -167,6 +167,7 @@ class Tracker:
         self.T = self.T_first
         way = np.array([p / self.T, a / self.L])
         self.restart(way / np.hypot(*way), float(np.hypot(*way)))
+        self.moving = True
 
     def restart(self, tangent: Array | None = None, h: float | None = None, declare: bool = True) -> None:
         """A kink at the last row."""
