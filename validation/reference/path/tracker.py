@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
+SEEN_TIME = 1e-9
+"""Least first step in time, in the time that has passed: rounding of the time is then 1e-6 of it."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 CORNERS = 8
@@ -164,7 +166,7 @@ class Tracker:
         change = abs(leg.value(leg.end) - leg.value(leg.start)) or load
         p = (leg.end - leg.start) * min(load / change, 1.0)
         self.T_first, self.L = max(2.0 * p, 1e-300) if leg.timed else SMALL_PART, a
-        self.T = self.T_first
+        self.T, self.began = self.T_first, self.state.parameter
         way = np.array([p / self.T, a / self.L])
         self.restart(way / np.hypot(*way), float(np.hypot(*way)))
         self.moving = True
@@ -179,7 +181,7 @@ class Tracker:
         if h is None:
             quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
-            h = max(h, 1e-9 if self.leg.timed else 1e-4)
+            h = max(h, SEEN_TIME * self.state.parameter / self.T if self.leg.timed else 1e-4)
         self.h = h
         state = self.state
         if declare:
