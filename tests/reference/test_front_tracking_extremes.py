@@ -37,8 +37,9 @@ from validation.cases import load
 from validation.reference import prony_integrals, sneddon
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.force_of_history import force_of_history
+from validation.reference.path.options import Options
+from validation.reference.path.solver import solve
 from validation.reference.ting import Ting
-from validation.reference.tracking import Options, solve
 
 COARSE = Options(resolution=4)
 

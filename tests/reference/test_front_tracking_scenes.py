@@ -34,8 +34,9 @@ from contact_scene import (
     UnsupportedScene,
 )
 from validation.measure.observables import observe
+from validation.reference.path.options import Options
+from validation.reference.path.solver import solve
 from validation.reference.ting import Ting
-from validation.reference.tracking import Options, solve
 
 PUNCH = FlatPunch(0.2)
 COARSE = Options(resolution=4)

@@ -66,7 +66,7 @@ class Passages:
             left *= g
         left += coefficients[:, 0]
         held = self.held.take(entry)
-        elapsed = time - self.time.take(entry) - left[:, 0]
+        elapsed = np.maximum(time - self.time.take(entry) - left[:, 0], 0.0)  # nothing is passed later
         carried = left[:, 1:] + self.shape.take(entry, axis=0) * G[:, None]
         carried *= np.exp(-elapsed[:, None] / np.where(held[:, None], times, retardation))
         if beyond.any():

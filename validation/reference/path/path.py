@@ -105,6 +105,7 @@ class Rows:
         coefficients[:n, 1] = matrix[:, :-1] @ rows[:, 1]
         coefficients[:n, 2] = matrix[:, :-1] @ rows[:, 3]
         coefficients[:n, 3] = matrix[:, -1]
+        coefficients[0] = 0.0  # but for rounding, of which a fast branch would make anything
         return Segment(*coefficients.T.copy())
 
     def predictor(self, T: float, L: float, depth: float, tangent: Array) -> Array:
