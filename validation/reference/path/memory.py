@@ -44,6 +44,11 @@ _SLOPES = (
 )
 
 
+def times_since(clock: Array, u_powers: Array) -> Array:
+    """Times (m, 1) since a step began; not outside of it, where rounding would grow without bound."""
+    return np.minimum(np.maximum(u_powers[:, : DEGREE + 1] @ clock, 0.0), clock.sum())[:, None]
+
+
 @dataclass(frozen=True, eq=False)
 class Ramp:
     """A step during which the penetration is linear in time."""
@@ -56,7 +61,7 @@ class Ramp:
 
     def during(self, u_powers: Array) -> tuple[Array, Array, Array]:
         """Time since the step began (m, 1), ``M`` (m, n) and ``D`` (m,) on the way, at powers of ``u``."""
-        elapsed = (u_powers[:, : DEGREE + 1] @ self.clock)[:, None]
+        elapsed = times_since(self.clock, u_powers)
         faded = np.expm1(-elapsed / self.times)
         memories = self.memory * (1.0 + faded) - self.rate * self.times * faded
         return elapsed, memories, self.depth + self.rate * elapsed[:, 0]
@@ -89,10 +94,10 @@ class Collocated:
 
     def during(self, u_powers: Array) -> tuple[Array, Array, Array]:
         """As of :class:`Ramp`."""
-        elapsed = (u_powers[:, : DEGREE + 1] @ self.clock)[:, None]
+        elapsed = times_since(self.clock, u_powers)
         memories = u_powers @ self.memories
         if self.layer.any():
-            memories += self.layer * np.exp(-np.maximum(elapsed, 0.0) / self.times)
+            memories += self.layer * np.exp(-elapsed / self.times)
         return elapsed, memories, u_powers @ self.depths
 
     def depth_slope(self) -> Array:
