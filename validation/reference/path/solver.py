@@ -289,7 +289,7 @@ class Run:
         if kind is Kind.LEAST and tracker.law.zone:
             force = self.recorder.columns()["force"]
             self.outcome = below_zone_outcome(force, tracker.state.time)
-        elif kind is Kind.LEAST:
+        elif kind is Kind.LEAST or (kind in (Kind.END, Kind.LOST) and tracker.let_go):
             self._lose_contact(leg)
         elif kind in (Kind.LOST, Kind.FOLD) and events.lost(tracker, kind is Kind.FOLD):
             if kind is Kind.FOLD:

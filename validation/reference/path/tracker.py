@@ -224,6 +224,13 @@ class Tracker:
         self.rows.measure(T, L)
 
     @property
+    def let_go(self) -> bool:
+        """Whether a contact without adhesion has come to a force that is nothing."""
+        forces = self.rows.table[-2:, 5]
+        falling = len(forces) > 1 and forces[1] < forces[0]
+        return falling and self.law.adhesion is None and forces[1] <= LOST_FORCE * self.largest_force
+
+    @property
     def least_radius(self) -> float:
         """Radius below which no contact is followed: one zone, at rest if its stress is fixed.
 
