@@ -122,19 +122,32 @@ def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
 
 
 def passed(
-    before: Passages, swept: Sweep, time: float, elapsed: Array, carried: Array, held: bool
+    before: Passages,
+    swept: Sweep,
+    time: float,
+    elapsed: Array,
+    carried: Array,
+    held: bool,
+    G: Array,
+    moduli: Array,
 ) -> Passages:
-    """The table after a step: ``carried`` (m, n) by points of the sweep at ``elapsed`` (m,) from ``time``."""
+    """The table after a step: ``carried`` (m, n) by points of the sweep at ``elapsed`` (m,) from ``time``.
+
+    What is touched for the first time carries ``-moduli G`` (n,) beside what is smooth along the path.
+    """
     parabola = swept.parabola
     entries = len(parabola)
+    first_touched = np.minimum(swept.cuts[:-1], swept.cuts[1:]) >= before.edges[-1]
+    shape = np.where(first_touched[:, None], -moduli, 0.0)
     values = np.column_stack((elapsed, carried))[1:-1].reshape(entries, len(NODES), -1)
+    values[:, :, 1:] -= shape[:, None, :] * G[1:-1].reshape(entries, -1, 1)
     left = np.matmul(_TO_POWERS, values)
     new: tuple[NDArray[Any], ...] = (
         np.full(entries, held),
         parabola,
         np.full(entries, time),
         left,
-        np.zeros((entries, carried.shape[1])),
+        shape,
     )
     edges = swept.cuts
     if edges[-1] < edges[0]:

@@ -373,7 +373,16 @@ class Trial:
                 gains = self._gained(motion, arrival.duration)
                 held, squares = held + gains[0], squares + gains[1]
                 carried = passing.branches - rheology.moduli * passing.memory
-            surface = fields.passed(surface, swept, state.time, passing.elapsed, carried, not receding)
+            surface = fields.passed(
+                surface,
+                swept,
+                state.time,
+                passing.elapsed,
+                carried,
+                not receding,
+                points.G,
+                rheology.moduli,
+            )
         return replace(
             state,
             parameter=arrival.parameter,
