@@ -212,10 +212,25 @@ def test_a_zone_of_fixed_stress_that_fills_its_contact_ends_the_run():
     assert trace.time[-1] == pytest.approx(today.time[-1], rel=2e-5)
 
 
-def test_contact_lost_where_the_zone_leaves_a_kink_is_no_breakdown():
-    trace = solve(scene_of("usual:216"))
+@pytest.mark.parametrize(
+    ("name", "pull_off"),
+    [
+        ("usual:216", 2.4969e-07),  # where the zone leaves a kink
+        ("usual:120", 2.037228e-08),  # at an instant, between two steps of a jump
+        ("usual:112", 1.878923e-03),  # in a jump over knots of a profile
+    ],
+)
+def test_the_least_force(name, pull_off):
+    trace = solve(scene_of(name))
     assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert -trace.force.min() == pytest.approx(2.4969e-07, rel=1e-4)
+    assert -trace.force.min() == pytest.approx(pull_off, rel=1e-5)
+
+
+def test_an_edge_that_closes_on_a_ragged_profile_jumps_ahead():
+    trace = solve(scene_of("plain:218"))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(249.9568, rel=1e-6)
+    assert trace.contact_radius.max() == pytest.approx(4.610647e-4, rel=1e-6)
 
 
 def test_rows_within_a_step_are_right_where_branches_relax_in_a_small_part_of_it():

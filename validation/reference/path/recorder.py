@@ -121,13 +121,15 @@ class Recorder:
         """A step to a state; ``back``: ``u < 0`` of the row before it, if the path is smooth there."""
         before = None if back is None else (back, self._ends[-2])
         way = course(self.body, self.law, trial, arrival, state, self._ends[-1], before)
-        u, marked, stops = np.array([1.0]), {}, {}
-        if arrival.duration > 0.0:
+        marked, stops = {}, {}
+        if arrival.parameter > trial.state.parameter:
             marked = self._extrema(trial, arrival, way)
+        elif trial.direction:
+            self._jumped(trial)
+        u = np.array([*sorted(marked), 1.0])
+        if arrival.duration > 0.0:
             stops = self._stops(trial, way, state)
             u = self._places(trial, way, state, np.array([*marked, *stops]))
-        elif arrival.parameter == trial.state.parameter and trial.direction:
-            self._jumped(trial)
         rows = way.at(u)
         rows[-1, [TIME, DEPTH, RADIUS, FORCE]] = state.time, state.depth, state.radius, state.force
         if self.law.adhesion is None:  # no polynomial pulls where nothing can

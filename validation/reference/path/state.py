@@ -82,10 +82,11 @@ class State:
                 last = x
         return np.array(kept)
 
-    def cuts(self, radius: float, zone: float) -> Array:
-        """Radii from here to another, in that order, between which the fields passed are smooth."""
+    def cuts(self, radius: float, zone: float, knots: Array) -> Array:
+        """Radii from here to another, in that order, between which profile and fields passed are smooth."""
         low, high = sorted((self.radius, radius))
         inner = self.thinned(self.edges_between(low, high), zone or 0.1 * high)
+        inner = np.union1d(inner, knots) if len(knots) else inner
         inner = inner[(inner - low > 1e-9 * (high - low)) & (high - inner > 1e-9 * (high - low))]
         travel, way = high - low, math.copysign(1.0, radius - self.radius)
         if zone and travel > 2.0 * GRADED * zone:  # what a closure looks at is known on its own scale

@@ -154,7 +154,7 @@ class Trial:
     @cached_property
     def swept(self) -> tuple[fields.Sweep, Points]:
         """The points that a moving edge passes, and the ends, in the entries they will be kept in."""
-        return self._sweep(self.state.cuts(self.radius, self.zone))
+        return self._sweep(self.state.cuts(self.radius, self.zone, self.body.transform.knots))
 
     def _sweep(self, cuts: Array) -> tuple[fields.Sweep, Points]:
         """Points of the sweep between these radii."""
