@@ -1,12 +1,11 @@
 """Steps over many process zones: against short steps, closed limits and themselves, over seven decades.
 
-The scenes are the paper's sphere with shorter zones than the paper's. Short steps are the same solver with
-steps of a sixteenth of a zone, or of a thirty-second for the check values: 30,000 steps that no test can pay.
+The scenes are the paper's sphere with shorter zones than the paper's. Short steps are another solver's,
+a sixteenth of a zone long, or a thirty-second for the check values: 30,000 steps that no test can pay.
 """
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -36,7 +35,8 @@ from validation.measure.observables import observe
 from validation.reference import steady_crack
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
-from validation.reference.tracking import Options, edge_path, problem, solve, surface_step
+from validation.reference.path.options import Options
+from validation.reference.path.solver import solve
 
 SLOW = pytest.mark.slow
 DEFAULT_ERROR = 1e-5
@@ -61,13 +61,6 @@ def _solved(question: Scene) -> Trace:
 
 def _run(zone: float, loading: Loading = RETRACTION, material: Material = ONE) -> Trace:
     return _solved(scene(zone, loading, material))
-
-
-def short_steps(question: Scene, **options: int) -> Trace:
-    """The same solver with steps of a fraction of a zone, however short the zone is."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(problem, "LONG_ZONE", 0.0)
-        return solve(question, Options(**options))
 
 
 MEASURED = ("pull_off_force", "loop_energy", "detachment_penetration", "detachment_time", "final_radius")
@@ -153,20 +146,6 @@ def test_long_steps_against_short_ones(name: str) -> None:
     long = solve(scene(HUNDREDTH, loading, material))
     assert long.counters.steps < 0.8 * steps
     assert measured(long) == pytest.approx(available(values), rel=DEFAULT_ERROR, abs=1e-12)
-
-
-@pytest.mark.parametrize("name", sampled(LOADINGS, len(LOADINGS)))
-def test_short_steps_give_what_is_written_down(name: str) -> None:
-    steps, *values = SHORT_STEPS[name]
-    short = short_steps(scene(HUNDREDTH, *LOADINGS[name]))
-    assert short.counters.steps == pytest.approx(steps, rel=0.01)
-    assert measured(short) == pytest.approx(available(values), rel=1e-7, abs=1e-12)
-
-
-def test_zones_longer_than_a_twentieth_of_the_radius_are_stepped_as_ever() -> None:
-    long, short = solve(scene(0.013), Options(resolution=4)), short_steps(scene(0.013), resolution=4)
-    assert np.array_equal(long.contact_radius, short.contact_radius)
-    assert np.array_equal(long.force, short.force)
 
 
 ZONES = [1e-3, 1e-6, 1e-9]
@@ -331,53 +310,3 @@ def test_cone_and_many_decades_of_relaxation_times(material, indenter, pull_off,
     usual = observe(solve(Scene(material, indenter, loading, Adhesion(WORK, 2e-6))))
     assert usual.pull_off_force == pytest.approx(pull_off, rel=DEFAULT_ERROR)
     assert usual.loop_energy == pytest.approx(loop, rel=DEFAULT_ERROR)
-
-
-def _excess_of_the_retraction() -> float:
-    """Errors of what the check values hold, largest in allowed ones; infinite without an answer."""
-    _, *exact = CHECK_VALUES["retraction"]
-    trace = solve(scene(1.3e-4), Options(max_steps=1000))  # the true one: 431
-    seen = observe(trace).as_dict()
-    pairs = zip(CHECKED.items(), exact, strict=True)
-    errors = [
-        math.inf if seen[name] is None else abs(seen[name] / value - 1.0) / allowed
-        for (name, allowed), value in pairs
-    ]
-    return max(errors)
-
-
-def _released_at_the_end(self, x):  # type: ignore[no-untyped-def]
-    return np.ones_like(x)
-
-
-def _released_too_early(self, x):  # type: ignore[no-untyped-def]
-    return 0.99 * edge_path.ParabolicPath(self.start, self.travel, 0.0).passing(x)
-
-
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("passing", [_released_at_the_end, _released_too_early])
-def test_a_wrong_release_time_is_seen(passing, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr(edge_path.PolynomialPath, "passing", passing)
-    assert _excess_of_the_retraction() > 1.0
-
-
-@pytest.mark.exhaustive
-def test_a_path_of_lower_order_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    def without_last_row(rows, *given):  # type: ignore[no-untyped-def]
-        return edge_path.path_family(replace(rows, times=rows.times[:2], values=rows.values[:2]), *given)
-
-    monkeypatch.setattr("validation.reference.tracking.trial.path_family", without_last_row)
-    assert _excess_of_the_retraction() > 1.0
-
-
-@pytest.mark.exhaustive
-def test_a_forgotten_wake_is_seen(monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    """What was released in earlier steps no longer recovers."""
-    update = surface_step.field_update
-
-    def forgetful(*given):  # type: ignore[no-untyped-def]
-        found = update(*given)
-        return replace(found, recovery=np.ones_like(found.recovery))
-
-    monkeypatch.setattr("validation.reference.tracking.trial.field_update", forgetful)
-    assert _excess_of_the_retraction() > 1.0

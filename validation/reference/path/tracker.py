@@ -28,7 +28,8 @@ Array = NDArray[np.float64]
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
 SEEN_TIME = 1e-9
-"""Least first step in time, in the time that has passed: rounding of the time is then 1e-6 of it."""
+"""Least first step, in the scale of time. Where branches hold something from the start it is in the time that
+has passed, if that is shorter: the rounding of the time is then 1e-6 of it."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 CORNERS = 8
@@ -181,7 +182,8 @@ class Tracker:
         if h is None:
             quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
-            h = max(h, SEEN_TIME * self.state.parameter / self.T if self.leg.timed else 1e-4)
+            known = min(self.state.parameter, self.T) if self.state.held.any() else self.T
+            h = max(h, SEEN_TIME * known / self.T if self.leg.timed else 1e-4)
         self.h = h
         state = self.state
         if declare:
