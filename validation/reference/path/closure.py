@@ -26,10 +26,11 @@ Array = NDArray[np.float64]
 
 POINTS, WEIGHTS = gauss(5)
 COUNT = len(POINTS)
-# integral from a point to the end of its panel of each Lagrange polynomial
+# integral from a point to the end of its panel of each Lagrange polynomial, and over all of the panel
 _REST = ((1.0 - POINTS[:, None] ** np.arange(1, COUNT + 1)) / np.arange(1, COUNT + 1)) @ np.linalg.inv(
     powers(POINTS, COUNT - 1)
 )
+_RUNNING = np.vstack((_REST, WEIGHTS)).T
 _GRADED = np.array([2e-3, 2e-2, 0.2])
 """Breaks near the ends of a zone: fresh surface fades within a small part of it (two levels: 2e-6)."""
 BASE = np.unique(np.concatenate(([0.0, 0.5, 1.0], _GRADED, 1.0 - _GRADED)))
@@ -51,7 +52,10 @@ def points(breaks: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Closure:
-    """The closure at a radius; ``s``, ``weight`` (m,): points and weights from the inner end of the zone."""
+    """The closure at a radius.
+
+    ``s``, ``weight`` (m,): points and weights from the inner end of the zone; ``width``: of their panels.
+    """
 
     zone: float
     s: Array
@@ -65,14 +69,15 @@ class Closure:
         """``I`` of stresses behind and openings ahead; negative where both are those of a pressed edge."""
         opened = self.weight * d
         if self.kernel.shape != (ORDER, ORDER):  # near the axis: point by point
-            inner = self.kernel @ q
+            inner = float(opened @ (self.kernel @ q))
         else:
-            panels = (self.moments * q).reshape(ORDER, -1, COUNT)
-            totals = (panels @ WEIGHTS) * self.width
-            later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
-            rest = (panels @ _REST.T) * self.width[:, None] + later[:, :, None]
-            inner = (self.moments * (self.kernel @ rest.reshape(ORDER, -1))).sum(axis=0)
-        value = float(opened @ (self.main * q + inner)) * (-1.0 / (math.pi**2 * self.zone))
+            parts = (self.moments * (self.width * q)).reshape(-1, COUNT) @ _RUNNING
+            parts = parts.reshape(ORDER, -1, COUNT + 1)
+            totals = parts[:, :, COUNT]
+            later = totals.sum(axis=1, keepdims=True) - totals.cumsum(axis=1)
+            rest = (parts[:, :, :COUNT] + later[:, :, None]).reshape(ORDER, -1)
+            inner = float((self.kernel * (self.moments * opened @ rest.T)).sum())
+        value = (float(opened @ (self.main * q)) + inner) * (-1.0 / (math.pi**2 * self.zone))
         return -abs(value) if self.weight @ q > 0.0 and opened.sum() < 0.0 else value
 
 
@@ -86,13 +91,13 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
         breaks = np.union1d(breaks, graded[graded < zone])
     s, weight = points(breaks)
     x, y = radius - zone + s, radius + s
-    width = breaks[1:] - breaks[:-1]
+    width = (breaks[1:] - breaks[:-1]).repeat(COUNT)
     main = 0.5 * math.pi / np.sqrt(x * y)
     if near:
         m = len(s)
         panel = np.arange(m) // COUNT
         matrix = np.where(panel[:, None] < panel, weight, 0.0)
-        for first, h in zip(range(0, m, COUNT), width.tolist(), strict=True):
+        for first, h in zip(range(0, m, COUNT), width[::COUNT].tolist(), strict=True):
             matrix[first : first + COUNT, first : first + COUNT] = h * _REST
         row, column = matrix.nonzero()
         matrix[row, column] *= _kernel_slopes(x[column], (y - zone)[row], zone)

@@ -58,13 +58,7 @@ class Passages:
         share = np.minimum(np.maximum((x - start) / whole, 0.0), 1.0)
         root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
         g = 2.0 * share / np.maximum(linear + root, 1e-300)
-        g = g[:, None]
-        coefficients = self.left.take(entry, axis=0)
-        left = coefficients[:, -1] * g
-        for order in range(coefficients.shape[1] - 2, 0, -1):
-            left += coefficients[:, order]
-            left *= g
-        left += coefficients[:, 0]
+        left = np.einsum("mk,mkn->mn", powers(g, len(NODES) - 1), self.left.take(entry, axis=0))
         held = self.held.take(entry)
         elapsed = np.maximum(time - self.time.take(entry) - left[:, 0], 0.0)  # nothing is passed later
         carried = left[:, 1:] + self.shape.take(entry, axis=0) * G[:, None]

@@ -47,13 +47,14 @@ def inverse(way: Array, rise: Array) -> Array:
     """
     if not len(rise):
         return rise
-    whole, slopes = float(way.sum()), derivative(way)
+    orders = np.arange(len(way))
+    whole = float(way.sum())
     share = np.minimum(np.maximum(rise / whole, 0.0), 1.0)
-    linear = min(max(1.0 + 0.5 * float(slopes[0] - slopes.sum()) / whole, 0.0), 2.0)
+    linear = min(max(1.0 + 0.5 * float(way[1] - way @ orders) / whole, 0.0), 2.0)
     root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
     u = 2.0 * share / np.maximum(linear + root, 1e-300)
     both = np.zeros((len(way), 2))
-    both[:, 0], both[:-1, 1] = way, slopes
+    both[:, 0], both[:-1, 1] = way, (orders * way)[1:]
     for _ in range(8):
         value, slope = (powers(u, len(way) - 1) @ both).T
         step = (value - rise) / np.where(slope == 0.0, whole, slope)
