@@ -74,7 +74,7 @@ class Closure:
             parts = (self.moments * (self.width * q)).reshape(-1, COUNT) @ _RUNNING
             parts = parts.reshape(ORDER, -1, COUNT + 1)
             totals = parts[:, :, COUNT]
-            later = totals.sum(axis=1, keepdims=True) - totals.cumsum(axis=1)
+            later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
             rest = (parts[:, :, :COUNT] + later[:, :, None]).reshape(ORDER, -1)
             inner = float((self.kernel * (self.moments * opened @ rest.T)).sum())
         value = (float(opened @ (self.main * q)) + inner) * (-1.0 / (math.pi**2 * self.zone))

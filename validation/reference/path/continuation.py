@@ -267,6 +267,8 @@ class Continuation(Tracker):
         after = x - f / slope if slope else (x + size if of is Fixed.RADIUS else x - math.copysign(size, f))
         best = abs(f), x
         for count in range(12):
+            if slope and after == x:  # no number lies closer
+                return x
             after = max(after, least)
             value = function(after)
             if not math.isfinite(value) or value == f or after == x:

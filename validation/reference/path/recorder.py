@@ -223,14 +223,15 @@ class Recorder:
     def _extrema(self, trial: Trial, arrival: Arrival, way: Course) -> dict[float, tuple[str, float]]:
         """Extrema of penetration and force within a step: their kinds, and how far off they are in ``u``."""
         found: dict[float, tuple[str, float]] = {}
-        ends = way.slopes(np.array([0.0, 1.0]))
+        coefficients = way.coefficients
+        ends = np.array([coefficients[1], np.arange(len(coefficients)) @ coefficients])
         if ends[:, TIME].min() < 0.0:  # rounding of a shortest step, or past a limit point
             return found
         for column, largest in ((DEPTH, self.scales.depth), (FORCE, self.scales.force)):
             first, last = ends[:, column]
             if first * last >= 0.0 or min(abs(first), abs(last)) < LEAST_SLOPE * largest:
                 continue
-            slope = derivative(way.coefficients[:, column])
+            slope = derivative(coefficients[:, column])
             at = bracketed(partial(_value, slope), 0.0, 1.0, 1e-12)
             if column == DEPTH:
                 found[at] = DEEPEST if first > 0.0 else "", 1e-12
