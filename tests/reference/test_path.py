@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.reference_path import measures, scene_of
-from contact_scene import Adhesion, Branch, OutcomeKind, Trace
+from contact_scene import Adhesion, Branch, OutcomeKind, Table, Trace
 from validation.cases import load
 from validation.reference import tracking
 from validation.reference.path.abel import PowerTransform, transform
@@ -224,6 +224,17 @@ def test_the_least_force(name, pull_off):
     trace = solve(scene_of(name))
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert -trace.force.min() == pytest.approx(pull_off, rel=1e-5)
+
+
+def test_rows_of_a_table_on_a_straight_line_are_no_kinks():
+    scene = load("cycle-v0.02").scene
+    steps = []
+    for count in (3, 1000):
+        times = np.linspace(0.0, 2.0, count)
+        table = Table(tuple(times.tolist()), tuple((-0.01 * times).tolist()))
+        loading = replace(scene.loading, steps=(table,))
+        steps.append(solve(replace(scene, loading=loading)).counters.steps)
+    assert steps[0] == steps[1]
 
 
 def test_an_edge_that_closes_on_a_ragged_profile_jumps_ahead():

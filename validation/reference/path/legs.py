@@ -78,10 +78,19 @@ def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
     return Leg(segment.control, value, 0.0, 1.0, False, None, segment.compliance)
 
 
-def timed_legs(segment: Segment) -> Iterator[Leg]:
-    """What a load step is made of between its kinks."""
+def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
+    """What a load step is made of between its kinks.
+
+    One at which the rate differs by less than the tolerance from that at which the leg began is none.
+    """
+    marks = sorted({segment.start, *segment.kinks})
+    kept = marks[:1]
+    for at in marks[1:]:
+        before, after = segment.rate(kept[-1]), segment.rate(at)
+        if abs(after - before) > tolerance * max(abs(before), abs(after)):
+            kept.append(at)
     straight = segment.linear and segment.control == "penetration"
-    for begin, end in pairwise(sorted({segment.start, segment.end, *segment.kinks})):
+    for begin, end in pairwise((*kept, segment.end)):
         if end - begin >= SHORTEST * math.ulp(end):
-            rate = segment.rate(begin) if straight else None
+            rate = (segment.value(end) - segment.value(begin)) / (end - begin) if straight else None
             yield Leg(segment.control, segment.value, begin, end, True, rate, segment.compliance)

@@ -247,7 +247,7 @@ class Run:
             if self.outcome is not None or cursor.triggered(segment, state.depth, state.force, state.radius):
                 return
         tracker.level = Level.of(segment.trigger, state)
-        for leg in timed_legs(segment):
+        for leg in timed_legs(segment, self.tolerance):
             if self._follow(leg, segment, cursor) is Kind.LEVEL or self.outcome is not None:
                 return
         if segment.trigger is not None:
