@@ -100,7 +100,7 @@ def test_limit_point_is_reached_along_the_time_over_the_radius() -> None:
 
     Check values of 16,448 short steps, of which half as many confirm nine digits.
     """
-    seen = observe(solve(scene(1.3e-4), Options(resolution=4)))
+    seen = observe(_run(1.3e-4))
     assert seen.detachment_radius == pytest.approx(0.124509016, rel=1e-5, abs=0.0)
     assert seen.detachment_time == pytest.approx(30.6069487377, rel=1e-7, abs=0.0)
 
