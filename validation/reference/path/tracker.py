@@ -200,7 +200,8 @@ class Tracker:
         """The edge turns at the last row; the next step is ``h``, and the scales grow anew from there."""
         self.restart(h=h)
         if self.leg.timed:
-            self.T_first, self.began = h * self.T, self.state.parameter
+            self.began = self.state.parameter
+            self.T_first = max(h * self.T, SEEN_TIME * self.began)
 
     def rescale(self) -> None:
         """Scales grow with the time since the leg began and the way since the edge turned.
