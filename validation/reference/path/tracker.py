@@ -90,9 +90,7 @@ class Tracker:
         """Residual below which there is only rounding."""
         zone = self.law.zone
         return (
-            max(10.0 * RESIDUAL, 8.0 * math.ulp(1.0) * self.state.radius / zone)
-            if zone
-            else 10.0 * RESIDUAL
+            max(10.0 * RESIDUAL, 8.0 * math.ulp(1.0) * self.state.radius / zone) if zone else 10.0 * RESIDUAL
         )
 
     @property
