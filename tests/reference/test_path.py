@@ -86,8 +86,8 @@ def test_an_accepted_row_satisfies_the_next_step(name, near, monkeypatch):
         again = Trial(
             tracker.body, state, tracker.leg, Segment(way, 0.0 * way, 0.0 * way, basis), tracker.law.zone
         )
-        before = tracker.law.residual(trial, arrival, 1.0, False)
-        worst.append(tracker.law.residual(again, again.arrive(state.parameter), 1.0, False) - before)
+        before = tracker.law.residual(trial, arrival, False)
+        worst.append(tracker.law.residual(again, again.arrive(state.parameter), False) - before)
 
     monkeypatch.setattr(Run, "_accepted", checked)
     run.run()

@@ -135,6 +135,10 @@ class Continuation(Tracker):
             if rested is not None:
                 return rested
             plan.fixed = Fixed.LOAD
+        elif self.law.rests(self.state.radius):
+            stopped = self._stopped(plan)
+            if stopped is not None:
+                return stopped
         return self._at_load(plan)
 
     def chord(self, plan: Plan, p: float, a: float) -> float:
@@ -191,7 +195,7 @@ class Continuation(Tracker):
         p, guess = self._load(plan), plan.z[1] * self.L
         if p <= self.state.parameter:
             return None
-        state, zone = self.state, self.law.zone
+        zone = self.law.zone
         trials: dict[float, tuple[Trial, Arrival]] = {}
 
         def function(a: float) -> float:
@@ -204,12 +208,6 @@ class Continuation(Tracker):
 
         size = 1e-3 * max(plan.h, 1e-6) * self.L * min(1.0, zone / self.L if zone else 1.0)
         size = max(size, zone * min(0.01, SEEN * self.noise))
-        if self.law.rated and guess >= state.radius and plan.fixed is Fixed.LOAD and self.leg.timed:
-            function(state.radius)
-            _, arrival = trials[state.radius]
-            allowed = self.law.allowed_speed(arrival.integral)
-            guess = state.radius - max(allowed * (p - state.parameter), 1e-3 * self.still)
-            size = 0.5 * (state.radius - guess)
         root = self._secants(function, guess, size, Fixed.LOAD, 1e-14 * self.L, -math.inf)
         near = (
             10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN
@@ -228,15 +226,11 @@ class Continuation(Tracker):
         def pull(at: float) -> tuple[float, Arrival]:
             self.evaluations += 1
             arrival = trial.arrive(at)
-            drive = self.law.pulls(trial, arrival, not self.leg.timed)
-            if (
-                drive > 0.0 and self.law.rated and self.leg.timed
-            ):  # however slowly, it moves: by less than is seen
-                travel = self.law.allowed_speed(arrival.integral) * (at - self.state.parameter)
-                drive = drive if travel > 0.1 * self.still else 0.0
-            return drive, arrival
+            return self.law.pulls(trial, arrival, not self.leg.timed, self.noise), arrival
 
         value, arrival = pull(p)
+        if value > 0.0 and self.law.rated and self.leg.timed:
+            return None  # it has a speed, however slow
         if value != 0.0:
             start, end = self.state.parameter, p
             if pull(start)[0] != 0.0:
@@ -248,6 +242,18 @@ class Continuation(Tracker):
             plan.event = Kind.DEPARTURE
         error = 0.0 if plan.event is Kind.DEPARTURE else self.mispredicted(plan, trial, arrival)
         return Correction(trial, arrival, error, self.chord(plan, p, a))
+
+    def _stopped(self, plan: Plan) -> Correction | None:
+        """The edge, which moved, is at rest at the load: what it still travels in the step is the error."""
+        p, a = self._load(plan), self.state.radius
+        trial = self.trial(a, self.chord(plan, p, a), 1)
+        arrival = trial.arrive(p)
+        pulled = self.law.pulls(trial, arrival, not self.leg.timed, -self.noise)
+        if p <= self.state.parameter or pulled != 0.0:
+            return None
+        if plan.event is Kind.NONE:
+            plan.event = Kind.TURN
+        return Correction(trial, arrival, self.mispredicted(plan, trial, arrival), self.chord(plan, p, a))
 
     def _secants(
         self,

@@ -40,10 +40,6 @@ class EdgeLaw:
         """Whether an opening edge takes up what its speed tells."""
         return self.adhesion is not None and self.adhesion.rate is not None
 
-    def allowed_speed(self, integral: float) -> float:
-        """Speed at which the rate law lets an edge open."""
-        return opening_speed(self.adhesion, integral) if self.adhesion else 0.0
-
     def at_rim(self, radius: float) -> bool:
         """Whether the edge is that of the indenter."""
         return radius >= self.rim * (1.0 - 1e-12)
@@ -53,21 +49,19 @@ class EdgeLaw:
         adhesion = self.adhesion
         return radius == 0.0 or self.at_rim(radius) or (adhesion is not None and not adhesion.reversible)
 
-    def pulls(self, trial: Trial, arrival: Arrival, at_once: bool = False) -> float:
+    def pulls(self, trial: Trial, arrival: Arrival, at_once: bool = False, slack: float = 0.0) -> float:
         """How far a resting edge is beyond its range: positive opens, negative closes, 0 rests."""
         value, adhesion = arrival.integral, self.adhesion
         if adhesion is None:  # a flat face, or an indenter that has not touched yet
             return max(-value, 0.0) if trial.radius > 0.0 else min(-arrival.depth, 0.0)
         taken = adhesion.opening(math.inf) if at_once else adhesion.work  # no speed is infinite
-        if value > taken:
-            return value / taken - 1.0
-        return 0.0 if self.at_rim(trial.radius) else min(value / adhesion.closing - 1.0, 0.0)
+        opens, closes = value / taken - 1.0, value / adhesion.closing - 1.0
+        if opens > slack:
+            return opens
+        return closes if closes < -slack and not self.at_rim(trial.radius) else 0.0
 
-    def residual(self, trial: Trial, arrival: Arrival, scale: float, at_once: bool) -> float:
-        """Residual at an edge that has come to the end of a trial.
-
-        ``scale``: time over length, of the run. ``at_once``: time stands, and no speed is finite.
-        """
+    def residual(self, trial: Trial, arrival: Arrival, at_once: bool) -> float:
+        """Residual at an edge that has come to the end of a trial; ``at_once``: time stands."""
         value, adhesion = arrival.integral, self.adhesion
         if not math.isfinite(value):
             return math.nan
@@ -83,8 +77,16 @@ class EdgeLaw:
             return value / adhesion.work - 1.0
         if at_once or arrival.duration == 0.0:
             return value / adhesion.opening(math.inf) - 1.0
-        # the speed the law allows against that of the path: regular at rest, where w(v) has an infinite slope
-        allowed, speed = self.allowed_speed(value), -trial.speed(arrival)
-        return (
-            (allowed - speed) * scale if value > adhesion.work or speed > 0.0 else value / adhesion.work - 1.0
-        )
+        return self._rated(adhesion, value, -trial.speed(arrival), arrival.duration)
+
+    def _rated(self, adhesion: Adhesion, value: float, speed: float, duration: float) -> float:
+        """How far an opening edge is from its rate law, in work and in travel over the zone at once.
+
+        ``I - w(v)`` has an infinite slope at rest, ``v(I) - v`` where the law saturates. Their harmonic sum
+        has the smaller of both: a slow edge is told by its travel, a quick one by its work.
+        """
+        travel = (opening_speed(adhesion, value) - speed) * duration / self.zone
+        if value <= adhesion.work:
+            return travel
+        work = (value - adhesion.opening(max(speed, 0.0))) / adhesion.work
+        return 1.0 / (1.0 / work + 1.0 / travel) if work * travel > 0.0 else 0.0

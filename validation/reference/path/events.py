@@ -221,7 +221,7 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
                 planned.event = Kind.LEAST
                 return
             way = np.array([0.0, tracker.direction])
-            if tracker.law.rated and tracker.leg.timed and tracker.direction < 0.0:  # which has a speed
+            if tracker.law.rated and tracker.direction > 0.0:  # its drive may be lost in rounding
                 tracker.restart()
             else:
                 tracker.restart(way, FIRST_STEP * tracker.least_scale / tracker.L)

@@ -116,7 +116,7 @@ class Tracker:
         """Of the edge condition, at the end of a trial at a load parameter."""
         self.evaluations += 1
         arrival = trial.arrive(parameter)
-        return self.law.residual(trial, arrival, self.T_leg / self.L_run, not self.leg.timed), arrival
+        return self.law.residual(trial, arrival, not self.leg.timed), arrival
 
     def gradient(self, tangent: Array) -> float:
         """Of the residual in the plane of ``p/T`` and ``a/L``, by a slope and the direction of the path."""
