@@ -229,8 +229,11 @@ class Continuation(Tracker):
             return self.law.pulls(trial, arrival, not self.leg.timed, self.noise), arrival
 
         value, arrival = pull(p)
-        if value > 0.0 and self.law.rated and self.leg.timed:
-            return None  # it has a speed, however slow
+        if value > 0.0 and self.law.rated and self.leg.timed:  # it has a speed, seen or not
+            travel = self.law.allowed_speed(arrival.integral) * (p - self.state.parameter)
+            if travel > 0.1 * self.still:
+                return None
+            value = 0.0
         if value != 0.0:
             start, end = self.state.parameter, p
             if pull(start)[0] != 0.0:

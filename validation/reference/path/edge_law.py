@@ -40,6 +40,10 @@ class EdgeLaw:
         """Whether an opening edge takes up what its speed tells."""
         return self.adhesion is not None and self.adhesion.rate is not None
 
+    def allowed_speed(self, integral: float) -> float:
+        """Speed at which the rate law lets an edge open."""
+        return opening_speed(self.adhesion, integral) if self.adhesion else 0.0
+
     def at_rim(self, radius: float) -> bool:
         """Whether the edge is that of the indenter."""
         return radius >= self.rim * (1.0 - 1e-12)
@@ -85,7 +89,7 @@ class EdgeLaw:
         ``I - w(v)`` has an infinite slope at rest, ``v(I) - v`` where the law saturates. Their harmonic sum
         has the smaller of both: a slow edge is told by its travel, a quick one by its work.
         """
-        travel = (opening_speed(adhesion, value) - speed) * duration / self.zone
+        travel = (self.allowed_speed(value) - speed) * duration / self.zone
         if value <= adhesion.work:
             return travel
         work = (value - adhesion.opening(max(speed, 0.0))) / adhesion.work
