@@ -208,6 +208,12 @@ class Continuation(Tracker):
 
         size = 1e-3 * max(plan.h, 1e-6) * self.L * min(1.0, zone / self.L if zone else 1.0)
         size = max(size, zone * min(0.01, SEEN * self.noise))
+        if self.law.rated and guess >= self.state.radius and self.leg.timed:
+            function(self.state.radius)
+            allowed = self.law.allowed_speed(trials[self.state.radius][1].integral)
+            if allowed > 0.0:
+                guess = self.state.radius - max(allowed * (p - self.state.parameter), 1e-3 * self.still)
+                size = 0.5 * (self.state.radius - guess)
         root = self._secants(function, guess, size, Fixed.LOAD, 1e-14 * self.L, -math.inf)
         near = (
             10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN

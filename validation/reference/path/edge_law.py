@@ -91,6 +91,6 @@ class EdgeLaw:
         """
         travel = (self.allowed_speed(value) - speed) * duration / self.zone
         if value <= adhesion.work:
-            return travel
+            return travel + min(value / adhesion.closing - 1.0, 0.0)  # it would close
         work = (value - adhesion.opening(max(speed, 0.0))) / adhesion.work
         return 1.0 / (1.0 / work + 1.0 / travel) if work * travel > 0.0 else 0.0
