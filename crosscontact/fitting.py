@@ -22,8 +22,8 @@ from validation.fits.curve_files import write_csv
 from validation.fits.fit import fit_curves, question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import REGULARISATION, FitSettings
-from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.page import lead, statements, table, write_fit
+from validation.fits.record import MeasuredCurve
 from validation.fits.statistics import Estimate
 from validation.fits.synthetic import synthetic
 from validation.report.terminal import aligned

@@ -56,7 +56,17 @@ TAKEN = {
     TEXT: ("folder", "path", "out", "name", "remark", "solver"),
     "array": ("stop_times", "profile_times", "prony"),
     "list": ("stop_times", "profile_times", "prony"),
-    EMPTY: (*("stop_times", "profile_times", "prony", "tie", "per_curve", "free", "profile", "measures"),),
+    EMPTY: (
+        "stop_times",
+        "profile_times",
+        "prony",
+        "tie",
+        "per_curve",
+        "free",
+        "profile",
+        "measures",
+        "segments",
+    ),
 }
 """Arguments that may be one of the wrong values after all, ``None`` aside where it is the default."""
 NAMED = (

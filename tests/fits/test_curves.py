@@ -16,10 +16,9 @@ from validation.fits.baseline import features
 from validation.fits.curve_files import read_csv, write_csv
 from validation.fits.curve_model import CurveModel
 from validation.fits.data_checks import check, require_contact
-from validation.fits.decimation import decimated
-from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.measured_path import straight_lines
 from validation.fits.parameters import ParameterSet, scene_parameter
+from validation.fits.record import MeasuredCurve
 from validation.fits.swapped_columns import exchanged, force_ignores_rest
 
 
@@ -197,13 +196,12 @@ def afm_curve(stiffness=None):
 
 @pytest.mark.parametrize("stiffness", [None, 0.1])
 @pytest.mark.parametrize("guess", [0.3, 1.0, 3.0])
-@pytest.mark.parametrize("part", [slice(None), slice(None, 60), slice(60, None)])
+@pytest.mark.parametrize("part", [(0, 120), (0, 60), (60, 120)])
 def test_columns_that_were_swapped_are_known_by_the_rows_without_contact(stiffness, guess, part):
     """Their sizes could be those of a stiffer material; approach and retraction tell each for itself."""
     curve, scene = afm_curve(stiffness)
     scene = with_values(scene, {"material.modulus": 8e3 * guess})
-    names = [name for name in ("time", "force", "penetration", "stage") if getattr(curve, name) is not None]
-    curve = replace(curve, **{name: getattr(curve, name)[part] for name in names})
+    curve = curve.between(*part)
     checked(curve, scene)
     assert not force_ignores_rest(curve)
     with pytest.raises(SceneError) as caught:
@@ -240,12 +238,33 @@ def test_another_unit_of_force_is_hinted_at(factor):
     assert "times that of the scene's elastic contact: other units?" in said
 
 
-def test_a_long_record_is_fitted_by_means_of_its_rows(monkeypatch):
-    monkeypatch.setattr("validation.fits.decimation.MOST_ROWS", 50)
+def test_a_long_record_becomes_means_of_its_rows():
     long = replace(hertz_curve(rows=130), noise=3e-4, contact_radius=hertz_curve(rows=130).motion)
-    short, together = decimated(long)
+    short, together = long.means(50)
     assert (together, short.time.size) == (3, 43)
     assert short.noise == pytest.approx(3e-4 / np.sqrt(3.0))
     for column in ("time", "force", "penetration", "contact_radius"):
         assert getattr(short, column)[1] == pytest.approx(getattr(long, column)[3:6].mean())
-    assert decimated(short) == (short, 1)
+    assert [one.last for one in short.segments] == [one.last // 3 for one in long.segments]
+    assert short.means(50) == (short, 1)
+
+
+def test_segments_are_told_from_the_apex_and_cut_with_the_rows():
+    time = np.linspace(0.0, 10.0, 101)
+    held = MeasuredCurve(time, time, np.interp(time, [0.0, 4.0, 7.0, 10.0], [-1.0, 1.0, 1.0, -1.0]))
+    assert [tuple(one) for one in held.segments] == [
+        ("approach", 0, 40),
+        ("pause", 40, 71),
+        ("retract", 71, 101),
+    ]
+    assert [one.kind for one in hertz_curve().segments] == ["approach", "retract"]
+    assert held.between(50, 90).segments == (("pause", 0, 21), ("retract", 21, 40))
+    assert held.rows("pause").sum() == 31
+    for wrong in (
+        (("apporach", 0, 9),),
+        (("approach", 0, 102),),
+        (("approach", 0, 9), ("retract", 5, 9)),
+        (3,),
+    ):
+        with pytest.raises(SceneError, match="segments"):
+            replace(held, segments=wrong)

@@ -27,10 +27,10 @@ from crosscontact.fitting import fit_and_write
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
 from validation.fits.fit_result import InterruptedFit
-from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.page import document, drawings, statements
 from validation.fits.parameters import ParameterSet, scene_parameter
 from validation.fits.problem import FitProblem
+from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 from validation.reference.ting import Ting
 from validation.runs.store import Store

@@ -104,7 +104,7 @@ def test_a_first_guess_that_the_solver_does_not_take_is_refused_by_its_reason():
 
 
 def test_means_of_rows_stand_in_the_report(monkeypatch):
-    monkeypatch.setattr("validation.fits.decimation.MOST_ROWS", 60)
+    monkeypatch.setattr("validation.fits.fit.MOST_ROWS", 60)
     found = fit_curves([hertz_curve(noise=2e-4)], elastic_scene(GUESS), settings_of("material.modulus"))
     assert "hertz: fitted are means of 2 rows" in statements(found)
     assert found.curves[0].curve.time.size == 60

@@ -20,7 +20,7 @@ from contact_scene import (
 )
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
-from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 
 pytestmark = pytest.mark.usefixtures("closed_form")

@@ -20,7 +20,7 @@ from contact_scene.errors import SceneError
 from validation.fits.afm_columns import STAGE, TIP, check_columns
 from validation.fits.afm_package import UnknownFormat, afmformats, errors_in_one_line
 from validation.fits.curve_files import read_csv
-from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.record import MeasuredCurve
 
 WRITTEN = {".h5": "hdf5", ".tab": "tab"}
 """Formats that can be written, by their ending."""

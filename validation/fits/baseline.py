@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.fits.jumps import Jump, jump_behind
-from validation.fits.measured_curve import Array, MeasuredCurve
+from validation.fits.record import Array, MeasuredCurve
 
 CONTACT = 6.0
 """Deviations of the noise from which a row lies off the baseline: below one in 10^8 rows by chance."""

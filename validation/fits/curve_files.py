@@ -19,7 +19,7 @@ from contact_scene.errors import SceneError
 from contact_scene.files import read_text, write_whole
 from contact_scene.tables import read_table
 from contact_scene.value_checks import finite
-from validation.fits.measured_curve import COLUMNS, MeasuredCurve
+from validation.fits.record import COLUMNS, MeasuredCurve
 
 LARGEST_FILE = 200_000_000
 """Bytes; a record of a few million rows, above which a file is no record of one curve."""

@@ -22,8 +22,8 @@ from contact_scene import Machine, Scene, SceneError, Sphere, Table
 from contact_scene.scene import with_values
 from validation.fits.baseline import CurveFeatures, features
 from validation.fits.fit_run import FitRun, sampled
-from validation.fits.measured_curve import Array, MeasuredCurve
 from validation.fits.measured_path import straight_lines
+from validation.fits.record import Array, MeasuredCurve
 
 PATH_SHARE = 0.3
 """Force that a deviation of the straight lines from the motion may cost, over the noise of the force:

@@ -6,8 +6,8 @@ import numpy as np
 
 from contact_scene import Scene, SceneError
 from validation.fits.curve_model import CurveModel
-from validation.fits.measured_curve import MeasuredCurve
 from validation.fits.parameters import CONTACT_POINT, SPRING, ParameterSet
+from validation.fits.record import MeasuredCurve
 from validation.fits.swapped_columns import exchanged, force_ignores_rest
 from validation.reference import sneddon
 

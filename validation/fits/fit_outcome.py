@@ -12,9 +12,9 @@ from contact_scene.scene import with_values
 from validation.fits.fit_result import FitResult, FittedCurve
 from validation.fits.fit_settings import FitSettings
 from validation.fits.goodness import Goodness, goodness
-from validation.fits.measured_curve import Array
 from validation.fits.parameters import CONTACT_POINT
 from validation.fits.problem import FitProblem
+from validation.fits.record import Array
 from validation.fits.search import BestSoFar, Search
 from validation.fits.statistics import (
     Combination,

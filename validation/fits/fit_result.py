@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from contact_scene import Scene
 from validation.fits.fit_settings import FitSettings
 from validation.fits.goodness import Goodness
-from validation.fits.measured_curve import Array, MeasuredCurve
 from validation.fits.profile_likelihood import LikelihoodProfile
+from validation.fits.record import Array, MeasuredCurve
 from validation.fits.second_solver import SecondSolver
 from validation.fits.statistics import Combination, Estimate
 

@@ -10,7 +10,7 @@ import numpy as np
 from contact_scene import OutcomeKind, Scene, SceneError
 from contact_scene.errors import one_line
 from validation import solvers
-from validation.fits.measured_curve import Array
+from validation.fits.record import Array
 from validation.measure.curves import RowCurve
 
 ON_TIME = 1e-9

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from validation.fits.measured_curve import Array
+from validation.fits.record import Array
 
 UNLIKELY = 1e-3
 """Probability below which a misfit, or the order of its signs, is not taken for chance."""

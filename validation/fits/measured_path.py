@@ -14,7 +14,7 @@ from scipy.linalg import solveh_banded
 
 from contact_scene.errors import SceneError
 from validation.fits.baseline import noise_of_differences
-from validation.fits.measured_curve import Array
+from validation.fits.record import Array
 
 NOISE_WITHIN = 4.0
 """Deviations of the noise by which a row may miss its line: one in 16 000 by chance."""

@@ -16,7 +16,7 @@ from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
 from contact_scene.scene import value_at
 from contact_scene.value_checks import finite
-from validation.fits.measured_curve import Array
+from validation.fits.record import Array
 
 CONTACT_POINT, BASELINE, DRIFT, TIME_OFFSET = "contact_point", "baseline", "drift", "time_offset"
 INSTRUMENT = (CONTACT_POINT, BASELINE, DRIFT, TIME_OFFSET)

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from contact_scene import Scene, SceneError
 from validation.fits.curve_model import CurveModel, CurvePrediction
 from validation.fits.fit_run import NO_CONTACT, FitRun, run_of
-from validation.fits.measured_curve import Array
 from validation.fits.parameters import BASELINE, CONTACT_POINT, DRIFT, TIME_OFFSET, ParameterSet
+from validation.fits.record import Array
 from validation.fits.residual_blocks import RowBlock, radius_noise
 from validation.runs.pool import Task, run_tasks
 from validation.runs.provenance import fingerprint

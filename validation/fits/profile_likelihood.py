@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
-from validation.fits.measured_curve import Array
 from validation.fits.problem import FitProblem
+from validation.fits.record import Array
 from validation.fits.statistics import CONFIDENCE
 
 STEPS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)

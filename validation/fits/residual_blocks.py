@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from validation.fits.baseline import noise_of_differences
 from validation.fits.curve_model import CurveModel
-from validation.fits.measured_curve import Array
+from validation.fits.record import Array
 
 LEAST_RADIUS_NOISE = 1e-4
 """Noise of a measured contact radius over its range, at least."""

@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from contact_scene import SceneError
-from validation.fits.measured_curve import Array
 from validation.fits.problem import FitProblem
+from validation.fits.record import Array
 
 SPREAD = np.log(3.0)
 """Starts are drawn within a factor of three about the scene's values: whoever knows less states bounds."""

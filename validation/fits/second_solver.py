@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from validation.fits.measured_curve import Array
 from validation.fits.problem import FitProblem
+from validation.fits.record import Array
 
 
 @dataclass(frozen=True)

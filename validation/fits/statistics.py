@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from validation.fits.goodness import Goodness
-from validation.fits.measured_curve import Array
 from validation.fits.parameters import FitParameter
+from validation.fits.record import Array
 
 CONFIDENCE = 0.95
 VAGUE = 0.5

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from validation.fits.baseline import CONTACT, features, noise_of_differences
-from validation.fits.measured_curve import Array, MeasuredCurve
+from validation.fits.record import Array, MeasuredCurve
 
 FEWEST = 5
 """Rows at rest, and as many in motion beside them, from which a pace is read, at least."""

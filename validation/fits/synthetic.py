@@ -13,7 +13,7 @@ from contact_scene.loading import Segment
 from contact_scene.run_control import LoadingCursor, whole_number
 from contact_scene.value_checks import a_string, finite, not_negative, of_class, one_of, positive
 from validation.fits.fit_run import FitRun, run_of, sampled
-from validation.fits.measured_curve import FEWEST_ROWS, Array, MeasuredCurve
+from validation.fits.record import FEWEST_ROWS, Array, MeasuredCurve
 from validation.solvers import REFERENCE, SOLVERS
 
 ROWS = 300

@@ -11,7 +11,6 @@ from contact_scene import Branch, Machine, Scene, SceneError
 from contact_scene.errors import shown
 from validation.fits.curve_model import CurveModel
 from validation.fits.fit_settings import FitSettings
-from validation.fits.measured_curve import Array, MeasuredCurve
 from validation.fits.parameters import (
     BASELINE,
     DRIFT,
@@ -20,6 +19,7 @@ from validation.fits.parameters import (
     FitParameter,
     scene_parameter,
 )
+from validation.fits.record import Array, MeasuredCurve
 
 TIME_SHARE = 0.1
 """Time offset over the duration of a record, at most."""
