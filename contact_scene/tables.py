@@ -47,12 +47,22 @@ QUANTITIES = {
     "work": ("energy per area", ("work",)),
 }
 _OWN_NAMES = {
-    "length": ("penetration", "stage", "contact_radius", "radius", "height"),
-    "force": ("force",),
+    "length": ("contact_radius", "radius"),
     "speed": ("speed",),
     "energy": ("stored_energy", "external_work", "dissipated_energy"),
 }
 QUANTITIES |= {name: (kind, (name,)) for kind, names in _OWN_NAMES.items() for name in names}
+QUANTITIES |= {
+    "force": ("force", ("force", "load", "F", "normal_force")),
+    "penetration": ("length", ("penetration", "indentation", "indentation_depth", "depth")),
+    "stage": ("length", ("stage", "stage_position", "z", "Z", "z_position", "zsnsr", "z_sensor")),
+    "piezo": ("length", ("piezo", "piezo_position", "piezo_displacement", "z_piezo", "zpiezo")),
+    "height": ("length", ("height",)),  # away from the sample
+    "deflection": (
+        "deflection",
+        ("deflection", "defl", "cantilever", "cantilever_deflection", "mems_displ."),
+    ),
+}
 """What a column may hold: the kind of its unit, and its names as :func:`kind_of` compares them."""
 
 _ABSCISSAS = ("time", "frequency", "temperature")

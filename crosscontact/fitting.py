@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
@@ -17,12 +17,13 @@ from crosscontact import arguments
 from crosscontact.arguments import RESOLUTION, case_of, checked_path, given
 from crosscontact.result import html_table
 from validation.fits import charts
-from validation.fits.afm_files import is_afm_file, read_file, write_afm
-from validation.fits.curve_files import write_csv
+from validation.fits.curve_tables import write_csv
 from validation.fits.fit import fit_curves, question
 from validation.fits.fit_result import FitResult, InterruptedFit
 from validation.fits.fit_settings import REGULARISATION, FitSettings
+from validation.fits.instruments import KNOWN, write_afm
 from validation.fits.page import lead, statements, table, write_fit
+from validation.fits.readers import choose, given_of, read_file
 from validation.fits.record import MeasuredCurve
 from validation.fits.statistics import Estimate
 from validation.fits.synthetic import synthetic
@@ -33,7 +34,7 @@ from validation.runs.store import Store
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve"]
+__all__ = ["Fit", "MeasuredCurve", "fit", "read_curve", "read_curves", "synthetic", "write_curve"]
 
 Curve = MeasuredCurve | str | os.PathLike[str]
 """A curve, or the path of a file that holds some."""
@@ -239,8 +240,61 @@ def fit_and_write(
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
-    """The curves of a file: one of a CSV, all of a file that ``afmformats`` reads (extra ``fit``)."""
+    """All curves of a file as :func:`fit` takes them: tables in units of the scene, others in SI units."""
     return read_file(checked_path(path, "path"))
+
+
+def read_curve(
+    path: str | os.PathLike[str],
+    *,
+    spring_constant: float | None = None,
+    sensitivity: float | None = None,
+    sampling_rate: float | None = None,
+    speed: float | None = None,
+    enum: int | None = None,
+    segment: str | None = None,
+    columns: str | Mapping[str, Any] | None = None,
+) -> MeasuredCurve:
+    """One curve of an instrument's file, in SI units.
+
+    Read are JPK (``.jpk-force``, ``-force-map``, ``-qi-data``, ``-qi-series``), Asylum ``.ibw``, ``.h5``,
+    ``.tab``, AFM Workshop, NT-MDT (extra ``fit``), Nanoscope (where ``pyfmreader`` is installed), Chiaro and
+    other tables of text, and ``.zip`` of these. What is stated here goes before what the file says.
+
+    Parameters
+    ----------
+    path : str or path
+    spring_constant : float, optional
+        In N/m.
+    sensitivity : float, optional
+        Deflection over signal, in m/V.
+    sampling_rate, speed : float, optional
+        Rows a second, or the speed of the stage in m/s, where a file has no times.
+    enum : int, optional
+        Number of the curve, from 0; needed where the file holds several.
+    segment : str, optional
+        Only the longest ``approach``, ``pause`` or ``retract``; or ``"I:J"``, segments I to J - 1.
+    columns : str or mapping, optional
+        Of a table: ``"time=3,stage=1:1e-6,deflection=2:1e-9"``, number (from 1) or name of a column and the
+        factor to SI; as a mapping ``{"stage": (1, 1e-6), ...}``.
+
+    Returns
+    -------
+    MeasuredCurve
+
+    Raises
+    ------
+    SceneError
+        One line: what is wrong, or which of the arguments states what the file does not.
+    ImportError
+        If the package that reads such files is not installed.
+    """
+    file = checked_path(path, "path")
+    given = given_of(spring_constant, sensitivity, sampling_rate, speed, columns)
+    curves = choose(read_file(file, given, si=True), enum, segment, file)
+    if len(curves) > 1:
+        raise SceneError("enum", f"{len(curves)} curves", f"one from 0 to {len(curves) - 1}", str(file))
+    return curves[0]
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
@@ -253,7 +307,7 @@ def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
     """
     of_class(curve, "curve", MeasuredCurve, "a MeasuredCurve")
     file = as_target(path)
-    if is_afm_file(file):
+    if file.suffix.lower() in (*KNOWN, ".zip", ".txt"):
         write_afm(curve, file)
     else:
         write_csv(curve, file)

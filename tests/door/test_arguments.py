@@ -36,6 +36,7 @@ REQUIRED = {
     "fit_prony": {"data": cc.RelaxationData(ROWS, 1.0 + np.exp(-ROWS))},
     "judge": {"folder": "answers"},
     "load": {"folder": "run"},
+    "read_curve": {"path": "curve.csv"},
     "read_curves": {"path": "curve.csv"},
     "read_material": {"path": "moduli.csv"},
     "read_measured": {"path": "moduli.csv"},

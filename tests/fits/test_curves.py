@@ -11,13 +11,14 @@ from support.recorded import MODULUS, elastic_scene, hertz_curve
 
 from contact_scene import SceneError
 from contact_scene.scene import with_values
-from validation.fits.afm_files import read_afm, write_afm
 from validation.fits.baseline import features
-from validation.fits.curve_files import read_csv, write_csv
 from validation.fits.curve_model import CurveModel
+from validation.fits.curve_tables import write_csv
 from validation.fits.data_checks import check, require_contact
+from validation.fits.instruments import write_afm
 from validation.fits.measured_path import straight_lines
 from validation.fits.parameters import ParameterSet, scene_parameter
+from validation.fits.readers import read_file
 from validation.fits.record import MeasuredCurve
 from validation.fits.swapped_columns import exchanged, force_ignores_rest
 
@@ -34,7 +35,7 @@ def test_a_curve_comes_back_from_csv_bit_for_bit(tmp_path):
     )
     for one in (curve, stage):
         write_csv(one, tmp_path / "one.csv")
-        back = read_csv(tmp_path / "one.csv")
+        [back] = read_file(tmp_path / "one.csv")
         assert (back.stiffness, back.indenter_radius) == (one.stiffness, one.indenter_radius)
         for column in ("time", "force", "motion"):
             assert np.array_equal(getattr(back, column), getattr(one, column))
@@ -46,7 +47,7 @@ def test_units_in_the_header_and_other_columns_are_passed_over(tmp_path, mark):
     (tmp_path / "a.csv").write_text(
         f"# noise: 0.5\n{mark}Time [s],Force (nN),temperature,Penetration [nm]\n{rows}\n"
     )
-    curve = read_csv(tmp_path / "a.csv")
+    [curve] = read_file(tmp_path / "a.csv")
     assert curve.time.size == 30
     assert curve.force[3] == 6.0
     assert curve.motion[3] == 9.0
@@ -61,7 +62,7 @@ def test_a_curve_comes_back_from_a_file_for_afm_programs(tmp_path, ending, stiff
         stage = curve.motion + curve.force / stiffness
         curve = MeasuredCurve(curve.time, curve.force, stage=stage, stiffness=stiffness)
     write_afm(curve, tmp_path / f"one.{ending}")
-    [back] = read_afm(tmp_path / f"one.{ending}")
+    [back] = read_file(tmp_path / f"one.{ending}")
     assert back.stiffness == stiffness
     for column in ("time", "force", "motion"):  # the text format has eight digits or so
         assert np.allclose(getattr(back, column), getattr(curve, column), rtol=1e-6, atol=1e-8)
@@ -82,10 +83,7 @@ def test_a_curve_comes_back_from_a_file_for_afm_programs(tmp_path, ending, stiff
         ),
         ("force,penetration,time\n" + "\n".join(f"{k},{k},{(k - 9) ** 2}" for k in range(30)), "swapped?"),
         ("time,time,force\n1,2,3\n", "stands twice"),
-        (
-            "# noise = 1\ntime [s];stage [m];force [N]\n0,1;0;0\n",
-            "line 3: cells are separated by semicolons and",
-        ),
+        ("# noise = 1\ntime [s];stage [m];force [N]\n0,1;0;0\n", "line 3: cells are separated by semi"),
         ("time [s]\n0\n", "columns: got 'time'; allowed: a header: time, penetration or stage, force"),
     ],
 )
@@ -94,7 +92,7 @@ def test_a_file_that_is_no_record_is_said_in_one_line(tmp_path, lines, words):
         lines += "\n".join(f"{k},{k}" for k in range(30))
     (tmp_path / "bad.csv").write_text(lines)
     with pytest.raises(SceneError) as caught:
-        read_csv(tmp_path / "bad.csv")
+        read_file(tmp_path / "bad.csv")
     assert words in str(caught.value)
     assert str(caught.value).startswith(str(tmp_path / "bad.csv"))
     assert "\n" not in str(caught.value)

@@ -20,7 +20,7 @@ from contact_scene import (
     write_scene,
 )
 from crosscontact.cli import main
-from validation.fits.curve_files import write_csv
+from validation.fits.curve_tables import write_csv
 from validation.fits.fit import fit_curves, question
 from validation.fits.page import statements
 from validation.runs.folder import claim

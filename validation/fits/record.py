@@ -218,8 +218,8 @@ def apex_segments(position: Array) -> tuple[Segment, ...]:
     return tuple(Segment(*one) for one in bounds if one[1] < one[2])
 
 
-def moved_segments(position: Array, numbers: NDArray[Any]) -> tuple[Segment, ...]:
-    """Segments of rows that an instrument numbers, each of the kind that its net motion tells."""
+def moved_segments(position: Array, numbers: NDArray[Any], kinds: Sequence[str] = ()) -> tuple[Segment, ...]:
+    """Segments of rows that an instrument numbers, of the kind of their first row, or of their net motion."""
     bounds = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), numbers.size]
     if len(bounds) == 2:
         return apex_segments(position)
@@ -227,5 +227,6 @@ def moved_segments(position: Array, numbers: NDArray[Any]) -> tuple[Segment, ...
     for first, last in pairwise(bounds):
         net = position[last - 1] - position[first]
         still = abs(net) < AT_REST * np.ptp(position)
-        found.append(Segment("pause" if still else "approach" if net > 0.0 else "retract", first, last))
+        moved = "pause" if still else "approach" if net > 0.0 else "retract"
+        found.append(Segment(kinds[first] if kinds else moved, first, last))
     return tuple(found)
