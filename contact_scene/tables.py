@@ -19,6 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -237,9 +238,9 @@ def read_table(text: str, file: str, kinds: Sequence[str], wanted: str) -> TextT
 
 
 def read_pairs(
-    file: Path, names: tuple[str, str], others: Sequence[str] = ()
+    file: Path, names: tuple[str, str], rules: Sequence[Any], others: Sequence[str] = ()
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Two columns of numbers, in the order of ``names``.
+    """Two columns of numbers, in the order of ``names``, each of what a rule allows.
 
     The head may say anything but that the columns stand the other way round, that one is what ``others``
     name, or units that contradict the columns or each other.
@@ -254,7 +255,7 @@ def read_pairs(
         found = f"got {cell_shown(','.join(table.names))}"
         raise SceneError(f"line {table.named_in}", found, f"the columns {', '.join(names)}", str(file))
     check_units(zip(names, table.units, strict=True), str(file))
-    first, second = (table.column(at, finite, name).tolist() for at, name in enumerate(names))
+    first, second = (table.column(at, rule, names[at]).tolist() for at, rule in enumerate(rules))
     return tuple(first), tuple(second)
 
 

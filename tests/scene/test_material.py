@@ -323,7 +323,7 @@ STANDARD = {"model": "standard-linear", "relaxed": 1.0, "glassy": 10.0, "time": 
         (SERIES | {"temperature": 210.0, "shift": {"file": "aT.csv"}}, "temperature", "30 decades"),
         (SERIES | {"temperature": 300.0, "shift": {"model": "file"}}, "shift.file", "a_T"),
         (SERIES | {"temperature": 300.0, "shift": {"file": "x", "c1": 1.0}}, "shift.c1", "model, file"),
-        (SERIES | {"temperature": 300.0, "shift": 3}, "shift", "WLF"),
+        (SERIES | {"temperature": 300.0, "shift": 3}, "shift", "a table with a model"),
     ],
 )
 def test_bad_values_get_one_line(tmp_path, keys, where, allowed):

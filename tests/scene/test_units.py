@@ -6,6 +6,7 @@ import pytest
 
 import crosscontact as cc
 from contact_scene.tables import read_pairs
+from contact_scene.value_checks import finite
 
 MATERIAL = {"modulus": 1.0, "poisson": 0.3}
 LOADING = {"start": "relaxed", "penetration": 0.01}
@@ -119,7 +120,7 @@ def test_plain_names_and_units_that_can_be_the_scenes_are_taken(tmp_path, read, 
 
 
 def of_pairs(path):
-    return read_pairs(path, ("time", "penetration"), ("force",))
+    return read_pairs(path, ("time", "penetration"), (finite, finite), ("force",))
 
 
 def of_branches(path):
