@@ -189,22 +189,19 @@ def _place(table: dict[str, Any], path: Any) -> tuple[Any, Any]:
     keys = re.sub(r"\[(\d+)\]", r".\1", path).split(".") if isinstance(path, str) else [""]
     if not all(re.fullmatch(r"[A-Za-z_]\w*|\d+", key) for key in keys):
         raise SceneError(shown(path), "is no path", "names joined by dots, as adhesion.work")
+    at: Any = table
     part: Any = None
-    at, key, where = table, keys[0], ""
-    for key in keys:
-        part, name = at, where or "a scene"
-        if isinstance(part, list) and key.isdecimal():
-            if int(key) >= len(part):
+    place: Any = None
+    for depth, key in enumerate(keys):
+        part, place, name = at, key, ".".join(keys[:depth]) or "the scene"
+        if isinstance(part, list):
+            place = int(key) if key.isdecimal() else -1
+            if not 0 <= place < len(part):
                 raise SceneError(path, f"{name} has {len(part)} entries", "places counted from 0")
-            at, where = part[int(key)], f"{where}[{key}]"
-            continue
-        if key.isdecimal():
-            raise SceneError(path, f"{name} is no list", "the path of a number in the scene")
-        if not isinstance(part, dict) or key not in part:
-            allowed = ", ".join(part) if isinstance(part, dict) else "the path of a number"
-            problem = f"the scene has no {key}" if part is table else f"{name} has no {key}"
-            raise SceneError(path, problem, allowed)
-        at, where = part[key], f"{where}.{key}".lstrip(".")
+        elif not isinstance(part, dict) or key not in part:
+            allowed = ", ".join(part) if isinstance(part, dict) else "the path of a number in the scene"
+            raise SceneError(path, f"{name} has no {key}", allowed)
+        at = part[place]
     if isinstance(at, bool) or not isinstance(at, (int, float)):
         raise SceneError(path, f"is no number but {shown(at)}", "the path of a number in the scene")
-    return part, int(key) if isinstance(part, list) else key
+    return part, place

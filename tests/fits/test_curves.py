@@ -73,7 +73,7 @@ def test_a_curve_comes_back_from_a_file_for_afm_programs(tmp_path, ending, stiff
     [
         ("time,force\n", "needs penetration or stage"),
         ("penetration,force\n", "no rows of numbers"),
-        ("time,penetration,force\n0,0,nan\n", "force, line 2: must be finite, got nan"),
+        ("time,penetration,force\n0,0,nan\n", "force, line 2: got nan"),
         ("time,penetration,force\n0,0\n", "line 1: 3 names, 'time,pene...', over 2 columns"),
         ("time,penetration,force\n0,0,x\n", "force, line 2: got 'x'"),
         ("time,stage,force\n" + "\n".join(f"{k},{k},{k}" for k in range(30)), "stiffness: is missing"),
@@ -83,7 +83,7 @@ def test_a_curve_comes_back_from_a_file_for_afm_programs(tmp_path, ending, stiff
         ),
         ("force,penetration,time\n" + "\n".join(f"{k},{k},{(k - 9) ** 2}" for k in range(30)), "swapped?"),
         ("time,time,force\n1,2,3\n", "stands twice"),
-        ("# noise = 1\ntime [s];stage [m];force [N]\n0,1;0;0\n", "line 3: cells are separated by semi"),
+        ("# noise = 1\ntime [s];stage [m];force [N]\n0,1;0;0\n", "line 3: numbers have decimal commas"),
         ("time [s]\n0\n", "columns: got 'time'; allowed: a header: time, penetration or stage, force"),
     ],
 )

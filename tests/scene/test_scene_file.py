@@ -195,7 +195,7 @@ def test_numbers_are_read_and_replaced_by_their_paths_together():
         ("glue.work", "the scene has no glue; allowed: material, indenter"),
         ("material.branches[2].time", "material.branches has 2 entries"),
         ("material.branches", "is no number"),
-        ("adhesion[0]", "adhesion is no list"),
+        ("adhesion[0]", "adhesion has no 0; allowed: work"),
         ("material..modulus", "is no path"),
         ("loading.start", "is no number"),
     ],
