@@ -15,10 +15,9 @@ from pathlib import Path
 import pytest
 
 from validation.runs.pool import BATCH_SECONDS, Engine
-from validation.runs.store import RunTable
 from validation.sweeps.dataset import to_dataset, write_results
 from validation.sweeps.plan import read_plan
-from validation.sweeps.run_plan import carry_out
+from validation.sweeps.run_plan import carry_out, store_of
 
 ROOT = Path(__file__).parents[2]
 PLAN = """
@@ -64,8 +63,8 @@ def plan(tmp_path_factory):
 def whole(plan, tmp_path_factory):
     """Folder and data set of the sweep that nothing interrupts, carried out in this process."""
     folder, task = tmp_path_factory.mktemp("whole"), read_plan(str(plan))
-    with RunTable(folder) as table:
-        runs = carry_out(task, table)
+    with store_of(folder) as store:
+        runs = carry_out(task, store)
         write_results(task, runs, folder)
         return folder, to_dataset(task, runs)
 
@@ -114,7 +113,7 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
         client.get_executor() as executor,
-        RunTable() as table,
+        store_of() as store,
     ):
 
         def kill_one(share, text):
@@ -122,7 +121,7 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
                 killed.append(next(iter(client.run(os.getpid).values())))
                 os.kill(killed[0], signal.SIGKILL)
 
-        runs = carry_out(task, table, Engine(executor, 16, BATCH_SECONDS / 5.0), kill_one)
+        runs = carry_out(task, store, Engine(executor, 16, BATCH_SECONDS / 5.0), kill_one)
         there = to_dataset(task, runs)
     assert killed
     assert not runs.failed
