@@ -30,7 +30,16 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     from contact_scene import *
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.exam import export_exam, judge
-    from crosscontact.fitting import Fit, MeasuredCurve, fit, read_curve, read_curves, synthetic, write_curve
+    from crosscontact.fitting import (
+        Fit,
+        MeasuredCurve,
+        fit,
+        fit_each,
+        read_curve,
+        read_curves,
+        synthetic,
+        write_curve,
+    )
     from crosscontact.result import ContactState, Result, load
     from crosscontact.sweeps import sweep
 
@@ -85,6 +94,7 @@ __all__ = [
     "compare",
     "export_exam",
     "fit",
+    "fit_each",
     "fit_prony",
     "judge",
     "load",
@@ -112,6 +122,7 @@ _HOMES = {
         "Fit",
         "MeasuredCurve",
         "fit",
+        "fit_each",
         "read_curve",
         "read_curves",
         "synthetic",

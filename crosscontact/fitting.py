@@ -18,15 +18,16 @@ from crosscontact.arguments import RESOLUTION, case_of, checked_path, given
 from crosscontact.result import html_table
 from validation.fits import charts
 from validation.fits.curve_tables import write_csv
-from validation.fits.fit import fit_curves, question
-from validation.fits.fit_result import FitResult, InterruptedFit
-from validation.fits.fit_settings import REGULARISATION, FitSettings
+from validation.fits.each import EachFit, dataset, write_each
+from validation.fits.each import fit_each as fit_curves_each
+from validation.fits.errors import Estimate
+from validation.fits.fit import fit_curves
 from validation.fits.instruments import KNOWN, write_afm
 from validation.fits.page import lead, statements, table, write_fit
+from validation.fits.parameters import REGULARISATION, FitSettings, question
 from validation.fits.readers import choose, given_of, read_file
 from validation.fits.record import MeasuredCurve
-from validation.fits.statistics import Estimate
-from validation.fits.synthetic import synthetic
+from validation.fits.result import FitResult, InterruptedFit
 from validation.report.terminal import aligned
 from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
@@ -34,7 +35,10 @@ from validation.runs.store import Store
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Fit", "MeasuredCurve", "fit", "read_curve", "read_curves", "synthetic", "write_curve"]
+__all__ = [
+    *("Fit", "MeasuredCurve", "fit", "fit_each"),
+    *("read_curve", "read_curves", "synthetic", "write_curve"),
+]
 
 Curve = MeasuredCurve | str | os.PathLike[str]
 """A curve, or the path of a file that holds some."""
@@ -116,6 +120,7 @@ def fit(
     resolution: int | None = None,
     check_solver: str | None = "bem",
     max_steps: int | None = None,
+    within: float | None = None,
     executor: Executor | None = None,
     out: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
@@ -135,7 +140,8 @@ def fit(
     per_curve : sequence of str
         Like ``vary``, with a value of its own for each curve.
     free : sequence of str
-        Of ``contact_point``, ``baseline``, ``drift``, ``time_offset``.
+        Of each curve: ``contact_point``, ``time_offset``, and what the force is linear in: ``baseline``,
+        ``drift``, or ``background`` (level, tilt over the position, drag with the speed).
     prony : sequence of float
         Relaxation times of a fixed grid whose moduli are fitted.
     regularisation : float, optional
@@ -151,6 +157,8 @@ def fit(
         Solves the fitted curves once more.
     max_steps : int, optional
         Bounds accepted and rejected steps together; by default a bound that no sound run comes near.
+    within : float, optional
+        Share of the range of the force that the model may miss, where a white noise is no yardstick: 0.01.
     executor : Executor, optional
         Any of ``concurrent.futures``; carries out the runs of a derivative side by side.
     out : path, optional
@@ -167,31 +175,95 @@ def fit(
     SceneError
         One line, if data or arguments are no good.
     """
-    measured = _measured(curves)
-    arguments.check_solver(solver, "solver", arguments.names())
-    if check_solver is not None:
-        arguments.check_solver(check_solver, "check_solver", arguments.names())
-    resolution = given(RESOLUTION, resolution, "resolution")
-    of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
-    function_or_none(progress, "progress", "a line of text")
-    settings = FitSettings(
-        vary=_names(vary, "vary"),
-        tie=_names(tie, "tie"),
-        per_curve=_names(per_curve, "per_curve"),
-        free=_names(free, "free"),
-        prony=as_tuple(prony, "prony", "several relaxation times"),
-        regularisation=REGULARISATION if regularisation is None else regularisation,
+    settings = _settings(
+        vary=vary,
+        tie=tie,
+        per_curve=per_curve,
+        free=free,
+        prony=prony,
+        regularisation=regularisation,
         starts=starts,
         seed=seed,
-        profile=_names(profile, "profile"),
+        profile=profile,
         solver=solver,
         resolution=resolution,
         check_solver=check_solver,
         max_steps=max_steps,
+        within=within,
     )
-    guess = case_of(scene).scene
-    folder = None if out is None else output_folder(checked_path(out, "out"), "out")
+    measured, guess, folder = _asked(curves, scene, executor, out, progress)
     return Fit(fit_and_write(measured, guess, settings, folder, executor, progress))
+
+
+def fit_each(
+    curves: Curve | Sequence[Curve],
+    scene: Scene | str | os.PathLike[str],
+    vary: Sequence[str] = (),
+    *,
+    executor: Executor | None = None,
+    out: str | os.PathLike[str] | None = None,
+    progress: Callable[[str], None] | None = None,
+    **options: Any,
+) -> Any:
+    """Fit each curve by itself, from the answer of the explained one before it.
+
+    Parameters
+    ----------
+    curves, scene, vary, executor, progress
+        As of :func:`fit`.
+    out : path, optional
+        Folder of ``table.csv``, ``map.nc`` and the page.
+    **options
+        The others of :func:`fit`; by default without a second solver and further starts.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``value``, ``deviation``, ``low`` and ``high`` over ``curve`` and ``parameter``; ``explained``,
+        ``misfit_over_noise``, ``rms_over_range`` and ``failure`` over ``curve``.
+
+    Raises
+    ------
+    SceneError
+        One line, if arguments are no good or no curve can be fitted.
+    """
+    for name in options:
+        if name not in FitSettings.__dataclass_fields__:
+            raise SceneError(name, "is no option of a fit", ", ".join(FitSettings.__dataclass_fields__))
+    settings = _settings(**{"vary": vary, "starts": 1, "check_solver": None} | options)
+    measured, guess, folder = _asked(curves, scene, executor, out, progress)
+    return dataset(each_and_write(measured, guess, settings, folder, executor, progress))
+
+
+def _settings(**given_by_name: Any) -> FitSettings:
+    """Settings of a fit from arguments that anybody may have made."""
+    asked = dict(given_by_name)
+    for name in {"vary", "tie", "per_curve", "free", "profile"} & set(asked):
+        asked[name] = _names(asked[name], name)
+    if "prony" in asked:
+        asked["prony"] = as_tuple(asked["prony"], "prony", "several relaxation times")
+    if asked.get("regularisation") is None:
+        asked["regularisation"] = REGULARISATION
+    for name in {"solver", "check_solver"} & set(asked):
+        if name == "solver" or asked[name] is not None:
+            arguments.check_solver(asked[name], name, arguments.names())
+    asked["resolution"] = given(RESOLUTION, asked.get("resolution"), "resolution")
+    return FitSettings(**asked)
+
+
+def _asked(
+    curves: Curve | Sequence[Curve],
+    scene: Scene | str | os.PathLike[str],
+    executor: Executor | None,
+    out: str | os.PathLike[str] | None,
+    progress: Callable[[str], None] | None,
+) -> tuple[list[MeasuredCurve], Scene, Path | None]:
+    """Curves, first guess and folder of a fit; executor and progress are looked at."""
+    measured = _measured(curves)
+    of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
+    function_or_none(progress, "progress", "a line of text")
+    folder = None if out is None else output_folder(checked_path(out, "out"), "out")
+    return measured, case_of(scene).scene, folder
 
 
 def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
@@ -237,6 +309,29 @@ def fit_and_write(
         write_fit(result, folder)
         store.clear()
     return result
+
+
+def each_and_write(
+    curves: list[MeasuredCurve],
+    guess: Scene,
+    settings: FitSettings,
+    folder: Path | None,
+    executor: Executor | None,
+    progress: Callable[[str], None] | None,
+    key: str = "out",
+    fresh: bool = False,
+) -> list[EachFit]:
+    """Fit each curve; with a folder all that there is stands in it after each of them."""
+    if folder is None:
+        return fit_curves_each(curves, guess, settings, executor, None, progress)
+    claim(folder, "fits of each curve", question(curves, guess, settings), key, fresh)
+    store = Store(folder, fresh)
+    found = fit_curves_each(
+        curves, guess, settings, executor, store, progress, lambda found: write_each(found, folder)
+    )
+    write_each(found, folder)
+    store.clear()
+    return found
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:

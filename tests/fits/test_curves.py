@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.recorded import MODULUS, elastic_scene, hertz_curve
+from support.recorded import MODULUS, elastic_scene, hertz_curve, settings_of
 
 from contact_scene import SceneError
 from contact_scene.scene import with_values
 from validation.fits.baseline import features
-from validation.fits.curve_model import CurveModel
 from validation.fits.curve_tables import write_csv
 from validation.fits.data_checks import check, require_contact
 from validation.fits.instruments import write_afm
-from validation.fits.measured_path import straight_lines
-from validation.fits.parameters import ParameterSet, scene_parameter
+from validation.fits.model import CurveModel
+from validation.fits.parameters import unknowns
+from validation.fits.path import straight_lines
 from validation.fits.readers import read_file
 from validation.fits.record import MeasuredCurve
 from validation.fits.swapped_columns import exchanged, force_ignores_rest
@@ -143,7 +143,7 @@ def checked(curve, scene=None, free=()):
     scene = scene or elastic_scene()
     model = CurveModel.of(curve, scene)
     require_contact(model)
-    return check(model, ParameterSet((scene_parameter(scene, "material.modulus"),)))
+    return check(model, unknowns([model], scene, settings_of("material.modulus", free=free)))
 
 
 @pytest.mark.parametrize(

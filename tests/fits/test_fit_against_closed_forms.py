@@ -23,7 +23,7 @@ from contact_scene import (
 from contact_scene.scene import with_values
 from validation.fits.baseline import features
 from validation.fits.fit import fit_curves
-from validation.fits.fit_settings import FitSettings
+from validation.fits.parameters import FitSettings
 from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 

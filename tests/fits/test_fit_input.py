@@ -21,8 +21,9 @@ from contact_scene import (
 )
 from crosscontact.cli import main
 from validation.fits.curve_tables import write_csv
-from validation.fits.fit import fit_curves, question
+from validation.fits.fit import fit_curves
 from validation.fits.page import statements
+from validation.fits.parameters import question
 from validation.runs.folder import claim
 
 pytestmark = pytest.mark.usefixtures("closed_form")
@@ -35,7 +36,9 @@ pytestmark = pytest.mark.usefixtures("closed_form")
         (["--vary", "material.modulus=2:1"], "bounds"),
         (["--vary", "material.modulus=a:b"], "two finite numbers"),
         ([], "vary: is empty"),
-        (["--vary", "material.modulus", "--free", "tilt"], "contact_point"),
+        (["--vary", "material.modulus", "--free", "tilt"], "background"),
+        (["--vary", "material.modulus", "--within", "2"], "a share of the range"),
+        (["--vary", "material.modulos", "--each"], "material has no modulos"),
         (["--vary", "material.modulus", "--check-solver", "x"], "--check-solver"),
         (["--vary", "material.modulus", "--tie", "indenter.radius=adhesion.work"], "is not varied"),
         (["--vary", "material.modulus", "--tie", "material.modulus=material.modulus"], "is tied to itself"),

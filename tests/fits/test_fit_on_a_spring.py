@@ -18,8 +18,8 @@ from contact_scene import (
     Sphere,
     Table,
 )
-from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
+from validation.fits.model import CurveModel
 from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 

@@ -26,7 +26,7 @@ from contact_scene import Event, SceneError, Sphere, SurfaceProfile
 from contact_scene.indenter import TabulatedProfile
 from validation import cases
 from validation.compare import regression
-from validation.fits.fit_run import FitRun
+from validation.fits.model import FitRun
 from validation.runs import provenance, store
 from validation.runs.run import Run, read_run, write_run
 from validation.runs.store import UNFINISHED, Store, dumps

@@ -20,12 +20,11 @@ NOISE_WITHIN = 4.0
 """Deviations of the noise by which a row may miss its line: one in 16 000 by chance."""
 SMALLEST = 1e-6
 """Tolerance over the range of the motion, at least: round-off of recorded numbers."""
-STRAIGHT_ROWS = 3
-"""Rows inside a stretch from which its direction is known well enough to find its corners."""
+CORNER_ROWS = 3
+"""Rows between two straight stretches, at most, that belong to one corner; and rows inside a stretch, at
+least, from which its direction is known well enough to find its corners."""
 CORNER = 0.02
 """Change of the rate over the larger rate from which two stretches have a corner to be found."""
-CORNER_ROWS = 3
-"""Rows between two straight stretches, at most, that belong to one corner."""
 PRIOR = 1e-9
 """Weight of the recorded height at a corner beside that of a row: decides where no row lies between two."""
 MOST_KNOTS = 400
@@ -33,23 +32,7 @@ MOST_KNOTS = 400
 
 
 def straight_lines(time: Array, position: Array, tolerance: float) -> tuple[Array, Array]:
-    """Times and heights of the corners of the path.
-
-    Parameters
-    ----------
-    time, position : ndarray, shape (N,)
-    tolerance : float
-        By which a row may miss its line; widened to the noise of the rows.
-
-    Returns
-    -------
-    knots, heights : ndarray, shape (K,)
-
-    Raises
-    ------
-    SceneError
-        If the motion has no straight stretches.
-    """
+    """Times and heights of the corners of a path that no row misses by more than tolerance and noise."""
     noise = noise_of_differences(position)
     within = max(tolerance, NOISE_WITHIN * noise, SMALLEST * float(np.ptp(position)))
     rows = _kept_rows(time, position, within)
@@ -85,9 +68,9 @@ def _moved_corners(time: Array, position: Array, rows: np.ndarray) -> Array:
     A corner between two rows is kept as both of them, with a short stretch in between that is none.
     """
     stretches: list[tuple[int, int, float, float]] = []
-    for begin, end in zip(rows[:-1].tolist(), rows[1:].tolist(), strict=True):
+    for begin, end in pairwise(rows.tolist()):
         inner = slice(begin + 1, end)
-        if end - begin - 1 >= STRAIGHT_ROWS:
+        if end - begin - 1 >= CORNER_ROWS:
             middle = float(time[inner].mean())
             rate, level = np.polyfit(time[inner] - middle, position[inner], 1)
             stretches.append((begin, end, float(rate), float(level) - float(rate) * middle))
@@ -109,14 +92,11 @@ def _heights(time: Array, position: Array, knots: Array) -> Array:
     """Heights at the knots with which the lines miss the rows least."""
     place = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, knots.size - 2)
     share = (time - knots[place]) / np.diff(knots)[place]
-    diagonal, beside = np.zeros(knots.size), np.zeros(knots.size - 1)
-    target = np.zeros(knots.size)
-    diagonal += PRIOR
-    target += PRIOR * (np.interp(knots, time, position) - position.mean())
-    np.add.at(diagonal, place, (1.0 - share) ** 2)
-    np.add.at(diagonal, place + 1, share**2)
-    np.add.at(beside, place, share * (1.0 - share))
     level = float(position.mean())
-    np.add.at(target, place, (1.0 - share) * (position - level))
-    np.add.at(target, place + 1, share * (position - level))
-    return solveh_banded(np.vstack([diagonal, np.append(beside, 0.0)]), target, lower=True) + level
+    diagonal, beside = np.full(knots.size, PRIOR), np.zeros(knots.size)
+    target = PRIOR * (np.interp(knots, time, position) - level)
+    for end, weight in ((place, 1.0 - share), (place + 1, share)):
+        np.add.at(diagonal, end, weight**2)
+        np.add.at(target, end, weight * (position - level))
+    np.add.at(beside, place, share * (1.0 - share))
+    return solveh_banded(np.vstack([diagonal, beside]), target, lower=True) + level
