@@ -28,6 +28,7 @@ from validation.fits.parameters import REGULARISATION, FitSettings, question
 from validation.fits.readers import choose, given_of, read_file
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import FitResult, InterruptedFit
+from validation.fits.synthetic import synthetic
 from validation.report.terminal import aligned
 from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
@@ -36,8 +37,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    *("Fit", "MeasuredCurve", "fit", "fit_each"),
-    *("read_curve", "read_curves", "synthetic", "write_curve"),
+    "Fit",
+    "MeasuredCurve",
+    "fit",
+    "fit_each",
+    "read_curve",
+    "read_curves",
+    "synthetic",
+    "write_curve",
 ]
 
 Curve = MeasuredCurve | str | os.PathLike[str]
