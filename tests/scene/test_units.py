@@ -60,34 +60,6 @@ RATES = "1,1\n2,2\n"
 THREE = "".join(f"{k},{k},{k}\n" for k in range(30))
 PYVISCO = "1,0.01,0.5,2,1\n"
 
-# how it is read, its header, its rows, what is said of the header
-REFUSED = [
-    (
-        profile,
-        "radius [mm],height [um]",
-        RISING,
-        "height in um, but radius in mm; allowed: one unit of length",
-    ),
-    (profile, "# height, radius", RISING, "allowed: the columns radius, height"),
-    (table("penetration"), "# load, time", RISING, "allowed: the columns time, penetration"),
-    (profile, "# of a tip\nr [MPa],h", RISING, "radius in MPa; allowed: a unit of length, or none"),
-    (rate, "speed [s],work", RATES, "speed in s; allowed: a unit of speed"),
-    (shift, "T [s],a_T", RATES, "temperature in s; allowed: a unit of temperature"),
-    (shift, "T [K],log_aT [s]", RATES, "log shift factor in s; allowed: no unit"),
-    (measured, "w,E',E''\nrad/s,MPa,kPa", DYNAMIC, "loss modulus in kPa, but storage modulus in MPa"),
-    (
-        material("pyvisco"),
-        "i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,Pa",
-        PYVISCO,
-        "modulus in Pa, but instantaneous modulus in MPa",
-    ),
-    (
-        curve,
-        "time,penetration [nm],force,contact_radius [um]",
-        "".join(f"{k},{k},{k},{k}\n" for k in range(30)),
-        "contact_radius in um, but penetration in nm; allowed: one unit of length",
-    ),
-]
 TAKEN = [
     (profile, "radius [mm],height [mm]", RISING),
     (profile, "r (µm), h (um)", RISING),
@@ -99,18 +71,6 @@ TAKEN = [
     (material("pyvisco"), "i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,MPa", PYVISCO),
     (curve, "time (t),penetration (d),force (F)", THREE),
 ]
-
-
-@pytest.mark.parametrize(("read", "header", "rows", "said"), REFUSED)
-def test_units_that_contradict_a_column_or_each_other_are_refused(tmp_path, read, header, rows, said):
-    (tmp_path / "x.csv").write_text(f"{header}\n{rows}")
-    with pytest.raises(cc.SceneError) as caught:
-        read(tmp_path)
-    line = str(caught.value)
-    assert line.startswith(str(tmp_path / "x.csv"))
-    assert said in line
-    assert "; allowed: " in line
-    assert line.isprintable()
 
 
 @pytest.mark.parametrize(("read", "header", "rows"), TAKEN)
