@@ -22,7 +22,7 @@ from contact_scene.material import Branch, BulkRelaxation, Material, PowerLawRel
 from contact_scene.material_file import read_material, read_measured
 from contact_scene.prony import DynamicData, PronyFit, RelaxationData, fit_prony
 from contact_scene.run_control import LoadingCursor, RunMonitor
-from contact_scene.scene import Scene, read_scene, scene_from_dict, write_material, write_scene
+from contact_scene.scene import Scene, Units, read_scene, scene_from_dict, write_material, write_scene
 from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature, read_shift_factors
 from contact_scene.trace import (
     COLUMNS,
@@ -42,7 +42,7 @@ __all__ = [
     "Machine", "Material", "Oscillate", "Outcome", "OutcomeKind", "PowerLaw", "PowerLawRelaxation",
     "PowerRate", "PronyFit", "Ramp", "RateTable", "RelaxationData", "RunMonitor", "Scene", "SceneError",
     "Segment", "ShiftTable", "Sphere", "StandardLinearSolid", "Step", "SurfaceProfile", "Sweep", "Table",
-    "TabulatedProfile", "Trace", "Trigger", "UnsupportedScene", "at_temperature", "fit_prony", "read_columns",
-    "read_material", "read_measured", "read_scene", "read_shift_factors", "scene_from_dict", "write_material",
-    "write_scene", "write_trace",
+    "TabulatedProfile", "Trace", "Trigger", "Units", "UnsupportedScene", "at_temperature", "fit_prony",
+    "read_columns", "read_material", "read_measured", "read_scene", "read_shift_factors", "scene_from_dict",
+    "write_material", "write_scene", "write_trace",
 ]  # fmt: skip

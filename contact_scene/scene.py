@@ -28,6 +28,33 @@ from contact_scene.material_file import material_of
 from contact_scene.value_checks import a_string, of_class
 
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
+LONGEST_UNIT = 16
+"""Characters of the name of a unit, which stands beside the axes of figures."""
+
+
+@dataclass(frozen=True)
+class Units(Checked):
+    """Names of the units of a scene, which is in any consistent system: labels, nothing is converted."""
+
+    length: Annotated[str, Key("unit of length")] = ""
+    force: Annotated[str, Key("unit of force")] = ""
+    time: Annotated[str, Key("unit of time")] = ""
+
+    def rules(self) -> None:
+        for kind, name in vars(self).items():
+            if not name.isprintable() or "$" in name or len(name) > LONGEST_UNIT:
+                allowed = f"a name of at most {LONGEST_UNIT} printable characters, as um or µm"
+                raise SceneError(kind, f"got {shown(name)}", allowed)
+
+    def states(self, dimension: str) -> bool:
+        """Whether all units of a product of powers of length, force and time have names."""
+        return all(name or kind not in dimension for kind, name in vars(self).items())
+
+    def named(self, dimension: str) -> str:
+        """The product by these names; what has none stays as it is."""
+        for kind, name in vars(self).items():
+            dimension = dimension.replace(kind, name or kind)
+        return dimension
 
 
 @dataclass(frozen=True)
@@ -39,6 +66,7 @@ class Scene(Checked):
     loading: Annotated[Loading, Key("what is done with it")]
     adhesion: Annotated[Adhesion | None, Key("adhesion between them, if any")] = None
     title: Annotated[str, Key("name of the scene in figures and reports")] = ""
+    units: Annotated[Units | None, Key("names of its units in figures and tables")] = None
 
     def rules(self) -> None:
         if self.adhesion is not None:
@@ -53,6 +81,12 @@ class Scene(Checked):
     def machine(self) -> Machine | None:
         """What holds the indenter; ``None``: rigid. Part of the loading."""
         return self.loading.machine
+
+    @property
+    def unit_names(self) -> str:
+        """Its units in words."""
+        names = [] if self.units is None else filter(None, vars(self.units).values())
+        return ", ".join(names) or "scene units"
 
     @property
     def is_adhesive(self) -> bool:
@@ -106,11 +140,11 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
     where = as_path(folder, "folder", "the path of a folder")
     if not isinstance(data, dict):
         raise SceneError("", f"got {shown(data)}", _A_SCENE)
-    check_keys(data, ("title", "material", "indenter", "adhesion", "machine", "loading"))
-    for key in ("material", "indenter", "adhesion", "machine", "loading"):
+    check_keys(data, ("title", "units", "material", "indenter", "adhesion", "machine", "loading"))
+    for key in ("units", "material", "indenter", "adhesion", "machine", "loading"):
         if key in data and not isinstance(data[key], dict):
             raise SceneError(key, f"got {shown(data[key])}", f"a table [{key}]")
-        if key not in data and key not in ("adhesion", "machine"):
+        if key not in data and key not in ("units", "adhesion", "machine"):
             raise SceneError(key, "is missing", f"a table [{key}]")
     parts = {key: value for key, value in data.items() if key != "machine"}
     parts["material"] = under("material", lambda: material_of(data["material"], where))

@@ -87,6 +87,7 @@ __all__ = [
     "Table",
     "TabulatedProfile",
     "Trace",
+    "Units",
     "UnsupportedScene",
     "__version__",
     "at_temperature",

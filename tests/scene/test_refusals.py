@@ -80,7 +80,7 @@ def steps(*entries):
 # what stands in the good scene instead, key, part of what is allowed
 WRONG = [
     ({"loading": None}, "loading", "a table [loading]"),
-    ({"solver": {"name": 1}}, "solver", "title, material, indenter"),
+    ({"solver": {"name": 1}}, "solver", "title, units, material"),
     ({"material.a\nb\u2028c": 1}, "material.a b c", "poisson"),
     ({"material." + 100_000 * "x": 1}, "material.xxx", "poisson"),
     ({"material.branches.0.modulus": 1.1e60}, "material.branches[0].modulus", "1e+60"),

@@ -1,12 +1,16 @@
-"""Units in headers: labels of the scene's own units; one that cannot be is refused in one line."""
+"""Units: labels in headers of files and in scenes; nothing is converted, and what cannot be is refused."""
 
 from __future__ import annotations
 
+import tomllib
+
 import pytest
+from support.scene_text import GOOD
 
 import crosscontact as cc
 from contact_scene.tables import read_pairs
 from contact_scene.value_checks import finite
+from validation.measure.scaling import unit_name
 
 MATERIAL = {"modulus": 1.0, "poisson": 0.3}
 LOADING = {"start": "relaxed", "penetration": 0.01}
@@ -127,3 +131,37 @@ def test_the_time_for_a_line_grows_with_its_length_only(tmp_path, text):
     for read in (of_pairs, of_moduli):
         with pytest.raises(cc.SceneError):
             read(tmp_path / "x.csv")
+
+
+# Units that a scene states
+
+STATED = {"length": "um", "force": "nN", "time": "s"}
+
+
+def test_figures_and_tables_name_the_units_of_a_scene(tmp_path):
+    """Labels alone: the same numbers, in the scene's units instead of dimensionless ones."""
+    table = tomllib.loads(GOOD)
+    plain, named = cc.scene_from_dict(table), cc.scene_from_dict(table | {"units": STATED})
+    cc.write_scene(named, tmp_path / "scene.toml")
+    assert cc.read_scene(tmp_path / "scene.toml") == named
+    assert named.units == cc.Units("um", "nN", "s")
+    one, other = cc.solve(plain, "bem", 4), cc.solve(named, "bem", 4)
+    assert one.measures["pull_off_force"] == other.measures["pull_off_force"]
+    axes = [(panel.get_xlabel(), panel.get_ylabel()) for panel in other.figure().axes]
+    assert axes == [("penetration Δ (um)", "force F (nN)"), ("force F (nN)", "contact radius a (um)")]
+    drawn = other.figure().axes[0].lines[0].get_xdata()
+    assert max(drawn) == pytest.approx(other.trace.penetration.max())
+    assert "in um, nN, s" in repr(other)
+    assert "in scene units" in repr(one)
+    assert other.to_xarray()["stored_energy"].attrs["units"] == "nN um"
+    assert one.to_xarray()["force"].attrs["units"] == "force in scene units"
+
+
+def test_units_that_are_not_stated_stay_those_of_the_scene():
+    some = cc.scene_from_dict(tomllib.loads(GOOD) | {"units": {"length": "um"}})
+    assert [unit_name(some, name) for name in ("penetration", "force")] == ["um", "scene units"]
+    with pytest.raises(cc.SceneError, match=r"^units\.mass: unknown key; allowed: length, force, time"):
+        cc.scene_from_dict(tomllib.loads(GOOD) | {"units": {"mass": "kg"}})
+    for wrong in ("$x$", "a\nb", 17 * "m", 3):
+        with pytest.raises(cc.SceneError, match=r"^units\.force: got .*; allowed: "):
+            cc.scene_from_dict(tomllib.loads(GOOD) | {"units": {"force": wrong}})

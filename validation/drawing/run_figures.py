@@ -2,7 +2,7 @@
 
 A report draws a figure a pair of quantities, with all solvers laid over each other; a notebook the panels of
 :func:`side_by_side`. Drawn from saved columns only (those of ``trace.csv``): spheres in the paper's
-dimensionless quantities, other shapes in units of the scene.
+dimensionless quantities, unless the scene names its units, other shapes in units of the scene.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from contact_scene.errors import shown as shown_value
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.curves import Labels, RunCurves, labels, of_trace
 from validation.drawing.styles import CLOSED_FORM, INK, curve_style
-from validation.measure.scaling import unit_sizes
+from validation.measure.scaling import drawn_sizes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -168,7 +168,7 @@ def _mark_instabilities(panel: Axes, trace: Trace, scene: Scene, drawn: tuple[st
     """A cross each; where contact is lost a dotted line on, at constant stage, to the force zero."""
     from matplotlib.lines import Line2D
 
-    size, (across, up) = unit_sizes(scene), drawn
+    size, (across, up) = drawn_sizes(scene), drawn
     length, force = size.get("length", 1.0), size.get("force", 1.0)
     for event in trace.events:
         stage = (event.penetration + scene.loading.compliance * event.force) / length

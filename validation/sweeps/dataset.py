@@ -23,7 +23,7 @@ import tomli_w
 
 from contact_scene.errors import SceneError
 from contact_scene.trace import Array
-from validation.measure.scaling import kind_of
+from validation.measure.scaling import dimension_of
 from validation.runs.folder import move_whole, write_whole
 from validation.sweeps.plan import Coordinate, SweepPlan
 from validation.sweeps.run_plan import SweepRuns
@@ -44,8 +44,6 @@ _PACKAGES = {"hdf5": "h5py", "parquet": "pyarrow"}
 _WORDS = {"outcome": "how the run ended", "reason": "why it ended", "warnings": "warnings"}
 _NOT_REPEATABLE = ("wall_seconds",)
 """Measures that differ from one attempt to the next."""
-_POWERS = {"energy": "force length", "frequency": "time-1", "": "1"}
-"""Kinds of measures that are no unit of their own."""
 
 
 def check_writable(plan: SweepPlan | None = None) -> None:
@@ -119,12 +117,6 @@ def _about_coordinate(one: Coordinate, plan: SweepPlan) -> dict[str, str]:
         "keys": ", ".join(one.paths),
         "scale": "log" if one.logarithmic else "linear",
     }
-
-
-def dimension_of(measure: str) -> str:
-    """Unit of a measure as a product of powers of length, force and time."""
-    kind = kind_of(measure)
-    return _POWERS.get(kind, kind)
 
 
 def _plain(name: str) -> str:
