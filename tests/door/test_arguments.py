@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from support.wrong_values import WRONG, refused
 
+import contact_scene
 import crosscontact as cc
 from contact_scene import Counters
 from contact_scene.checked import Checked
@@ -17,10 +18,7 @@ ROWS = np.linspace(0.1, 1.0, 30)
 ELASTIC = cc.Material(1.0, 0.3)
 SCENE = cc.Scene(ELASTIC, cc.Sphere(1.0), cc.Loading("relaxed", 0.01, (cc.Ramp(0.02, 0.02),)))
 CURVE = cc.MeasuredCurve(ROWS, ROWS**2, ROWS)
-COLUMNS = dict.fromkeys(
-    ("time", "penetration", "force", "contact_radius", "stored_energy", "external_work", "dissipated_energy"),
-    ROWS,
-)
+COLUMNS = dict.fromkeys(contact_scene.COLUMNS, ROWS)
 COMPLETED = cc.Outcome(cc.OutcomeKind.COMPLETED, "the end", 1.0)
 RUN = Run("scene", "none", cc.Trace("none", *COLUMNS.values(), COMPLETED, Counters()))
 REQUIRED = {
@@ -53,36 +51,16 @@ REQUIRED = {
 }
 """Arguments with which a name can be called; the others have a default."""
 FLAG, TEXT, EMPTY = "truth value", "text", "empty array"
+TIMES = ("stop_times", "profile_times", "prony")
 TAKEN = {
     FLAG: ("estimate_errors", "with_reference"),
     TEXT: ("folder", "path", "out", "name", "remark", "solver"),
-    "array": ("stop_times", "profile_times", "prony"),
-    "list": ("stop_times", "profile_times", "prony"),
-    EMPTY: (
-        "stop_times",
-        "profile_times",
-        "prony",
-        "tie",
-        "per_curve",
-        "free",
-        "profile",
-        "measures",
-        "segments",
-    ),
+    "array": TIMES,
+    "list": TIMES,
+    EMPTY: (*TIMES, "tie", "per_curve", "free", "profile", "measures", "segments"),
 }
 """Arguments that may be one of the wrong values after all, ``None`` aside where it is the default."""
-NAMED = (
-    "solve",
-    "compare",
-    "fit",
-    "sweep",
-    "synthetic",
-    "builtin",
-    "load",
-    "judge",
-    "scene_from_dict",
-    "read_",
-)
+NAMED = ("solve", "compare", "fit", "sweep", "synthetic", "builtin", "load", "judge", "scene_from", "read_")
 """Where a text has to be the name of something that there is."""
 OPTIONAL = {("MeasuredCurve", name) for name in ("penetration", "contact_radius", "indenter_radius", "noise")}
 OPTIONAL |= {("fit", "check_solver")}
