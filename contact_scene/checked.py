@@ -164,8 +164,9 @@ class Tabulated(Checked):
         return read_pairs(file, names, rules, [one for one in cls.columns if one not in names])
 
     def rules(self) -> None:
-        one, other = self.column_names(vars(self))
-        first, second = (getattr(self, name) for name in list(fields_of(type(self)))[:2])
+        names = list(fields_of(type(self)))[:2]
+        first, second = (getattr(self, name) for name in names)
+        one, other = self.column_names(vars(self)) if self.file else names
         if len(first) != len(second):
             raise SceneError(other, f"{len(second)} numbers for {len(first)} of {one}", "one for each")
         if len(first) < self.least_rows:

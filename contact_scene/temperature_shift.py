@@ -106,7 +106,7 @@ class ShiftTable(_Law, Tabulated):
         rows = sorted(zip(self.temperatures, self.log10_factors, strict=False))
         for (one, _), (other, _) in pairwise(rows):
             if one == other:
-                raise SceneError(self.columns[0], f"{one:g} comes twice", "distinct temperatures")
+                raise SceneError("temperatures", f"{one:g} comes twice", "distinct temperatures")
         if len(rows) == len(self.temperatures) == len(self.log10_factors):
             for name, column in zip(("temperatures", "log10_factors"), zip(*rows, strict=True), strict=False):
                 object.__setattr__(self, name, column)

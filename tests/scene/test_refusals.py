@@ -170,9 +170,9 @@ IN_PYTHON = {
     ),
     "loading.steps[0].away": lambda: scene_of(Approach(1.0, 1.0, away=1e9)),
     "to": lambda: Loading("relaxed", 0.0, (Approach(1.0, 1.0),)).steps[0].segment(0.0, 0.0, 0.0),
-    "time, row 3": lambda: Table((0.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
-    "time": lambda: Table((0.0,), (0.0,)),
-    "penetration": lambda: Table((0.0, 1.0), (0.0,)),
+    "times, row 3": lambda: Table((0.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
+    "times": lambda: Table((0.0,), (0.0,)),
+    "values": lambda: Table((0.0, 1.0), (0.0,)),
 }
 
 
