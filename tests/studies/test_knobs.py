@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.synthetic_traces import DETACHED, by_hand
 
-from contact_scene import Branch, Counters, Material, Outcome, OutcomeKind, SceneError, Trace
+from contact_scene import Branch, Counters, Material, SceneError
 from crosscontact.cli import main
 from validation import cases
 from validation.measure.curves import CURVES
@@ -55,10 +56,8 @@ def answered(case, solver, resolution=None, progress=None, estimate=False, max_s
         material = equivalent_material(material)
     steps = np.arange(3.0)
     force = material.glassy_plane_modulus * np.array([0.0, 2.0, -1.0])
-    trace = Trace(
-        solver, steps, 1.0 - (steps - 1.0) ** 2, force, np.array([1.0, 2.0, 0.5]), *3 * [0.0 * steps],
-        Outcome(OutcomeKind.DETACHED, "done", 2.0), Counters(),
-    )  # fmt: skip
+    rows = {"penetration": 1.0 - (steps - 1.0) ** 2, "force": force, "contact_radius": [1.0, 2.0, 0.5]}
+    trace = by_hand(steps, DETACHED, solver, **rows)
     errors = dict.fromkeys((*Poisson.observed, *CURVES), 1e-6)
     return Run(case.name, solver, trace, measures=measure(trace, case.scene, 0.0), errors=errors)
 
@@ -129,13 +128,9 @@ def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface(ratio
 
 
 def answer(steps, seconds):
-    rows = {name: np.array([0.0, 1.0]) for name in ("time", "penetration", "force", "contact_radius")}
-    energies = {name: np.zeros(2) for name in ("stored_energy", "external_work", "dissipated_energy")}
-    counters, outcome = (
-        Counters(steps=steps, history_updates=10 * steps),
-        Outcome(OutcomeKind.COMPLETED, "done", 1.0),
-    )
-    trace = Trace(solver="one", outcome=outcome, counters=counters, **rows, **energies)
+    rows = dict.fromkeys(("penetration", "force", "contact_radius"), (0.0, 1.0))
+    counters = Counters(steps=steps, history_updates=10 * steps)
+    trace = by_hand([0.0, 1.0], solver="one", counters=counters, **rows)
     measures = {"pull_off_force": 2.0 + seconds, "loop_energy": None}
     return Run("scene", "one", trace, cpu_seconds=seconds, measures=measures)
 
