@@ -31,7 +31,6 @@ from validation.runs import provenance, store
 from validation.runs.run import Run, read_run, write_run
 from validation.runs.store import UNFINISHED, Store, dumps
 from validation.stability.matrix import CaseAnswer
-from validation.studies.knobs import RunAndMemory
 from validation.studies.ladders import Level, Settings
 from validation.studies.study import FinestReference, LevelRun
 
@@ -115,7 +114,6 @@ LEVEL = LevelRun(Level(0.5, "8", Settings(8)), {"a": None}, {"b": np.float64(0.1
 STORED = {
     "run": (RUN, Run),
     "failed run": (Run("s", "bem", failure="no memory", details="line\nline"), Run),
-    "measured run": (RunAndMemory(RUN, 10**9), RunAndMemory),
     "level": (LEVEL, LevelRun),
     "finest reference": ((RUN, 30, "words"), FinestReference),
     "answer of a case": (CaseAnswer(TRACE, seconds=0.5), CaseAnswer),
