@@ -1,4 +1,4 @@
-"""Killed in the middle: nothing is lost, nothing runs twice, the same bytes as without."""
+"""Workers, schedulers and whole sweeps that end in the middle: nothing is lost, the same bytes as without."""
 
 from __future__ import annotations
 
@@ -85,24 +85,6 @@ def wait_for_runs(out, process):
         assert process.poll() is None
         assert time.monotonic() < deadline
         time.sleep(0.002)
-
-
-@pytest.mark.slow
-def test_a_killed_sweep_goes_on_where_it_was(plan, whole, tmp_path):
-    out, (folder, _) = tmp_path / "out", whole
-    process = subprocess.Popen(command(plan, out), cwd=ROOT, stderr=subprocess.DEVNULL)
-    wait_for_runs(out, process)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    before = stored(out / "runs.sqlite")
-    assert 0 < len(before) < 60
-    again = subprocess.run(command(plan, out, jobs=1), cwd=ROOT, capture_output=True, text=True)
-    assert again.returncode == 0, again.stderr
-    after = stored(out / "runs.sqlite")
-    assert len(after) == 60
-    assert {key: after[key] for key in before} == before  # a run done again would have another run time
-    assert (out / "sweep.nc").read_bytes() == (folder / "sweep.nc").read_bytes()
-    assert (out / "sweep.csv").read_bytes() == (folder / "sweep.csv").read_bytes()
 
 
 @pytest.mark.slow
