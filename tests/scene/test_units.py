@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import re
 import tomllib
 
 import pytest
@@ -155,6 +157,19 @@ def test_figures_and_tables_name_the_units_of_a_scene(tmp_path):
     assert "in scene units" in repr(one)
     assert other.to_xarray()["stored_energy"].attrs["units"] == "nN um"
     assert one.to_xarray()["force"].attrs["units"] == "force in scene units"
+
+
+def test_axes_in_units_of_the_si_have_prefixes():
+    si = cc.builtin("cycle-si")
+    result = cc.solve(dataclasses.replace(si, units=cc.Units("m", "N", "s")), resolution=4)
+    figure = result.figure()
+    result.plot(figure.axes)  # a second run in the same axes
+    figure.draw_without_rendering()
+    (depth, force), (across, up) = ((panel.xaxis, panel.yaxis) for panel in figure.axes)
+    assert [axis.get_label_text() for axis in (depth, up)] == ["penetration Δ", "contact radius a"]
+    for axis, unit in ((depth, "m"), (force, "N"), (across, "N"), (up, "m")):
+        numbers = [text.get_text() for text in axis.get_ticklabels()]
+        assert all(re.fullmatch(rf"−?\d+(\.\d+)? [fpnµm]?{unit}", number) for number in numbers), numbers
 
 
 def test_units_that_are_not_stated_stay_those_of_the_scene():
