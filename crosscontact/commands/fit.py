@@ -42,7 +42,7 @@ SETTINGS: shared.Options = {
     ),
     "--profile": _names("NAME", "profile likelihood of these, or all"),
     "--prony": value("TIME", "moduli on these relaxation times", nargs="+", type=float, default=[]),
-    "--starts": value("N", "default: %(default)s", type=option_type(COUNT), default=3),
+    "--starts": value("N", "default: 3, with --each 1", type=option_type(COUNT)),
     "--seed": value("N", "of the starts that are drawn", type=int, default=0),
     "--within": value("SHARE", "of the range that the model may miss, as 1%%", type=_share, default=None),
     **shared.resolution("default: by the noise"),
@@ -55,7 +55,7 @@ OPTIONS = {
     **SETTINGS,
     "--regularisation": value("X", "weight of the bending of these moduli; default: 0.1", type=float),
     **shared.solver("default: the reference"),
-    "--check-solver": value("NAME", "or none; default: bem", default="bem"),
+    "--check-solver": value("NAME", "or none; default: bem, with --each none"),
     "--each": shared.flag("every curve by itself, from the answer before it: table.csv, map.nc and a page"),
     "--out": value("DIR", "write page, fit.json, scene.toml and figure there"),
     **shared.jobs(),
@@ -114,7 +114,9 @@ def _settings(options: argparse.Namespace) -> FitSettings:
         chosen["regularisation"] = options.regularisation
     solver = options.solver or arguments.REFERENCE
     arguments.check_solver(solver, "--solver", arguments.names())
-    check = None if options.check_solver == "none" else options.check_solver
+    chosen["starts"] = options.starts or (1 if options.each else 3)
+    check = options.check_solver or ("none" if options.each else "bem")
+    check = None if check == "none" else check
     if check is not None and check not in arguments.names():
         raise SceneError("--check-solver", f"got {shown(check)}", f"none, {', '.join(arguments.names())}")
     return FitSettings(**chosen, solver=solver, check_solver=check)
