@@ -25,6 +25,7 @@ from contact_scene import (
     SceneError,
     Sphere,
     Table,
+    TabulatedProfile,
     read_scene,
     scene_from_dict,
 )
@@ -173,6 +174,8 @@ IN_PYTHON = {
     "times, row 3": lambda: Table((0.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
     "times": lambda: Table((0.0,), (0.0,)),
     "values": lambda: Table((0.0, 1.0), (0.0,)),
+    "times[1]": lambda: Table((0.0, math.nan), (0.0, 1.0)),
+    "radii[0]": lambda: TabulatedProfile((-1.0, 1.0, 2.0), (0.0, 0.0, 1.0)),
 }
 
 
