@@ -451,13 +451,12 @@ class Loading(Checked):
         """Whether a level ends one of the steps."""
         return any(step.trigger is not None for step in self.steps)
 
-    def segment(self, step: Step, time: float, penetration: float, force: float) -> Segment:
-        """The control law of a step that starts from a state, on this machine."""
-        stage = penetration + self.compliance * force if self.compliance > 0.0 else penetration
-        return self._driving(step, time, stage, force)
-
-    def _driving(self, step: Step, time: float, driven: float, force: float) -> Segment:
-        """The control law of a step that starts from a position of what is driven: indenter, or stage."""
+    def segment(
+        self, step: Step, time: float, penetration: float, force: float, driven: float | None = None
+    ) -> Segment:
+        """The control law of a step that starts from a state; ``driven``: where indenter or stage stands."""
+        if driven is None:
+            driven = penetration + self.compliance * force if self.compliance > 0.0 else penetration
         segment = step.segment(time, driven, force)
         if self.compliance == 0.0 or segment.control == "force":
             return segment
@@ -477,10 +476,8 @@ class Loading(Checked):
         known = self.compliance == 0.0 or self.start_control == "stage"
         driven = self.penetration if known else math.nan
         for step in self.steps:
-            if state is None:
-                segment = self._driving(step, time, driven, force)
-            else:
-                segment = self.segment(step, time, *state(step))
+            begin = (math.nan, force, driven) if state is None else state(step)
+            segment = self.segment(step, time, *begin)
             yield step, segment
             trigger = segment.trigger
             if not own_time:
