@@ -110,9 +110,12 @@ def test_noise_and_baseline_are_those_that_were_put_in():
     assert seen.pull_off is None  # the force comes to nothing continuously
 
 
-def test_a_jump_is_found_in_its_interval_and_not_compared():
+@pytest.mark.parametrize("ringing", [0.0, 0.02])
+def test_a_jump_is_found_in_its_interval_and_not_compared(ringing):
+    """Though the spring rings down behind the loss: ten rows at a tenth of the pull-off force."""
     time = np.linspace(0.0, 1.0, 201)
     force = np.where((time > 0.2026) & (time < 0.8026), -1.0 + time, 0.0)
+    force += ringing * ((time > 0.8026) & (time < 0.8526))
     curve = MeasuredCurve(time, force + 1e-3 * np.random.default_rng(1).standard_normal(201), time)
     seen = features(curve)
     for jump, moment in ((seen.snap_in, 0.2026), (seen.pull_off, 0.8026)):
