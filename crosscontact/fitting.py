@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from html import escape
@@ -397,6 +398,19 @@ def read_curve(
     if len(curves) > 1:
         raise SceneError("enum", f"{len(curves)} curves", f"one from 0 to {len(curves) - 1}", str(file))
     return curves[0]
+
+
+def read_given(path: str, options: Namespace) -> list[MeasuredCurve]:
+    """The curves of a file, as the options of a command read it."""
+    file = checked_path(path, "path")
+    stated = (
+        options.spring_constant,
+        options.sensitivity,
+        options.sampling_rate,
+        options.speed,
+        options.columns,
+    )
+    return choose(read_file(file, given_of(*stated), si=True), options.enum, options.segment, file)
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:

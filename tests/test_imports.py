@@ -251,7 +251,7 @@ def test_light_packages_load_nothing_heavy(package):
 
 OWN_EVIDENCE = {
     "compare": {"compare"}, "study": {"studies"}, "stability": {"stability"}, "fields": {"fields"},
-    "exam": {"exam"}, "judge": {"exam"}, "fit": {"fits"}, "sweep": {"sweeps"},
+    "exam": {"exam"}, "judge": {"exam"}, "fit": {"fits"}, "curve": {"fits"}, "sweep": {"sweeps"},
 }  # fmt: skip
 """Evidence of ``validation`` that a command may load; others none, ``report`` any."""
 

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene.errors import SceneError, shown
-from contact_scene.value_checks import LARGEST, SMALLEST, a_string, as_tuple, column, finite, positive
-
-Array = NDArray[np.float64]
+from contact_scene.value_checks import LARGEST, SMALLEST, a_string, as_tuple, column, finite, number, positive
+from validation.fits.contact import Array
+from validation.fits.features import Features, features
 
 FEWEST_ROWS = 20
 """Rows of a curve, at least: fewer hardly outnumber the parameters of a fit and those of its baseline."""
@@ -182,6 +182,23 @@ class MeasuredCurve:
         cut = [Segment(k, max(a, first) - first, min(b, last) - first) for k, a, b in self.segments]
         columns = {name: values[first:last] for name, values in self._columns().items()}
         return replace(self, **columns, segments=tuple(one for one in cut if one.first < one.last))
+
+    def features(self, radius: float | None = None, poisson: float = 0.5) -> Features:
+        """What the curve shows without any solver, in SI units: contact, pull-off, background, warnings.
+
+        Parameters
+        ----------
+        radius : float, optional
+            Of a spherical indenter, in m; by default ``indenter_radius``. Without it there is no modulus,
+            and a drag near the wall is told, not taken away.
+        poisson : float
+
+        Returns
+        -------
+        Features
+        """
+        radius = self.indenter_radius if radius is None else positive(radius, "radius")
+        return features(self, radius, number(poisson, "poisson", "from -1 to 0.5", low=-1.0, high=0.5))
 
     def means(self, most: int) -> tuple[Self, int]:
         """The curve with at most ``most`` rows, and how many of its rows each one is the mean of.
