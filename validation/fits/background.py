@@ -1,8 +1,8 @@
 """Where the rows are free: behind the loss of contact, and what the force is there.
 
 The background of all free rows is linear in what may make it: level, tilt over the stage, drag with the
-speed of the stage, drift over time, a wave. Rows before contact and behind its loss have equal weight, whatever
-their number; rows off it, of tethers, have little (Huber).
+speed of the stage, drift over time, a wave. Rows before contact and behind its loss have equal weight,
+whatever their number; rows off it, of tethers, have little (Huber).
 """
 
 from __future__ import annotations

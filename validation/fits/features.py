@@ -1,8 +1,8 @@
 """What a record shows before any viscoelastic model: background, contact point, stiffness, loss of contact.
 
 In this order: the contact point of the approach (:mod:`validation.fits.contact`), with wave and wall drag;
-the loss of contact of the retraction; one background of all free rows; then pull-off, drop, work and hysteresis
-of the force over it. In SI units, of a record that goes in and out once.
+the loss of contact of the retraction; one background of all free rows; then pull-off, drop, work and
+hysteresis of the force over it. In SI units, of a record that goes in and out once.
 """
 
 from __future__ import annotations
@@ -347,6 +347,8 @@ class _Told:
             yield f"the spring bends {1e6 * bend:.3g} um over a stage of {1e6 * travel:.3g} um: {asked}"
         if np.ptp(force) < FAINT:
             yield f"the force changes by {np.ptp(force):.2g} N in all: sensitivity, spring constant or unit?"
+        if stage[np.argmax(np.abs(force - np.median(force)))] < stage.min() + 0.1 * travel:
+            yield "the force is largest where the stage is smallest: both signs turned?"
         if self.contact is None:
             yield "no contact on the approach" if self.motion.approach.size else "no approach in the record"
             return
@@ -363,5 +365,3 @@ class _Told:
             yield f"{100 * touching:.2g} % of the rows are in contact"
         if self.motion.retraction.size and told.lost is None:
             yield "contact is not lost in the record"
-        if stage[np.argmax(force)] < stage.min() + 0.1 * travel:
-            yield "the force is largest where the stage is smallest: both signs turned?"
