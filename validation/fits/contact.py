@@ -206,7 +206,9 @@ def find_contact(stage: Array, force: Array, spring: float) -> tuple[Contact, Sc
 
 
 def with_wall(scan: Scan, found: Contact) -> Contact | None:
-    """The contact behind a drag that grows towards the wall, if there is such a one."""
+    """The contact behind a drag that grows towards the wall, if any; what is white noise alone hides none."""
+    if white_noise(scan.force) > BETTER * found.misfit:
+        return None
     best = found
     for length in np.geomspace(0.002, 0.2, 7) * np.ptp(scan.stage):
         better = replace(scan, wall=float(length), even=EVEN // 4).contact()
