@@ -110,6 +110,18 @@ def test_a_background_is_found_beside_the_modulus_and_biases_it_without():
     assert modulus.low > MODULUS
 
 
+def test_a_wave_of_the_laser_on_the_baseline_is_part_of_the_background():
+    curve = hertz_curve(noise=2e-5, rows=600)
+    size, length = 0.01 * np.ptp(curve.force), 0.1 * DEPTH
+    wave = size * np.sin(2.0 * np.pi * curve.motion / length)
+    recorded = replace(curve, force=curve.force + wave)
+    options = settings_of("material.modulus", free=("background",), starts=1)
+    found = {one.name: one for one in fit_curves([recorded], elastic_scene(GUESS), options).estimates}
+    assert found["material.modulus"].low < MODULUS < found["material.modulus"].high
+    sizes = [found[f"wave_{name}@hertz"].value for name in ("cosine", "sine")]
+    assert np.hypot(*sizes) == pytest.approx(size, rel=0.1)
+
+
 def test_parts_of_a_background_that_others_make_up_are_left_out():
     whole = hertz_curve(noise=2e-4)
     approach = whole.between(0, 60)  # at one speed: the drag is a level, the tilt a drift

@@ -30,7 +30,7 @@ CONTACT_POINT, TIME_OFFSET = "contact_point", "time_offset"
 BACKGROUND = {
     "baseline": ("baseline",),
     "drift": ("drift",),
-    "background": ("baseline", "tilt", "drag"),
+    "background": ("baseline", "tilt", "drag", "wave_cosine", "wave_sine"),
 }
 """Parts of the background that each name of ``free`` stands for."""
 INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)

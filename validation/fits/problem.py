@@ -6,9 +6,9 @@ measured. A run that loses contact early, or breaks down, leaves a force of zero
 error. Rows that for certain only one of run and record has in contact are not compared: there the force is
 wrong by the whole of it, however right the parameters are but for the moment of the jump, which leads.
 
-The background (level, drift, tilt, drag) is linear: it costs no run, and every point of the search has the
-one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). The time offset is
-a shift of the same run. All other derivatives are differences of runs, which share no work and may be carried
+The background (level, drift, tilt, drag, a wave) is linear: it costs no run, and every point of the search has
+the one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). The time offset
+is a shift of the same run. All other derivatives are differences of runs, which share no work and may be carried
 out side by side.
 """
 
@@ -23,10 +23,11 @@ from numpy.typing import NDArray
 
 from contact_scene import SceneError
 from validation.fits.baseline import noise_of_differences
+from validation.fits.contact import wave_columns, wave_length
 from validation.fits.jumps import Jump
 from validation.fits.model import NO_CONTACT, CurveModel, CurvePrediction, FitRun, run_of
 from validation.fits.parameters import BACKGROUND, CONTACT_POINT, TIME_OFFSET, FitSettings, Unknowns
-from validation.fits.record import Array, MeasuredCurve
+from validation.fits.record import Array
 from validation.runs.pool import Task, run_tasks
 from validation.runs.provenance import fingerprint
 from validation.runs.store import Store
@@ -96,7 +97,7 @@ class FitProblem:
         self.parts: list[tuple[int, str]] = []  # curve and name of each part of the background
         columns = []
         for index, (model, own) in enumerate(zip(self.models, self.force_rows, strict=True)):
-            for name, values in background_columns(model.curve, self.settings.free).items():
+            for name, values in background_columns(model, self.settings.free).items():
                 column = np.zeros(self.size)
                 column[own] = values[self.compared[index]] / model.allowed
                 self.parts.append((index, name))
@@ -202,11 +203,11 @@ class FitProblem:
 
     def fitted_force(self, index: int, point: Point) -> Array:
         """Force as the instrument would record it, shape (N,)."""
-        curve = self.models[index].curve
         force = point.predictions[index].force.copy()
-        of_curve = [at for at, (own, _) in enumerate(self.parts) if own == index]
-        for at, values in zip(of_curve, background_columns(curve, self.settings.free).values(), strict=True):
-            force += point.background[at] * values
+        columns = background_columns(self.models[index], self.settings.free)
+        for (curve, part), size in zip(self.parts, point.background, strict=True):
+            if curve == index:
+                force += size * columns[part]
         return force
 
     def _values(self, x: Array) -> list[dict[str, float]]:
@@ -237,8 +238,9 @@ class FitProblem:
         return np.empty(0) if bending is None else bending(self.unknowns.values(x))
 
 
-def background_columns(curve: MeasuredCurve, free: Sequence[str]) -> dict[str, Array]:
+def background_columns(model: CurveModel, free: Sequence[str]) -> dict[str, Array]:
     """Parts of the background of a record, as far as each is more than the parts before it make up."""
+    curve, ahead = model.curve, slice(0, model.features.first)
     speed = np.zeros(curve.time.size)
     for one in curve.segments:
         if one.kind != "pause" and one.last - one.first > 2:
@@ -249,6 +251,10 @@ def background_columns(curve: MeasuredCurve, free: Sequence[str]) -> dict[str, A
         "tilt": curve.position - curve.position[0],
         "drag": speed,
     }
+    line = np.array([every["baseline"], every["tilt"]]).T[ahead]
+    left = curve.force[ahead] - line @ _least_squares(line, curve.force[ahead])
+    wave = wave_columns(curve.position, wave_length(curve.position[ahead], left))
+    every |= dict(zip(("wave_cosine", "wave_sine"), wave, strict=False))
     asked = {part for name in free for part in BACKGROUND.get(name, ())}
     found: dict[str, Array] = {}
     for name, column in every.items():
