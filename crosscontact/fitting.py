@@ -149,7 +149,7 @@ def fit(
         Like ``vary``, with a value of its own for each curve.
     free : sequence of str
         Of each curve: ``contact_point``, ``time_offset``, and what the force is linear in: ``baseline``,
-        ``drift``, or ``background`` (level, tilt over the position, drag with the speed).
+        ``drift``, or ``background`` (level, tilt over the position, drag with the speed, a wave).
     prony : sequence of float
         Relaxation times of a fixed grid whose moduli are fitted.
     regularisation : float, optional

@@ -38,7 +38,8 @@ SETTINGS: shared.Options = {
     "--per-curve": _names("PATH", "the same, another value for each curve"),
     "--tie": _names("PATH=OTHER", "PATH keeps its ratio to OTHER"),
     "--free": _names(
-        "NAME", "of each curve: contact_point, baseline, drift, background (level, tilt, drag), time_offset"
+        "NAME",
+        "of each curve: contact_point, baseline, drift, background (level, tilt, drag, wave), time_offset",
     ),
     "--profile": _names("NAME", "profile likelihood of these, or all"),
     "--prony": value("TIME", "moduli on these relaxation times", nargs="+", type=float, default=[]),

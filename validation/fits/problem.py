@@ -6,10 +6,10 @@ measured. A run that loses contact early, or breaks down, leaves a force of zero
 error. Rows that for certain only one of run and record has in contact are not compared: there the force is
 wrong by the whole of it, however right the parameters are but for the moment of the jump, which leads.
 
-The background (level, drift, tilt, drag, a wave) is linear: it costs no run, and every point of the search has
-the one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). The time offset
-is a shift of the same run. All other derivatives are differences of runs, which share no work and may be carried
-out side by side.
+The background (level, drift, tilt, drag, a wave) is linear: it costs no run, and every point of the search
+has the one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). The time
+offset is a shift of the same run. All other derivatives are differences of runs, which share no work and may
+be carried out side by side.
 """
 
 from __future__ import annotations
