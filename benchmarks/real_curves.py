@@ -104,7 +104,7 @@ def _drawn(shown: list[tuple[str, MeasuredCurve, Features]]) -> bytes:
         low = min(float(force.min()), -6e9 * told.rough)
         axes.set_ylim(1.15 * low, max(float(np.percentile(force, 99)), -1.2 * low))
         axes.set_title(name, fontsize="small")
-        axes.set_xlabel("stage (um)")
+        axes.set_xlabel("stage (µm)")
         axes.set_ylabel("force (nN)")
         format_axes(axes)
     return png(figure, DOTS)
