@@ -303,12 +303,16 @@ def _in_one_line(path: Path) -> Iterator[None]:
 
 @contextmanager
 def _logged_nowhere_else() -> Iterator[None]:
-    """The log of afmformats goes only to handlers of its own, as of a file that its user asked for."""
-    logger, handler = logging.getLogger("afmformats"), logging.NullHandler()  # with none: stderr
-    propagated, logger.propagate = logger.propagate, False
-    logger.addHandler(handler)
+    """Logs of foreign readers go only to handlers of their own, as of a file that its user asked for."""
+    handler = logging.NullHandler()  # with none: stderr, whole buffers among it
+    loggers = [logging.getLogger(name) for name in ("afmformats", "igor2")]
+    propagated = [logger.propagate for logger in loggers]
+    for logger in loggers:
+        logger.propagate = False
+        logger.addHandler(handler)
     try:
         yield
     finally:
-        logger.removeHandler(handler)
-        logger.propagate = propagated
+        for logger, was in zip(loggers, propagated, strict=True):
+            logger.removeHandler(handler)
+            logger.propagate = was
