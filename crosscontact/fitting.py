@@ -95,7 +95,7 @@ class Fit:
 
     def figure(self) -> Figure:
         """Data, fit and residuals."""
-        return charts.draw_curves(self.result.curves)
+        return charts.draw_curves(self.result)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write ``index.html``, ``fit.json``, ``scene.toml``, ``fit.png`` and ``fit.svg``."""

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing.axes import format_axes
+from validation.drawing.axes import format_axes, label_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
-from validation.fits.result import FitResult, FittedCurve, LikelihoodProfile
+from validation.fits.result import FitResult, LikelihoodProfile
+from validation.measure.scaling import unit_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,11 +22,13 @@ SIZE = 2.2  # points of a marker
 ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": SIZE, "rasterized": True}
 
 
-def draw_curves(curves: Sequence[FittedCurve], explained: bool = True) -> Figure:
+def draw_curves(result: FitResult) -> Figure:
     """A column for each curve: force over position, residuals over time; a stretch that is not explained is
     marked in both."""
     from matplotlib.figure import Figure
 
+    curves, explained = result.curves, result.goodness.explained
+    length, force, time = (f" ({unit_name(result.scene, name)})" for name in ("penetration", "force", "time"))
     columns, rows = min(len(curves), MOST_COLUMNS), -(-len(curves) // MOST_COLUMNS)
     figure = Figure(figsize=(WIDTH * max(columns, 1.4), HEIGHT * rows), layout="constrained")
     panels = figure.subplots(2 * rows, columns, squeeze=False, height_ratios=[2.2, 1.0] * rows)
@@ -48,16 +51,15 @@ def draw_curves(curves: Sequence[FittedCurve], explained: bool = True) -> Figure
             lower.axvspan(*ends, color=SERIES[1], alpha=0.2, linewidth=0)
         upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
         driven = "penetration" if one.curve.stage is None else "position of the stage"
-        upper.set(xlabel=f"{driven} (unit of the scene)", title=one.curve.name)
+        upper.set_title(one.curve.name)
         lower.plot(one.curve.time[kept], one.residuals[kept], color=SERIES[0], **ROWS)
         lower.axhline(0.0, color=INK, linewidth=0.8)
-        lower.set(xlabel="time (unit of the scene)")
-        if place % columns == 0:
-            upper.set_ylabel("force (unit of the scene)")
-            lower.set_ylabel("(measured - fit)/noise")
         for axes in (upper, lower):
             format_axes(axes)
             axes.locator_params(axis="x", nbins=5)
+        first = place % columns == 0
+        label_axes(upper, driven + length, f"force{force}" if first else "")
+        label_axes(lower, f"time{time}", "(measured - fit)/noise" if first else "")
         upper.title.set_fontsize("medium")
     panels[0, 0].legend(frameon=False, fontsize="small", labelcolor=INK)
     return figure

@@ -148,7 +148,7 @@ def document(result: FitResult, drawings: Mapping[str, Drawing]) -> Document:
 def drawings(result: FitResult) -> dict[str, Drawing]:
     """The figures by name: ``curves``, ``correlations`` and, where there are some, ``profiles``."""
     made = {
-        "curves": charts.draw_curves(result.curves, result.goodness.explained),
+        "curves": charts.draw_curves(result),
         "correlations": charts.draw_correlations(result),
     }
     return made | ({"profiles": charts.draw_profiles(result.profiles)} if result.profiles else {})
