@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.fits.contact import white_noise
 from validation.fits.jumps import JUMP, Jump, jump_behind
 from validation.fits.record import Array, MeasuredCurve
 
@@ -26,8 +27,6 @@ JUMP_SHARE, LEFT = 0.25, 0.15
 15 %, which rings down or creeps away without contact."""
 MEDIAN_EFFICIENCY = 0.37
 """Variance of the standard deviation over that of the median magnitude, both of as many normal numbers."""
-_THIRD_DIFFERENCE = np.sqrt(20.0)  # standard deviation of 1, -3, 3, -1 times independent noise
-_NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard normal number
 
 
 @dataclass(frozen=True)
@@ -80,17 +79,11 @@ class CurveFeatures:
         return recorded, known
 
 
-def noise_of_differences(values: Array) -> float:
-    """Standard deviation of independent noise on a smooth curve, from third differences, outliers aside."""
-    third = np.diff(values, 3)
-    return float(np.median(np.abs(third)) / _NORMAL_MEDIAN / _THIRD_DIFFERENCE)
-
-
 def features(curve: MeasuredCurve) -> CurveFeatures:
     """Read them off a curve."""
     force, time = curve.force, curve.time
     least = LEAST_NOISE * float(np.ptp(force))
-    noise = max(noise_of_differences(force), least)
+    noise = max(white_noise(force), least)
     level = float(np.median(force[: max(IN_A_ROW, force.size // 50)]))
     first = _leaves(np.abs(force - level) > CONTACT * noise)
     leading = np.arange(_free_rows(force - level, first))

@@ -47,6 +47,8 @@ WAVES = 400
 ROUGH, SHARE = 1.5, 0.5
 """A wave is looked for if the free rows are rougher than white noise, and taken if it is half of their
 variance."""
+_THIRD_DIFFERENCE = np.sqrt(20.0)  # standard deviation of 1, -3, 3, -1 times independent noise
+_NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard normal number
 
 
 @dataclass(frozen=True)
@@ -79,7 +81,7 @@ class Contact:
         return stage - (force - self.line(stage)) / spring
 
 
-class Trial(NamedTuple):
+class Placed(NamedTuple):
     """A contact point with the rest as fitted: sum of squares, coefficients, and the indentation of each
     row."""
 
@@ -147,7 +149,7 @@ class Scan:
             near,
         )
 
-    def trial(self, place: float, level: float) -> Trial:
+    def trial(self, place: float, level: float) -> Placed:
         """Linear least squares with one contact point; a level tells the tip to begin with."""
         span = float(np.ptp(self.stage))
         along = (self.stage - self.stage[0]) / span
@@ -165,7 +167,7 @@ class Scan:
             )
             background, stiffness = found[0] + found[1] * along, max(float(found[2]), 0.0)
         found[2] /= span**EXPONENT
-        return Trial(float(left @ left), found, span * depth)
+        return Placed(float(left @ left), found, span * depth)
 
     def _without_contact(self) -> float:
         along = (self.stage - self.stage[0]) / np.ptp(self.stage)
@@ -246,9 +248,8 @@ def means(most: int, *columns: Array) -> list[Array]:
 
 def white_noise(values: Array) -> float:
     """Standard deviation of independent noise on a smooth curve, from third differences, outliers aside."""
-    if values.size < 8:
-        return 0.0
-    return float(np.median(np.abs(np.diff(values, 3))) / 0.6744897501960817 / np.sqrt(20.0))
+    third = np.abs(np.diff(values, 3))
+    return float(np.median(third) / _NORMAL_MEDIAN / _THIRD_DIFFERENCE)
 
 
 def _least_squares(columns: list[Array], values: Array, weights: Array) -> tuple[Array, Array]:

@@ -7,9 +7,9 @@ hysteresis of the force over it. In SI units, of a record that goes in and out o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +60,8 @@ class Recorded(Protocol):
     @property
     def stiffness(self) -> float | None: ...
     @property
-    def segments(self) -> Sequence[Any]: ...
+    def speed(self) -> Array: ...
+    def rows(self, *kinds: str) -> NDArray[np.bool_]: ...
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,7 @@ class Features:
 
 
 @dataclass(frozen=True)
-class Motion:
+class Drive:
     """The rows of a record by what the drive does: approach up to the apex, retraction from it, and
     speeds."""
 
@@ -133,26 +134,20 @@ class Motion:
     apex: int
 
     @classmethod
-    def of(cls, curve: Recorded) -> Motion:
-        """Speeds are those of segments: noise of the height is no drag."""
-        stage, apex = curve.position, int(np.argmax(curve.position))
-        speed, kind = np.zeros(stage.size), np.full(stage.size, "")
-        for name, first, last in curve.segments:
-            kind = np.where((np.arange(stage.size) >= first) & (np.arange(stage.size) < last), name, kind)
-            if name != "pause" and last - first > 5:
-                speed[first:last] = np.polyfit(curve.time[first:last], stage[first:last], 1)[0]
-        place = np.arange(stage.size)
+    def of(cls, curve: Recorded) -> Drive:
+        """That of a record."""
+        place, apex = np.arange(curve.position.size), int(np.argmax(curve.position))
         return cls(
-            place[(kind == "approach") & (place <= apex)],
-            place[(kind == "retract") & (place >= apex - 1)],
-            speed,
+            place[curve.rows("approach") & (place <= apex)],
+            place[curve.rows("retract") & (place >= apex - 1)],
+            curve.speed,
             apex,
         )
 
 
 def features(curve: Recorded, radius: float | None = None, poisson: float = 0.5) -> Features:
     """Read them off a curve."""
-    motion, spring = Motion.of(curve), np.inf if curve.stiffness is None else curve.stiffness
+    motion, spring = Drive.of(curve), np.inf if curve.stiffness is None else curve.stiffness
     stage, force = curve.position, curve.force
     told, warned = None, []
     if motion.approach.size >= 20:
@@ -175,7 +170,7 @@ def features(curve: Recorded, radius: float | None = None, poisson: float = 0.5)
     return _Told(curve, motion, spring, force, told, radius, poisson).features(warned)
 
 
-def _approach(stage: Array, force: Array, spring: float, motion: Motion) -> tuple[Contact, Scan] | None:
+def _approach(stage: Array, force: Array, spring: float, motion: Drive) -> tuple[Contact, Scan] | None:
     """The contact of the approach; with a snap-in, where that begins, and DMT's stiffness behind it."""
     rows = motion.approach
     found = find_contact(stage[rows], force[rows], spring)
@@ -208,7 +203,7 @@ def _approach(stage: Array, force: Array, spring: float, motion: Motion) -> tupl
     ), scan
 
 
-def _drag(stage: Array, force: Array, spring: float, motion: Motion, walled: Contact) -> Array:
+def _drag(stage: Array, force: Array, spring: float, motion: Drive, walled: Contact) -> Array:
     """The drag near the wall on all rows, with the sign of the speed."""
     assert walled.wall is not None
     length, near = walled.wall
@@ -221,7 +216,7 @@ class _Told:
     """A record, with the force less wall drag and the contact of its approach; the rest follows from them."""
 
     curve: Recorded
-    motion: Motion
+    motion: Drive
     spring: float
     force: Array
     contact: Contact | None

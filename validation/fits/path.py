@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from contact_scene.errors import SceneError
-from validation.fits.baseline import noise_of_differences
+from validation.fits.contact import white_noise
 from validation.fits.record import Array
 
 NOISE_WITHIN = 4.0
@@ -33,7 +33,7 @@ MOST_KNOTS = 400
 
 def straight_lines(time: Array, position: Array, tolerance: float) -> tuple[Array, Array]:
     """Times and heights of the corners of a path that no row misses by more than tolerance and noise."""
-    noise = noise_of_differences(position)
+    noise = white_noise(position)
     within = max(tolerance, NOISE_WITHIN * noise, SMALLEST * float(np.ptp(position)))
     rows = _kept_rows(time, position, within)
     if rows.size > MOST_KNOTS:

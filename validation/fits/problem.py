@@ -22,8 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import SceneError
-from validation.fits.baseline import noise_of_differences
-from validation.fits.contact import wave_columns, wave_length
+from validation.fits.contact import wave_columns, wave_length, white_noise
 from validation.fits.jumps import Jump
 from validation.fits.model import NO_CONTACT, CurveModel, CurvePrediction, FitRun, run_of
 from validation.fits.parameters import BACKGROUND, CONTACT_POINT, TIME_OFFSET, FitSettings, Unknowns
@@ -94,10 +93,11 @@ class FitProblem:
                 at += size
         self.force_rows = [block.rows for block in self.blocks if block.kind == "force"]
         self.size = at + self._penalties(self.unknowns.start).size
+        self.background = [background_columns(model, self.settings.free) for model in self.models]
         self.parts: list[tuple[int, str]] = []  # curve and name of each part of the background
         columns = []
         for index, (model, own) in enumerate(zip(self.models, self.force_rows, strict=True)):
-            for name, values in background_columns(model, self.settings.free).items():
+            for name, values in self.background[index].items():
                 column = np.zeros(self.size)
                 column[own] = values[self.compared[index]] / model.allowed
                 self.parts.append((index, name))
@@ -204,10 +204,9 @@ class FitProblem:
     def fitted_force(self, index: int, point: Point) -> Array:
         """Force as the instrument would record it, shape (N,)."""
         force = point.predictions[index].force.copy()
-        columns = background_columns(self.models[index], self.settings.free)
         for (curve, part), size in zip(self.parts, point.background, strict=True):
             if curve == index:
-                force += size * columns[part]
+                force += size * self.background[index][part]
         return force
 
     def _values(self, x: Array) -> list[dict[str, float]]:
@@ -240,22 +239,16 @@ class FitProblem:
 
 def background_columns(model: CurveModel, free: Sequence[str]) -> dict[str, Array]:
     """Parts of the background of a record, as far as each is more than the parts before it make up."""
-    curve, ahead = model.curve, slice(0, model.features.first)
-    speed = np.zeros(curve.time.size)
-    for one in curve.segments:
-        if one.kind != "pause" and one.last - one.first > 2:
-            speed[one.rows] = np.polyfit(curve.time[one.rows], curve.position[one.rows], 1)[0]
+    asked = {part for name in free for part in BACKGROUND.get(name, ())}
+    curve = model.curve
     every = {
         "baseline": np.ones(curve.time.size),
         "drift": curve.time - curve.time[0],
         "tilt": curve.position - curve.position[0],
-        "drag": speed,
+        "drag": curve.speed,
     }
-    line = np.array([every["baseline"], every["tilt"]]).T[ahead]
-    left = curve.force[ahead] - line @ _least_squares(line, curve.force[ahead])
-    wave = wave_columns(curve.position, wave_length(curve.position[ahead], left))
-    every |= dict(zip(("wave_cosine", "wave_sine"), wave, strict=False))
-    asked = {part for name in free for part in BACKGROUND.get(name, ())}
+    if "wave_cosine" in asked:
+        every |= _wave(model, every)
     found: dict[str, Array] = {}
     for name, column in every.items():
         before = np.array(list(found.values())).reshape(-1, column.size).T
@@ -263,6 +256,15 @@ def background_columns(model: CurveModel, free: Sequence[str]) -> dict[str, Arra
         if name in asked and np.linalg.norm(left) > OWN_PART * np.linalg.norm(column):
             found[name] = column
     return found
+
+
+def _wave(model: CurveModel, parts: Mapping[str, Array]) -> dict[str, Array]:
+    """Cosine and sine of the wave that the rows before contact show over level and tilt, if any."""
+    position, force, ahead = model.curve.position, model.curve.force, slice(0, model.features.first)
+    line = np.array([parts["baseline"], parts["tilt"]]).T[ahead]
+    left = force[ahead] - line @ _least_squares(line, force[ahead])
+    columns = wave_columns(position, wave_length(position[ahead], left))
+    return dict(zip(("wave_cosine", "wave_sine"), columns, strict=False))
 
 
 def _least_squares(columns: Array, values: Array) -> Array:
@@ -285,5 +287,5 @@ def _radius_noise(model: CurveModel) -> float:
     if radius is None:
         return 0.0
     inside = radius[seen.first : seen.last]
-    noise = noise_of_differences(inside if inside.size > 4 else radius)
+    noise = white_noise(inside if inside.size > 4 else radius)
     return max(noise, LEAST_RADIUS_NOISE * float(np.ptp(radius)))

@@ -26,6 +26,8 @@ FEWEST_ROWS = 20
 COLUMNS = ("time", "penetration", "stage", "force", "contact_radius")
 KINDS = ("approach", "pause", "retract")
 """What the drive does in a segment."""
+FEWEST_OF_SPEED = 6
+"""Rows of a segment from which it has a speed."""
 AT_REST = 0.02
 """Share of the travel of the record below which the net motion of a segment is none: what creep and noise of
 a closed-loop stage leave of a pause."""
@@ -34,7 +36,7 @@ PLATEAU = 0.005, 0.1
 half a percent of the travel: those of a triangle are one percent, of a sine four and a half."""
 
 
-class Segment(NamedTuple):
+class CurveSegment(NamedTuple):
     """Rows ``first`` to ``last - 1``, in which the drive does ``kind``, one of ``KINDS``."""
 
     kind: str
@@ -85,7 +87,7 @@ class MeasuredCurve:
     indenter_radius: float | None = None
     noise: float | None = None
     name: str = "curve"
-    segments: Sequence[Segment] = ()
+    segments: Sequence[CurveSegment] = ()
 
     def __post_init__(self) -> None:
         a_string(self.name, "name")
@@ -113,11 +115,11 @@ class MeasuredCurve:
                     raise error.in_file(self.name) from None
         object.__setattr__(self, "segments", self._checked_segments())
 
-    def _checked_segments(self) -> tuple[Segment, ...]:
+    def _checked_segments(self) -> tuple[CurveSegment, ...]:
         allowed = f"(kind, first row, row after the last), one behind the other; kind: {', '.join(KINDS)}"
         try:
             given = as_tuple(self.segments, "segments", allowed)
-            segments = tuple(Segment(str(k), int(a), int(b)) for k, a, b in given)
+            segments = tuple(CurveSegment(str(k), int(a), int(b)) for k, a, b in given)
         except SceneError as error:
             raise error.in_file(self.name) from None
         except (TypeError, ValueError):
@@ -170,6 +172,15 @@ class MeasuredCurve:
         """Time between two rows, the median."""
         return float(np.median(np.diff(self.time)))
 
+    @property
+    def speed(self) -> Array:
+        """Of the drive, shape (N,): one in each segment, as noise of the height is none; 0 in a pause."""
+        speed = np.zeros(self.time.size)
+        for one in self.segments:
+            if one.kind != "pause" and one.last - one.first >= FEWEST_OF_SPEED:
+                speed[one.rows] = np.polyfit(self.time[one.rows], self.position[one.rows], 1)[0]
+        return speed
+
     def rows(self, *kinds: str) -> NDArray[np.bool_]:
         """Which rows belong to segments of some kinds, shape (N,)."""
         chosen = np.zeros(self.time.size, bool)
@@ -179,7 +190,7 @@ class MeasuredCurve:
 
     def between(self, first: int, last: int) -> Self:
         """The rows from ``first`` to ``last - 1`` as a curve of their own."""
-        cut = [Segment(k, max(a, first) - first, min(b, last) - first) for k, a, b in self.segments]
+        cut = [CurveSegment(k, max(a, first) - first, min(b, last) - first) for k, a, b in self.segments]
         columns = {name: values[first:last] for name, values in self._columns().items()}
         return replace(self, **columns, segments=tuple(one for one in cut if one.first < one.last))
 
@@ -217,14 +228,14 @@ class MeasuredCurve:
         means["noise"] = None if self.noise is None else self.noise / float(np.sqrt(together))
         ends = [(k, a // together, min(b, whole) // together) for k, a, b in self.segments]
         return replace(
-            self, **means, segments=tuple(Segment(*one) for one in ends if one[1] < one[2])
+            self, **means, segments=tuple(CurveSegment(*one) for one in ends if one[1] < one[2])
         ), together
 
     def _columns(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in COLUMNS if getattr(self, name) is not None}
 
 
-def apex_segments(position: Array) -> tuple[Segment, ...]:
+def apex_segments(position: Array) -> tuple[CurveSegment, ...]:
     """Approach to the apex of a position, a pause there if it stays, and the retraction behind it."""
     share, rows = PLATEAU
     near = position >= position.max() - share * np.ptp(position)
@@ -232,10 +243,12 @@ def apex_segments(position: Array) -> tuple[Segment, ...]:
     if last - first <= rows * near.size:
         first = last = int(np.argmax(position)) + 1
     bounds = zip(KINDS, (0, first, last), (first, last, near.size), strict=True)
-    return tuple(Segment(*one) for one in bounds if one[1] < one[2])
+    return tuple(CurveSegment(*one) for one in bounds if one[1] < one[2])
 
 
-def moved_segments(position: Array, numbers: NDArray[Any], kinds: Sequence[str] = ()) -> tuple[Segment, ...]:
+def moved_segments(
+    position: Array, numbers: NDArray[Any], kinds: Sequence[str] = ()
+) -> tuple[CurveSegment, ...]:
     """Segments of rows that an instrument numbers, of the kind of their first row, or of their net motion."""
     bounds = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), numbers.size]
     if len(bounds) == 2:
@@ -245,5 +258,5 @@ def moved_segments(position: Array, numbers: NDArray[Any], kinds: Sequence[str] 
         net = position[last - 1] - position[first]
         still = abs(net) < AT_REST * np.ptp(position)
         moved = "pause" if still else "approach" if net > 0.0 else "retract"
-        found.append(Segment(kinds[first] if kinds else moved, first, last))
+        found.append(CurveSegment(kinds[first] if kinds else moved, first, last))
     return tuple(found)
