@@ -19,10 +19,8 @@ from typing import Any
 import numpy as np
 
 from crosscontact.fitting import MeasuredCurve
-from validation.drawing.axes import format_axes
 from validation.drawing.export import png
-from validation.drawing.styles import INK, SERIES, VERMILION
-from validation.fits.curve_page import prefixed
+from validation.fits.curve_page import draw_over_stage, prefixed
 from validation.fits.features import Features
 from validation.fits.readers import choose, given_of, read_file
 
@@ -92,21 +90,11 @@ def _drawn(shown: list[tuple[str, MeasuredCurve, Features]]) -> bytes:
 
     figure = Figure(figsize=(2.9 * PANELS, 5.4), layout="constrained")
     for axes, (name, curve, told) in zip(figure.subplots(2, PANELS).flat, shown, strict=False):
-        stage, force = 1e6 * (curve.position - curve.position[0]), 1e9 * told.force
-        colours = dict(zip(("approach", "pause", "retract"), (SERIES[0], SERIES[2], SERIES[1]), strict=True))
-        for one in curve.segments:
-            axes.plot(
-                stage[one.rows], force[one.rows], color=colours[one.kind], linewidth=0.8, rasterized=True
-            )
-        for place, colour in ((told.contact, INK), (told.lost, VERMILION)):
-            if place is not None:
-                axes.axvline(1e6 * (place - curve.position[0]), color=colour, linewidth=0.8, linestyle="--")
-        low = min(float(force.min()), -6e9 * told.rough)
-        axes.set_ylim(1.15 * low, max(float(np.percentile(force, 99)), -1.2 * low))
+        draw_over_stage(axes, curve, told)
+        low = min(float(told.force.min()), -6.0 * told.rough)
+        axes.set_ylim(1.15 * low, max(float(np.percentile(told.force, 99)), -1.2 * low))
+        axes.locator_params(axis="x", nbins=3)
         axes.set_title(name, fontsize="small")
-        axes.set_xlabel("stage (µm)")
-        axes.set_ylabel("force (nN)")
-        format_axes(axes)
     return png(figure, DOTS)
 
 

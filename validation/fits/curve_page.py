@@ -10,16 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing.axes import format_axes
+from validation.drawing.axes import format_axes, label_axes
 from validation.drawing.styles import GREY, INK, SERIES, VERMILION
 from validation.fits.features import Features
-from validation.fits.record import Array, MeasuredCurve
+from validation.fits.record import KINDS, Array, MeasuredCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 WIDTH, HEIGHT = 11.0, 3.4  # inches of three pairs of axes
+COLOURS = dict(zip(KINDS, (SERIES[0], SERIES[2], SERIES[1]), strict=True))
+"""Of the segments of a curve, by what the drive does."""
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 QUANTITIES = {
     "contact": ("contact point of the stage", "m"),
@@ -109,49 +111,41 @@ def draw_curve(curve: MeasuredCurve, told: Features) -> Figure:
 
     figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
     over, around, along = figure.subplots(1, 3)
-    stage, force = curve.position - curve.position[0], told.force
-    tip = curve.position if curve.stiffness is None else curve.position - force / curve.stiffness
-    _lines(over, curve, stage, force, told, "stage")
+    draw_over_stage(over, curve, told)
+    stage = curve.position
+    tip = stage if curve.stiffness is None else stage - told.force / curve.stiffness
     if told.contact is not None:
-        over.axvline(
-            _scale(stage)[0] * (told.contact - curve.position[0]), color=INK, linewidth=0.8, label="contact"
-        )
-        _lines(around, curve, tip - told.contact, force, told, "indentation")
+        _lines(around, curve, tip - told.contact, told, "indentation (m)")
         near = max(told.depth or 0.0, 1e-3 * float(np.ptp(stage)))
-        around.set_xlim(
-            -2.0 * near * _scale(tip - told.contact)[0], 1.15 * near * _scale(tip - told.contact)[0]
-        )
+        around.set_xlim(-2.0 * near, 1.15 * near)
     else:
-        _lines(around, curve, tip - tip[0], force, told, "tip")
-    if told.lost is not None:
-        lost = _scale(stage)[0] * (told.lost - curve.position[0])
-        over.axvline(lost, color=VERMILION, linewidth=0.8, linestyle="--", label="lost")
-    _lines(along, curve, curve.time - curve.time[0], force, told, "time")
+        _lines(around, curve, tip - tip[0], told, "tip (m)")
+    _lines(along, curve, curve.time - curve.time[0], told, "time (s)")
     over.set_title(curve.name, fontsize="medium")
     over.legend(frameon=False, fontsize="small", labelcolor=INK)
-    for axes in (over, around, along):
-        format_axes(axes)
     return figure
 
 
-def _lines(axes: Axes, curve: MeasuredCurve, place: Array, force: Array, told: Features, name: str) -> None:
+def draw_over_stage(axes: Axes, curve: MeasuredCurve, told: Features) -> None:
+    """Force over its background, over the stage, with the places of contact and its loss."""
+    first = curve.position[0]
+    _lines(axes, curve, curve.position - first, told, "stage (m)")
+    if told.contact is not None:
+        axes.axvline(told.contact - first, color=INK, linewidth=0.8, label="contact")
+    if told.lost is not None:
+        axes.axvline(told.lost - first, color=VERMILION, linewidth=0.8, linestyle="--", label="lost")
+
+
+def _lines(axes: Axes, curve: MeasuredCurve, place: Array, told: Features, name: str) -> None:
     """Segments in their colours, above the free rows in grey."""
-    (across, unit), (up, newton) = _scale(place, "s" if name == "time" else "m"), _scale(force, "N")
-    bare: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 1.5, "rasterized": True}
-    axes.plot(across * place[told.free], up * force[told.free], color=GREY, **bare)
-    colours = dict(zip(("approach", "pause", "retract"), (SERIES[0], SERIES[2], SERIES[1]), strict=True))
+    bare: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 1.5}
+    axes.plot(place[told.free], told.force[told.free], color=GREY, rasterized=True, **bare)
+    known = set()
     for one in curve.segments:
-        kept = one.rows
-        known = [line.get_label() for line in axes.get_lines()]
-        label = one.kind if one.kind not in known else None
-        axes.plot(across * place[kept], up * force[kept], color=colours[one.kind], linewidth=0.8, label=label)
-    axes.set_xlabel(f"{name} ({unit})")
-    axes.set_ylabel(f"force ({newton})")
-
-
-def _scale(values: Array, unit: str = "m") -> tuple[float, str]:
-    """Factor and prefixed unit in which the largest of some values has one to three digits."""
-    largest = float(np.abs(values).max())
-    power = 3 * math.floor(math.log10(largest) / 3.0 + 1e-9) if largest > 0.0 else 0
-    power = min(max(power, -15), 0 if unit == "s" else 9)
-    return float(f"1e{-power}"), _PREFIXES[power] + unit
+        label = None if one.kind in known else one.kind
+        known.add(one.kind)
+        look: dict[str, Any] = {"color": COLOURS[one.kind], "linewidth": 0.8, "label": label}
+        axes.plot(place[one.rows], told.force[one.rows], rasterized=True, **look)
+    format_axes(axes)
+    label_axes(axes, name, "force (N)")
+    axes.locator_params(axis="x", nbins=4)
