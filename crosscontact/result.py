@@ -236,10 +236,8 @@ def key_numbers(
     scene: Scene, measures: Mapping[str, float | None], errors: Mapping[str, float]
 ) -> list[tuple[str, ...]]:
     """The key numbers of a run as rows under a head; columns in which there is nothing are left out."""
-    units, rows = (
-        unit_sizes(scene),
-        [("", f"in {scene.unit_names}", "dimensionless", "F/F_JKR", "error estimate")],
-    )
+    units = unit_sizes(scene)
+    rows = [("", f"in {scene.unit_names}", "dimensionless", "F/F_JKR", "error estimate")]
     for name in (*KEY_MEASURES, *(MACHINE_MEASURES if scene.loading.compliance > 0.0 else ())):
         kind, value = kind_of(name), measures.get(name)
         jkr = units.get("jkr-force") if kind == "force" else None

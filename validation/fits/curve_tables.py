@@ -117,7 +117,7 @@ def _force(
 
 def _factor(table: TextTable, place: int) -> float:
     """From the unit of a column to SI."""
-    unit = table.units[place].replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+    unit = _plain_unit(table.units[place])
     if unit in _POWERS:
         return float(f"1e{_POWERS[unit]}")
     if unit and unit not in _OTHER:
@@ -127,17 +127,19 @@ def _factor(table: TextTable, place: int) -> float:
     return _OTHER.get(unit, 1.0)
 
 
+def _plain_unit(unit: str) -> str:
+    """A unit whose prefix micro, of either code, is ``u``."""
+    return unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
+
+
 def _in_si(head: str, name: str) -> float | None:
     """The number that the head states: ``k (N/m)  0.05``, ``# spring constant = 50 pN/nm``."""
     found = re.findall(rf"{name}\s*([\[(][^\])]*[\])])?[\"']?\s*[=:\t ]\s*({_NUMBER})[ \t]*([\w/µμ]*)", head)
     if not found:
         return None
     before, value, behind = found[-1]
-    unit = (
-        (bracketed(before) or behind).replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
-    )
     power = 0
-    for part, sign in zip(unit.split("/"), (1, -1), strict=False):
+    for part, sign in zip(_plain_unit(bracketed(before) or behind).split("/"), (1, -1), strict=False):
         power += sign * _POWERS.get(part, 0)
     return float(f"{value.replace(',', '.')}") * float(f"1e{power}")
 
