@@ -28,8 +28,8 @@ from validation.drawing import export
 from validation.drawing.axes import format_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
 from validation.fits.fit import fit_curves
-from validation.fits.fit_settings import FitSettings
-from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.parameters import FitSettings
+from validation.fits.record import Array, MeasuredCurve
 from validation.fits.synthetic import synthetic
 from validation.runs.folder import output_folder, to_json, write_whole
 from validation.runs.pool import Task, TaskResult, processes, run_tasks
@@ -104,19 +104,31 @@ def random_scenes(number: int) -> tuple[list[Scene], Scene]:
     return scenes, with_values(scenes[0], wrong)
 
 
-def recorded(number: int, scenes: Sequence[Scene]) -> list[MeasuredCurve]:
+def recorded(number: int, scenes: Sequence[Scene], background: bool = False) -> list[MeasuredCurve]:
     """Curves of the scenes of a material with their noise, named by their speeds."""
-    return [
-        replace(synthetic(scene, NOISE, seed=10 * number + place, resolution=16), name=f"speed {place + 1}")
-        for place, scene in enumerate(scenes)
-    ]
+    found = []
+    for place, scene in enumerate(scenes):
+        curve = synthetic(scene, NOISE, seed=10 * number + place, resolution=16)
+        force = curve.force + _background(curve) if background else curve.force
+        found.append(replace(curve, force=force, name=f"speed {place + 1}"))
+    return found
 
 
-def recover(number: int) -> RecoveredMaterial:
-    """Record and fit one material."""
+def _background(curve: MeasuredCurve) -> Array:
+    """What instruments add, over the range of the force: a level of 5 %, a tilt of 2 % and a drift of 1 %
+    over the record, a drag of 0.5 %."""
+    reach, speed = float(np.ptp(curve.force)), np.gradient(curve.position, curve.time)
+    tilt = (curve.position - curve.position[0]) / np.ptp(curve.position)
+    drift, drag = curve.time / curve.time[-1], speed / np.abs(speed).max()
+    return np.asarray(reach * (0.05 + 0.02 * tilt + 0.01 * drift + 0.005 * drag))
+
+
+def recover(number: int, background: bool = False) -> RecoveredMaterial:
+    """Record and fit one material, with an instrument's background if asked for."""
     scenes, guess = random_scenes(number)
-    curves = recorded(number, scenes)
-    settings = FitSettings(vary=VARIED, free=("baseline",), check_solver=None)
+    curves = recorded(number, scenes, background)
+    free = ("background", "drift") if background else ("baseline",)
+    settings = FitSettings(vary=VARIED, free=free, check_solver=None)
     found = fit_curves(curves, guess, settings)
     own = found.estimates[: len(VARIED)]
     return RecoveredMaterial(
@@ -210,6 +222,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=50)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--background", action="store_true", help="add tilt, drift and drag to the records")
     parser.add_argument("--price", type=int, metavar="NUMBER", help="of a material: time its fit")
     options = parser.parse_args(arguments)
     if options.price is not None:
@@ -219,7 +232,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     store = Store(folder)
     numbers = range(options.first, options.first + options.count)
     tasks = [
-        Task(fingerprint("recovery", n), f"material {n}", recover, (n,), RecoveredMaterial) for n in numbers
+        Task(
+            fingerprint("recovery", n, options.background),
+            f"material {n}",
+            recover,
+            (n, options.background),
+            RecoveredMaterial,
+        )
+        for n in numbers
     ]
     done: dict[int, RecoveredMaterial] = {}
     failures: dict[int, str] = {}

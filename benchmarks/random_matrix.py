@@ -31,7 +31,7 @@ from validation.compare.checks import check_case
 from validation.measure.curves import CURVES, distance
 from validation.measure.scaling import scale
 from validation.runs.folder import output_folder
-from validation.runs.pool import TaskEnding, TaskResult, completed_tasks, processes, run_of, run_task
+from validation.runs.pool import Engine, TaskEnding, TaskResult, completed_tasks, processes, run_of, run_task
 from validation.runs.run import Run
 from validation.solvers import REFERENCE, SOLVERS, solver
 
@@ -252,7 +252,7 @@ def _results(
             chosen.case, name, coarse if settings.coarse else settings.resolution, estimate=estimate
         )
         tasks.append(replace(task, time_limit=times * settings.seconds))
-    done = dict(completed_tasks(enumerate(tasks), executor))
+    done = dict(completed_tasks(enumerate(tasks), Engine(executor)))
     return {name: done[number] for number, name in enumerate(estimates)}
 
 

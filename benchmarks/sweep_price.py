@@ -21,9 +21,8 @@ from contact_scene import Loading, Material, Ramp, Scene, Sphere
 from validation import solvers
 from validation.runs.pool import LOCAL_CLUSTER, own_engine
 from validation.runs.process import keep_freed
-from validation.runs.store import RunTable
 from validation.sweeps.plan import SweepPlan, of_scene, plan_from_dict
-from validation.sweeps.run_plan import carry_out
+from validation.sweeps.run_plan import carry_out, store_of
 
 START, DEPTH = 0.01, 0.02
 """Penetrations, over the radius, of the relaxed contact at the start and at the end."""
@@ -60,7 +59,7 @@ def efficiencies(runs: int, turns: int, depth: float, jobs: int, dask: str | Non
         tempfile.TemporaryDirectory() as folder,
         own_engine(jobs, dask) as engine,
         get_context("spawn").Pool(jobs, keep_freed) as pool,
-        RunTable(Path(folder)) as table,
+        store_of(Path(folder)) as store,
     ):
         for turn in range(-1, turns):  # the first is left out, with all imports
             plan = plan_of(runs // turns, Path(folder), depth, FIRST * APART**turn)
@@ -68,7 +67,7 @@ def efficiencies(runs: int, turns: int, depth: float, jobs: int, dask: str | Non
             parts = [scenes[part::jobs] for part in range(jobs)]
             works = {
                 "bare": lambda parts=parts: pool.map(_solve_all, parts, chunksize=1),
-                "sweep": lambda plan=plan: carry_out(plan, table, engine),
+                "sweep": lambda plan=plan: carry_out(plan, store, engine),
             }
             order = list(works) if turn % 2 == 0 else list(works)[::-1]
             spent = {name: _seconds(works[name]) for name in order}

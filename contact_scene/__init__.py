@@ -19,11 +19,11 @@ from contact_scene.loading import (
 )
 from contact_scene.machine import Machine
 from contact_scene.material import Branch, BulkRelaxation, Material, PowerLawRelaxation, StandardLinearSolid
-from contact_scene.material_file import read_material, read_measured, read_shift_factors
+from contact_scene.material_file import read_material, read_measured
 from contact_scene.prony import DynamicData, PronyFit, RelaxationData, fit_prony
 from contact_scene.run_control import LoadingCursor, RunMonitor
-from contact_scene.scene import Scene, read_scene, scene_from_dict, write_material, write_scene
-from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature
+from contact_scene.scene import Scene, Units, read_scene, scene_from_dict, write_material, write_scene
+from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature, read_shift_factors
 from contact_scene.trace import (
     COLUMNS,
     Counters,
@@ -81,6 +81,7 @@ __all__ = [
     "TabulatedProfile",
     "Trace",
     "Trigger",
+    "Units",
     "UnsupportedScene",
     "at_temperature",
     "fit_prony",

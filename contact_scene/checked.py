@@ -6,7 +6,9 @@ written, errors say what is allowed, and the page of keys is made. A field is de
     rate: Annotated[Positive, Key("speed", "length time-1")]
 
 with a :class:`Range` (``Positive``, ``Finite``, ...), words (``Literal``), another checked class, or a tuple
-of these; ``| None`` where it may be left out. Numbers of a :class:`Tabulated` class may be in a CSV file.
+of these; ``| None`` where it may be left out. ``Annotated[Step, STEPS]`` names the classes that a file may
+state for an abstract one, ``Annotated[str, Literal[...]]`` the words that a string may be. Numbers of a
+:class:`Tabulated` class may be in a CSV file.
 """
 
 from __future__ import annotations
@@ -26,7 +28,6 @@ from contact_scene.value_checks import (
     Range,
     Rule,
     as_tuple,
-    column,
     finite,
     not_negative,
     of_class,
@@ -55,17 +56,13 @@ _PLAIN = {str: "a string", bool: "true or false", object: "a value", dict: "a di
 """Plain kinds of values, in words."""
 
 
-class Kinds(tuple[type[Any], ...]):
-    """The checked classes that a file may state for a field whose annotation is their base."""
-
-
-class Words(tuple[str, ...]):
-    """The words that a string may be."""
-
-
 @dataclasses.dataclass(frozen=True)
 class Declaration:
-    """What the annotation of a field says, taken apart."""
+    """What the annotation of a field says, taken apart.
+
+    Allowed is what a ``rule`` takes, a list of what ``entries`` say, or else ``words`` and objects of
+    ``classes``; those of ``kinds`` are tables in a file.
+    """
 
     rule: Rule | None = None
     words: tuple[str, ...] = ()
@@ -76,7 +73,7 @@ class Declaration:
     key: Key = Key("")
     default: Any = REQUIRED
 
-    def allowed(self, key: str) -> str:
+    def allowed(self, key: str, in_python: bool = False) -> str:
         """What may stand under a key, in words."""
         if self.rule is not None:
             return self.rule.words
@@ -86,31 +83,33 @@ class Declaration:
                 inner.replace("a table", "a list of tables", 1) if self.entries.kinds else f"a list: {inner}"
             )
         words = [f'"{word}"' for word in self.words]
-        if self.kinds and self.kinds[0].tag:
+        if in_python and self.kinds:
+            words += [f"a {one.__name__}" for one in self.classes] + ["None"] * self.optional
+        elif self.kinds and self.kinds[0].tag:
             words.append(f"a table with a {self.kinds[0].tag}")
         elif self.kinds:
-            keys = (", ".join(_keys_of_file(kind)) for kind in self.kinds)
-            words.append("a table " + " or ".join(f"{{ {one} }}" for one in keys))
+            words.append("a table " + " or ".join(f"{{ {', '.join(keys_of(kind))} }}" for kind in self.kinds))
+        elif self.words:
+            return "one of " + ", ".join(words)
         else:
-            words += [_PLAIN.get(one, f"a {one.__name__}") for one in self.classes]
-        return " or ".join(words) if self.kinds else "one of " + ", ".join(words) if self.words else words[0]
+            words += [_PLAIN.get(one, f"a {one.__name__}") for one in self.classes[:1]]
+        return " or ".join(words)
 
-    def check(self, value: Any, key: str, where: Path | None) -> Any:
+    def check(self, value: Any, key: str, where: Path | None = None) -> Any:
         """The value, checked; a table becomes an object where a folder is given in which to look files up."""
         if (value is None and self.optional) or (isinstance(value, str) and value in self.words):
             return value
         if self.rule is not None:
             return self.rule(value, key)
         if self.entries is not None:
-            listed = as_tuple(value, key, self.allowed(key))
+            listed = value.tolist() if isinstance(value, np.ndarray) else value
+            listed, rule = as_tuple(listed, key, self.allowed(key)), self.entries.rule
+            if type(rule) is Range and {*map(type, listed)} == {float} and rule.holds(np.array(listed)).all():
+                return listed
             return tuple(self.entries.check(one, f"{key}[{i}]", where) for i, one in enumerate(listed))
         if self.kinds and where is not None and isinstance(value, dict):
             return under(key, lambda: from_table(self.kinds, value, where))
-        allowed = self.allowed(key)
-        if self.kinds and where is None:  # as Python states it
-            names = [f'"{word}"' for word in self.words] + [f"a {one.__name__}" for one in self.classes]
-            allowed = " or ".join([*names, *(["None"] if self.optional else [])])
-        of_class(value, key, self.classes, allowed)
+        of_class(value, key, self.classes, self.allowed(key, in_python=where is None))
         return value
 
 
@@ -125,12 +124,8 @@ class Checked:
 
     def __post_init__(self) -> None:
         for name, field in fields_of(type(self)).items():
-            object.__setattr__(self, name, self.checked(name, field))
+            object.__setattr__(self, name, field.check(getattr(self, name), name))
         self.rules()
-
-    def checked(self, name: str, field: Declaration) -> Any:
-        """The value of a field, checked."""
-        return field.check(getattr(self, name), name, None)
 
     def rules(self) -> None:
         """Check what holds between several fields."""
@@ -156,24 +151,22 @@ class Tabulated(Checked):
     never_falls: ClassVar[str] = ""
     file: str
 
-    def checked(self, name: str, field: Declaration) -> Any:
-        position = list(fields_of(type(self))).index(name)
-        if position > 1 or field.entries is None or not isinstance(rule := field.entries.rule, Range):
-            return super().checked(name, field)
-        given, key = getattr(self, name), self.column_names(vars(self))[position]
-        entries = as_tuple(given.tolist() if isinstance(given, np.ndarray) else given, key, column.words)
-        if all(type(entry) is float for entry in entries) and rule.holds(np.array(entries)).all():
-            return entries
-        return tuple(rule(entry, f"{key}, row {row}") for row, entry in enumerate(entries, 1))
-
     @classmethod
     def column_names(cls, data: dict[str, Any]) -> tuple[str, str]:
         """Names of the two columns, given the other fields."""
         return cls.columns[0], cls.columns[1]
 
+    @classmethod
+    def read(cls, file: Path, data: dict[str, Any]) -> tuple[Sequence[float], Sequence[float]]:
+        """The two columns of a file, given the other fields."""
+        names, fields = cls.column_names(data), list(fields_of(cls).values())
+        rules = [field.entries.rule for field in fields[:2] if field.entries is not None]
+        return read_pairs(file, names, rules, [one for one in cls.columns if one not in names])
+
     def rules(self) -> None:
-        one, other = self.column_names(vars(self))
-        first, second = (getattr(self, name) for name in list(fields_of(type(self)))[:2])
+        names = list(fields_of(type(self)))[:2]
+        first, second = (getattr(self, name) for name in names)
+        one, other = self.column_names(vars(self)) if self.file else names
         if len(first) != len(second):
             raise SceneError(other, f"{len(second)} numbers for {len(first)} of {one}", "one for each")
         if len(first) < self.least_rows:
@@ -198,12 +191,11 @@ def rises(values: Sequence[float], name: str, not_falling: str = "") -> None:
 
 def _declared(kind: type) -> dict[str, Declaration]:
     """Fields that the constructor takes, by name."""
-    hints = get_type_hints(kind, include_extras=True)
-    taken = {one.name: one.default for one in dataclasses.fields(kind) if one.init}
-    given = {name: REQUIRED if value is dataclasses.MISSING else value for name, value in taken.items()}
-    return {
-        name: dataclasses.replace(_declaration(hints[name]), default=value) for name, value in given.items()
-    }
+    hints, found = get_type_hints(kind, include_extras=True), {}
+    for one in filter(lambda one: one.init, dataclasses.fields(kind)):
+        default = REQUIRED if one.default is dataclasses.MISSING else one.default
+        found[one.name] = dataclasses.replace(_declaration(hints[one.name]), default=default)
+    return found
 
 
 fields_of: Callable[[type], dict[str, Declaration]] = cache(_declared)
@@ -212,30 +204,22 @@ fields_of: Callable[[type], dict[str, Declaration]] = cache(_declared)
 def _declaration(hint: Any) -> Declaration:
     origin, args = get_origin(hint), get_args(hint)
     if origin is Annotated:
-        found = _declaration(args[0])
-        for extra in args[1:]:
-            if isinstance(extra, Rule):
-                found = dataclasses.replace(found, rule=extra)
-            elif isinstance(extra, Key):
-                found = dataclasses.replace(found, key=extra)
-            elif isinstance(extra, Words):
-                found = dataclasses.replace(found, words=tuple(extra), classes=())
-            elif isinstance(extra, Kinds):
-                found = dataclasses.replace(found, kinds=tuple(extra))
-        return found
+        given, stated = {"rule": Rule, "key": Key, "kinds": tuple}, dict[str, Any]()
+        for one in args[1:]:
+            stated |= {name: one for name, kind in given.items() if isinstance(one, kind)}
+            stated |= {"words": get_args(one), "classes": ()} if get_origin(one) is Literal else {}
+        return dataclasses.replace(_declaration(args[0]), **stated)
     if origin in (Union, UnionType):
         parts = [_declaration(one) for one in args if one is not NoneType]
-        words = tuple(word for one in parts for word in one.words)
-        kinds = tuple(kind for one in parts for kind in one.kinds)
-        found = parts[0] if len(parts) == 1 else Declaration(words=words, classes=kinds, kinds=kinds)
-        return dataclasses.replace(found, optional=NoneType in args)
+        names = ("words", "classes", "kinds")
+        joined: dict[str, Any] = {name: sum((getattr(one, name) for one in parts), ()) for name in names}
+        return dataclasses.replace(parts[0], **joined, optional=NoneType in args)
     if origin is Literal:
         return Declaration(words=args)
     if origin is tuple:
         return Declaration(entries=_declaration(args[0]))
-    if isinstance(hint, type) and issubclass(hint, Checked):
-        return Declaration(classes=(hint,), kinds=(hint,))
-    return Declaration(classes=(origin or hint,))
+    is_checked = isinstance(hint, type) and issubclass(hint, Checked)
+    return Declaration(classes=(origin or hint,), kinds=(hint,) if is_checked else ())
 
 
 # Tables of a file
@@ -257,13 +241,6 @@ def check_keys(data: dict[str, Any], allowed: Iterable[str]) -> None:
             raise SceneError(str(key), "unknown key", ", ".join(names))
 
 
-def required(data: dict[str, Any], key: str, allowed: str) -> Any:
-    """The value of a key that a table must have; ``allowed``: what it may be, in words."""
-    if key not in data:
-        raise SceneError(key, "is missing", allowed)
-    return data[key]
-
-
 def beside(where: Path, name: Any) -> Path:
     """The path of a file that a scene names, in the folder ``where``."""
     if not isinstance(name, str) or not name or "\0" in name:
@@ -271,35 +248,34 @@ def beside(where: Path, name: Any) -> Path:
     return where / name
 
 
+def keys_of(kind: type[Checked]) -> list[str]:
+    """Keys of a class in a file, the numbers of a table in a file of their own."""
+    names = list(fields_of(kind))
+    return ["file", *(name for name in names[2:] if name != "file")] if issubclass(kind, Tabulated) else names
+
+
 def from_table(kinds: Iterable[type[Checked]], data: dict[str, Any], where: Path) -> Any:
     """The object, of one of several classes, that a table states; its files are looked up in ``where``."""
     kind, data = _kind_of(tuple(kinds), data)
-    taken = fields_of(kind)
-    columns = list(taken)[:2] if issubclass(kind, Tabulated) else []
-    from_file = bool(columns) and "file" in data
-    check_keys(data, [*filter(None, [kind.tag]), *_keys_of_file(kind), *(() if from_file else columns)])
+    fields, keys = fields_of(kind), keys_of(kind)
+    tabulated = issubclass(kind, Tabulated)
+    in_file = tabulated and "file" in data
+    check_keys(data, [*filter(None, [kind.tag]), *(keys if in_file else dict.fromkeys((*keys, *fields)))])
     kind.table_rules(data)
-    for name, field in taken.items():
-        if not from_file and name not in data and field.default is REQUIRED:
+    for name, field in fields.items():
+        if name not in data and field.default is REQUIRED and not in_file:
             if issubclass(kind, Tabulated):
                 raise SceneError("file", "is missing", f"a CSV file of {', '.join(kind.column_names(data))}")
-            keys = ", ".join(_keys_of_file(kind))
-            raise SceneError(name, "is missing", f"{field.allowed(name)}; keys {keys}")
-    stated = {
-        key: value if key in columns else taken[key].check(value, key, where)
-        for key, value in data.items()
-        if key != "file"
-    }
-    if "file" not in data:
+            raise SceneError(name, "is missing", f"{field.allowed(name)}; keys {', '.join(keys)}")
+    path = beside(where, data["file"]) if in_file else where
+    stated = {key: fields[key].check(value, key, where) for key, value in data.items()}
+    if not issubclass(kind, Tabulated) or not in_file:
         return kind(**stated)
-    if not issubclass(kind, Tabulated):
-        return kind(**stated, file=data["file"])  # type: ignore[call-arg]
-    path, names = beside(where, data["file"]), kind.column_names(stated)
-    pairs = read_pairs(path, names, [one for one in kind.columns if one not in names])
+    stated |= zip(fields, kind.read(path, stated), strict=False)
     try:
-        return kind(*pairs, **stated, file=data["file"])  # type: ignore[call-arg]
+        return kind(**stated)
     except SceneError as error:
-        raise error if error.key in stated else error.in_file(str(path)) from None
+        raise error if error.key in data else error.in_file(str(path)) from None
 
 
 def _kind_of(kinds: tuple[type[Checked], ...], data: dict[str, Any]) -> tuple[type[Checked], dict[str, Any]]:
@@ -311,17 +287,12 @@ def _kind_of(kinds: tuple[type[Checked], ...], data: dict[str, Any]) -> tuple[ty
         return next(stated, kinds[0]), data
     names = {getattr(one, tag): one for one in kinds}
     if tag not in data:  # a misspelt tag is told as such, not as one that is missing
-        check_keys(data, dict.fromkeys((tag, *(key for one in kinds for key in _keys_of_file(one)))))
-    name = required(data, tag, ", ".join(names))
+        check_keys(data, dict.fromkeys((tag, *(key for one in kinds for key in keys_of(one)))))
+        raise SceneError(tag, "is missing", ", ".join(names))
+    name = data[tag]
     if not isinstance(name, str) or name not in names:
         raise SceneError(tag, f"got {shown(name)}", "one of " + ", ".join(f'"{one}"' for one in names))
     return names[name], {key: value for key, value in data.items() if key != tag}
-
-
-def _keys_of_file(kind: type[Checked]) -> list[str]:
-    """Keys of a class in a file, the numbers of a table in a file of their own."""
-    names = list(fields_of(kind))
-    return ["file", *(name for name in names[2:] if name != "file")] if issubclass(kind, Tabulated) else names
 
 
 def to_table(
@@ -334,49 +305,38 @@ def to_table(
     ``file`` writes the numbers of a tabulated part and returns the name of the file; without it they stand in
     the table, and every default as well.
     """
+
+    def plain(part: Any, place: tuple[str, ...]) -> Any:
+        if isinstance(part, tuple):
+            return [plain(one, (*place, str(index))) for index, one in enumerate(part)]
+        return to_table(part, file, place) if isinstance(part, Checked) else part
+
     kind = type(value)
     table: dict[str, Any] = {kind.tag: getattr(kind, kind.tag)} if kind.tag else {}
-    stated, taken = value.stated(), fields_of(kind)
+    stated, fields = value.stated(), fields_of(kind)
     if isinstance(value, Tabulated):
         del stated["file"]
         if file is not None:
             stated = dict(list(stated.items())[2:])
             table["file"] = file(place, value)
     for name, part in stated.items():
-        if part is None or (file is not None and part == taken[name].default):
-            continue
-        table[name] = _plain(part, file, (*place, name))
+        if part is not None and (file is None or part != fields[name].default):
+            table[name] = plain(part, (*place, name))
     return table
 
 
-def _plain(part: Any, file: Any, place: tuple[str, ...]) -> Any:
-    if isinstance(part, Checked):
-        return to_table(part, file, place)
-    if isinstance(part, tuple):
-        return [_plain(one, file, (*place, str(index))) for index, one in enumerate(part)]
-    return part
-
-
-def field_at(kinds: Iterable[type[Checked]], data: Any, path: tuple[str, ...]) -> Declaration | None:
+def field_at(kinds: Iterable[type[Checked]], data: Any, path: Sequence[str]) -> Declaration | None:
     """The declared field that a path leads to in a table of one of some classes; ``None`` without one."""
-    if not path:
-        return None
-    for kind in kinds:
-        if (
-            kind.tag
-            and isinstance(data, dict)
-            and data.get(kind.tag, getattr(kind, kind.tag)) != getattr(kind, kind.tag)
-        ):
+    field: Declaration | None = Declaration(kinds=tuple(kinds))
+    for name in path:
+        if field is None:
+            return None
+        inside = isinstance(data, list) and name.isdecimal() and int(name) < len(data)
+        if field.entries is not None:
+            field, data = field.entries, data[int(name)] if inside else None
             continue
-        field = fields_of(kind).get(path[0])
-        if field is not None:
-            return _followed(field, data.get(path[0]) if isinstance(data, dict) else None, path[1:])
-    return None
-
-
-def _followed(field: Declaration, data: Any, rest: tuple[str, ...]) -> Declaration | None:
-    if rest and field.entries is not None:
-        index = int(rest[0]) if rest[0].isdecimal() else -1
-        entry = data[index] if isinstance(data, (list, tuple)) and 0 <= index < len(data) else None
-        return _followed(field.entries, entry, rest[1:])
-    return field_at(field.kinds, data, rest) if rest else field
+        table = data if isinstance(data, dict) else {}
+        told = (one for one in field.kinds if table.get(one.tag) in (None, getattr(one, one.tag, None)))
+        found = (fields_of(one)[name] for one in told if name in fields_of(one))
+        field, data = next(found, None), table.get(name)
+    return field

@@ -15,7 +15,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.checked import Checked, Finite, Key, Kinds, NotNegative, Positive, Tabulated
+from contact_scene.checked import Checked, Finite, Key, NotNegative, Positive, Tabulated
 from contact_scene.errors import SceneError
 from contact_scene.value_checks import SMALLEST, Range
 
@@ -169,7 +169,7 @@ class TabulatedProfile(Indenter, Tabulated):
         return np.asarray(self._curve(np.minimum(np.asarray(radius, float), self.radii[-1]), 1))
 
 
-SHAPES = Kinds((Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile))
+SHAPES = (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)
 """What a file may state as ``[indenter]``."""
 
 

@@ -20,11 +20,12 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from contact_scene.checked import Checked, Finite, Key, Kinds, NotNegative, Positive, Tabulated, Words
+from contact_scene.checked import Checked, Finite, Key, NotNegative, Positive, Tabulated
 from contact_scene.errors import SceneError
 from contact_scene.machine import Machine
 from contact_scene.trace import Outcome, OutcomeKind
 
+Start = Literal["jump-in", "relaxed", "snap-in"]
 Control = Literal["penetration", "force", "stage"]
 Quantity = Literal["force", "radius", "penetration"]
 Function = Callable[[float], float]
@@ -126,21 +127,49 @@ class Step:
         return ()
 
 
-# Straight lines in time
+# Straight lines, and pieces between rows, in time
 
 
-def straight(
-    control: Control, start: float, end: float, first: float, last: float, trigger: Trigger | None = None
+def pieces(
+    control: Control,
+    at: Sequence[float],
+    values: Sequence[float],
+    trigger: Trigger | None = None,
+    smooth: bool = False,
 ) -> Segment:
-    """A control law that is linear in time, from ``first`` at ``start`` to ``last`` at ``end``."""
-    rate = (last - first) / (end - start) if end > start else 0.0
+    """A control law by straight lines, or smooth cubics, between values at rising times."""
+    if smooth:
+        from scipy.interpolate import PchipInterpolator  # heavy, and of use to smooth tables alone
 
-    def value(time: float) -> float:
-        if time >= end:
-            return last
-        return first + (last - first) * ((time - start) / (end - start))
+        with np.errstate(over="ignore"):  # between rows that all but agree: the mean of slopes is then zero
+            polynomials = PchipInterpolator(at, values).c.T.tolist()  # highest powers first
+    else:
+        rows = pairwise(zip(at, values, strict=True))
+        polynomials = [[(y - x) / (end - start) if end > start else 0.0, x] for (start, x), (end, y) in rows]
 
-    return Segment(control, start, end, value, lambda time: rate, trigger=trigger)
+    def piece(now: float) -> tuple[list[float], float]:
+        i = min(max(bisect_right(at, now) - 1, 0), len(polynomials) - 1)
+        return polynomials[i], now - at[i]
+
+    def value(now: float) -> float:
+        if not polynomials or now >= at[-1]:
+            return values[-1]
+        total, (coefficients, t) = 0.0, piece(now)
+        for one in coefficients:
+            total = total * t + one
+        return total
+
+    def rate(now: float) -> float:
+        if not polynomials:
+            return 0.0
+        total, (coefficients, t) = 0.0, piece(now)
+        for power, one in zip(range(len(coefficients) - 1, 0, -1), coefficients, strict=False):
+            total = total * t + power * one
+        return total
+
+    return Segment(
+        control, at[0], at[-1], value, rate, () if smooth else tuple(at[1:-1]), not smooth, trigger=trigger
+    )
 
 
 @dataclass(frozen=True)
@@ -163,7 +192,7 @@ class Ramp(Step, Checked):
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         end = time + abs(self.to - penetration) / self.rate
-        return straight("penetration", time, end, penetration, self.to, self.trigger)
+        return pieces("penetration", (time, end), (penetration, self.to), self.trigger)
 
 
 @dataclass(frozen=True)
@@ -179,8 +208,7 @@ class Hold(Step, Checked):
         return self.duration
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        end = time + self.duration
-        return straight("penetration", time, end, penetration, penetration, self.trigger)
+        return pieces("penetration", (time, time + self.duration), 2 * (penetration,), self.trigger)
 
 
 @dataclass(frozen=True)
@@ -201,7 +229,7 @@ class Force(Step, Checked):
         return self.duration
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        return straight("force", time, time + self.duration, self.value, self.value, self.trigger)
+        return pieces("force", (time, time + self.duration), 2 * (self.value,), self.trigger)
 
 
 @dataclass(frozen=True)
@@ -213,45 +241,57 @@ class ForceRamp(Step, Checked):
     kind: ClassVar[str] = "force-ramp"
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
-        return straight("force", time, time + abs(self.to - force) / self.rate, force, self.to)
+        return pieces("force", (time, time + abs(self.to - force) / self.rate), (force, self.to))
 
 
 # Oscillations about a drift
 
 
 class Cyclic(Step):
-    """``D = D_start + amplitude sin(phase(t)) - drift t``, t from the start of the step."""
+    """``D = D_start + amplitude sin(w t + chirp t^2/2) - drift t``, t from the start of the step.
+
+    A cycle is ``2 pi`` of the phase.
+    """
 
     amplitude: float
     duration: float
-    drift: float = 0.0
+
+    @property
+    def law(self) -> tuple[float, float, float]:
+        """``w``, chirp and drift, of which a kind of step names those that it has."""
+        w, chirp, drift = (getattr(self, name, 0.0) for name in ("angular_frequency", "chirp", "drift"))
+        return w, chirp, drift
 
     def phase(self, elapsed: float) -> float:
-        """Phase after a time; a cycle is ``2 pi`` of it."""
-        raise AssertionError("defined by every kind of oscillation")
-
-    def frequency(self, elapsed: float) -> float:
-        """Its derivative, the angular frequency after a time."""
-        raise AssertionError("defined by every kind of oscillation")
+        """Phase after a time."""
+        w, chirp, _ = self.law
+        return w * elapsed + 0.5 * chirp * elapsed**2
 
     def time_of(self, phase: float) -> float:
         """Time after which a phase is reached."""
-        raise AssertionError("defined by every kind of oscillation")
+        w, chirp, _ = self.law
+        return 2.0 * phase / (w + math.sqrt(w**2 + 2.0 * chirp * phase)) if phase > 0.0 else 0.0
+
+    @property
+    def longest_rest(self) -> float:
+        first, second = self.time_of(0.5 * math.pi), self.time_of(1.5 * math.pi)
+        return max(first, second - first)
 
     def segment(self, time: float, penetration: float, force: float) -> Segment:
+        w, chirp, drift = self.law
 
         def value(at: float) -> float:
             t = at - time
-            return penetration + self.amplitude * math.sin(self.phase(t)) - self.drift * t
+            return penetration + self.amplitude * math.sin(self.phase(t)) - drift * t
 
         def rate(at: float) -> float:
             t = at - time
-            return self.amplitude * self.frequency(t) * math.cos(self.phase(t)) - self.drift
+            return self.amplitude * (w + chirp * t) * math.cos(self.phase(t)) - drift
 
         return Segment("penetration", time, time + self.duration, value, rate, linear=False)
 
     def largest(self, segment: Segment) -> float:
-        return segment.value(segment.start) + abs(self.amplitude) + max(-self.drift, 0.0) * self.duration
+        return segment.value(segment.start) + abs(self.amplitude) + max(-self.law[2], 0.0) * self.duration
 
     def cycles_by(self, elapsed: float) -> float:
         return self.phase(min(elapsed, self.duration)) / (2.0 * math.pi)
@@ -272,19 +312,6 @@ class Oscillate(Cyclic, Checked):
     drift: Annotated[Finite, Key("speed of retraction beside it", "length time-1")] = 0.0
     kind: ClassVar[str] = "oscillate"
 
-    @property
-    def longest_rest(self) -> float:
-        return math.pi / self.angular_frequency
-
-    def phase(self, elapsed: float) -> float:
-        return self.angular_frequency * elapsed
-
-    def frequency(self, elapsed: float) -> float:
-        return self.angular_frequency
-
-    def time_of(self, phase: float) -> float:
-        return phase / self.angular_frequency
-
 
 @dataclass(frozen=True)
 class Sweep(Cyclic, Checked):
@@ -295,21 +322,8 @@ class Sweep(Cyclic, Checked):
     duration: Annotated[Positive, Key("how long it goes on", "time")]
     kind: ClassVar[str] = "sweep"
 
-    @property
-    def longest_rest(self) -> float:
-        return math.sqrt(math.pi / self.chirp)  # to the first turn
 
-    def phase(self, elapsed: float) -> float:
-        return 0.5 * self.chirp * elapsed**2
-
-    def frequency(self, elapsed: float) -> float:
-        return self.chirp * elapsed
-
-    def time_of(self, phase: float) -> float:
-        return math.sqrt(2.0 * phase / self.chirp)
-
-
-# Pieces between the rows of a table
+# Tables
 
 
 @dataclass(frozen=True)
@@ -340,55 +354,11 @@ class Table(Step, Tabulated):
     def segment(self, time: float, penetration: float, force: float) -> Segment:
         # Rows that round to the same time after a late start are one row, the last of them.
         rows = dict(zip((time + (t - self.times[0]) for t in self.times), self.values, strict=True))
-        at, values = list(rows), list(rows.values())
-        smooth = self.interpolation == "cubic" and len(at) > 2 and math.isfinite(time)
-        value, rate = _pieces(at, values, (_cubics if smooth else _lines)(at, values))
-        kinks = () if smooth else tuple(at[1:-1])
-        return Segment(self.quantity, time, at[-1], value, rate, kinks, not smooth)
+        smooth = self.interpolation == "cubic" and len(rows) > 2 and math.isfinite(time)
+        return pieces(self.quantity, list(rows), list(rows.values()), smooth=smooth)
 
     def largest(self, segment: Segment) -> float:
         return max(self.values)
-
-
-def _lines(at: Sequence[float], values: Sequence[float]) -> list[list[float]]:
-    rows = zip(at, values, strict=True)
-    return [[(y - x) / (end - start), x] for (start, x), (end, y) in pairwise(rows)]
-
-
-def _cubics(at: Sequence[float], values: Sequence[float]) -> list[list[float]]:
-    from scipy.interpolate import PchipInterpolator  # heavy, and of use to smooth tables alone
-
-    with np.errstate(over="ignore"):  # between rows that all but agree: the mean of slopes is then zero
-        pieces: list[list[float]] = PchipInterpolator(at, values).c.T.tolist()
-    return pieces
-
-
-def _pieces(
-    at: Sequence[float], values: Sequence[float], pieces: Sequence[Sequence[float]]
-) -> tuple[Function, Function]:
-    """Value and rate of polynomials between times, their highest power first."""
-
-    def piece(now: float) -> tuple[Sequence[float], float]:
-        i = min(max(bisect_right(at, now) - 1, 0), len(pieces) - 1)
-        return pieces[i], now - at[i]
-
-    def value(now: float) -> float:
-        if not pieces or now >= at[-1]:
-            return values[-1]
-        total, (coefficients, t) = 0.0, piece(now)
-        for one in coefficients:
-            total = total * t + one
-        return total
-
-    def rate(now: float) -> float:
-        if not pieces:
-            return 0.0
-        total, (coefficients, t) = 0.0, piece(now)
-        for power, one in zip(range(len(coefficients) - 1, 0, -1), coefficients, strict=False):
-            total = total * t + power * one
-        return total
-
-    return value, rate
 
 
 # The usual test in one entry
@@ -434,7 +404,7 @@ class Approach(Step, Checked):
         raise SceneError(key, "is missing in a loading without a scene", "a bound of the approach")
 
 
-STEPS = Kinds((Ramp, Hold, Force, ForceRamp, Oscillate, Sweep, Table, Approach))
+STEPS = (Ramp, Hold, Force, ForceRamp, Oscillate, Sweep, Table, Approach)
 """What a file may state under ``[[loading.steps]]``."""
 
 
@@ -449,7 +419,7 @@ class Loading(Checked):
     stage, which is that of the start state at first. An :class:`Approach` stands for several steps.
     """
 
-    start: Annotated[str, Words(("jump-in", "relaxed", "snap-in")), Key("state a run starts from")]
+    start: Annotated[str, Start, Key("state a run starts from")]
     penetration: Annotated[Finite, Key("penetration (of a snap-in: stage) of that state", "length")]
     steps: Annotated[tuple[Annotated[Step, STEPS], ...], Key("load steps, in order")] = ()
     machine: Annotated[Machine | None, Key("spring that holds the indenter")] = None
@@ -481,13 +451,12 @@ class Loading(Checked):
         """Whether a level ends one of the steps."""
         return any(step.trigger is not None for step in self.steps)
 
-    def segment(self, step: Step, time: float, penetration: float, force: float) -> Segment:
-        """The control law of a step that starts from a state, on this machine."""
-        stage = penetration + self.compliance * force if self.compliance > 0.0 else penetration
-        return self._driving(step, time, stage, force)
-
-    def _driving(self, step: Step, time: float, driven: float, force: float) -> Segment:
-        """The control law of a step that starts from a position of what is driven: indenter, or stage."""
+    def segment(
+        self, step: Step, time: float, penetration: float, force: float, driven: float | None = None
+    ) -> Segment:
+        """The control law of a step that starts from a state; ``driven``: where indenter or stage stands."""
+        if driven is None:
+            driven = penetration + self.compliance * force if self.compliance > 0.0 else penetration
         segment = step.segment(time, driven, force)
         if self.compliance == 0.0 or segment.control == "force":
             return segment
@@ -507,10 +476,8 @@ class Loading(Checked):
         known = self.compliance == 0.0 or self.start_control == "stage"
         driven = self.penetration if known else math.nan
         for step in self.steps:
-            if state is None:
-                segment = self._driving(step, time, driven, force)
-            else:
-                segment = self.segment(step, time, *state(step))
+            begin = (math.nan, force, driven) if state is None else state(step)
+            segment = self.segment(step, time, *begin)
             yield step, segment
             trigger = segment.trigger
             if not own_time:

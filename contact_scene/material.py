@@ -34,7 +34,7 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene.checked import Checked, Key, Kinds, NotNegative, Positive
+from contact_scene.checked import Checked, Key, NotNegative, Positive
 from contact_scene.errors import SceneError
 from contact_scene.value_checks import LARGEST, SMALLEST, Range
 
@@ -235,7 +235,7 @@ class PowerLawRelaxation(RelaxationLaw):
         return self.relaxed + math.exp(log_rest), branches
 
 
-MODELS = Kinds((PowerLawRelaxation, StandardLinearSolid))
+MODELS = (PowerLawRelaxation, StandardLinearSolid)
 """What a file may state under ``material.model``, beside a Prony series."""
 
 

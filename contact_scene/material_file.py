@@ -33,13 +33,13 @@ from typing import Any
 
 import numpy as np
 
-from contact_scene.checked import beside, check_keys, fields_of, from_table, required, under
-from contact_scene.errors import SceneError, cell_shown, shown
+from contact_scene.checked import Declaration, beside, check_keys, fields_of, from_table
+from contact_scene.errors import SceneError, cell_shown
 from contact_scene.files import as_path, read_text
 from contact_scene.material import MODELS, Branch, Material
 from contact_scene.prony import DynamicData, PronyFit, RelaxationData, fit_prony, series_material, young_over
-from contact_scene.tables import QUANTITIES, Array, TextTable, modulus_letter, read_table
-from contact_scene.temperature_shift import SHIFTS, Shift, ShiftTable, at_temperature
+from contact_scene.tables import Array, TextTable, modulus_letter, read_table
+from contact_scene.temperature_shift import SHIFTS, at_temperature
 from contact_scene.value_checks import Range, finite, not_negative, one_of, positive, whole_from
 
 LARGEST_MISFIT = 0.05
@@ -52,22 +52,23 @@ EXHAUSTED = 1e-6
 """If ``1 - sum alpha_i`` is below this, it is rounding in the file, not a relaxed modulus."""
 SHEAR_FILES = (".tts", ".gt")
 """Ends of RepTate's data files, whose moduli are shear moduli."""
-_PLAIN = "tau, E | t, E | f, E', E'' (f per unit time) | w, E', E'' (angular), with G for shear moduli"
+MEASURED = ("relaxation", "dynamic")
+"""Formats of measured data; the others are of series, where a modulus may be zero: no branch."""
 
 
 @dataclass(frozen=True)
 class _Format:
     """What the columns of a file hold, one of several ways (without names, the last), and the same in words.
 
-    ``beside``: what further known columns may hold; ``any_more``: others may stand there as well. A modulus
-    that is ``zero`` is none of a branch.
+    ``beside``: what further known columns may hold; ``any_more``: others may stand there as well.
     """
 
     columns: tuple[tuple[str, ...], ...]
-    wanted: str = _PLAIN
-    beside: tuple[str, ...] = ()
+    wanted: str = (
+        "tau, E | t, E | f, E', E'' (f per unit time) | w, E', E'' (angular), with G for shear moduli"
+    )
+    beside: tuple[str, ...] = ("temperature",)
     any_more: bool = False
-    zero: bool = False
 
 
 FORMATS = {
@@ -76,34 +77,24 @@ FORMATS = {
         "tau_i and alpha_i, E_0, E_i (or G_0, G_i), as in a pyvisco coefficient file",
         ("fraction", "instantaneous modulus", "modulus"),
         any_more=True,
-        zero=True,
     ),
     "reptate": _Format(
         (("mode", "relaxation time", "modulus"),),
         "a mode file: number of modes, then i, tau_i, G_i",
-        zero=True,
     ),
-    "branches": _Format((("relaxation time", "modulus"),), beside=("temperature",), zero=True),
-    "relaxation": _Format((("time", "stress"), ("time", "modulus")), beside=("temperature",)),
+    "branches": _Format((("relaxation time", "modulus"),)),
+    "relaxation": _Format((("time", "stress"), ("time", "modulus"))),
     "dynamic": _Format(
         (
             ("frequency", "storage modulus", "loss modulus"),
             ("angular frequency", "storage modulus", "loss modulus"),
-        ),
-        beside=("temperature",),
+        )
     ),
 }
 """Kinds of material files."""
-MEASURED = ("relaxation", "dynamic")
-"""Those that hold measured data, not a series."""
-_SHIFT = _Format(
-    (("temperature", "log shift factor"), ("temperature", "shift factor")),
-    "T, a_T | T, log_aT",
-    any_more=True,
-)
+_KNOWN = sorted({kind for form in FORMATS.values() for way in (*form.columns, form.beside) for kind in way})
 _RANGES: dict[str, Range] = {
     "fraction": Range("0 <= alpha_i <= 1", 0.0, 1.0),
-    "log shift factor": finite,
     "temperature": finite,
     "mode": whole_from(0),
 }
@@ -139,12 +130,11 @@ def read_material(
     SceneError
         One line: file, line or column, what is wrong, what is allowed.
     """
-    text, file = read_text(as_path(path)), str(path)
-    kind = format_of(text, file) if format is None else one_of(format, "format", FORMATS)
+    text, file, kind = text_and_format(path, format)
     given = None if modulus is None else positive(modulus, "modulus")
     if kind in MEASURED:
         return _fitted(measured_data(text, file, kind), file, poisson, given)
-    table, columns, shear = _columns(text, file, FORMATS[kind])
+    table, columns, shear = _columns(text, file, kind)
     scale = young_over(shear, poisson)
     if kind == "pyvisco":
         relaxed, moduli = _of_fractions(table, columns, given, scale)
@@ -164,24 +154,19 @@ def read_measured(path: str | os.PathLike[str], format: str | None = None) -> Re
     SceneError
         One line: file, line or column, what is wrong, what is allowed.
     """
-    text, file = read_text(as_path(path)), str(path)
-    kind = format_of(text, file) if format is None else one_of(format, "format", FORMATS)
+    text, file, kind = text_and_format(path, format)
     if kind not in MEASURED:
         allowed = "measured data: time, modulus or frequency, storage, loss"
         raise SceneError("", f"holds a Prony series ({kind}), not measured data", allowed, file)
     return measured_data(text, file, kind)
 
 
-def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
-    """Shift factors from a table with the columns ``T`` and ``a_T`` or ``log_aT`` (decadic)."""
-    file = str(path)
-    _, columns, _ = _columns(read_text(as_path(path)), file, _SHIFT)
-    factors = columns.get("log shift factor")
-    logarithms = map(math.log10, columns["shift factor"]) if factors is None else factors.tolist()
-    try:
-        return ShiftTable(tuple(columns["temperature"].tolist()), tuple(logarithms))
-    except SceneError as error:
-        raise error.in_file(file) from None
+def text_and_format(
+    path: str | os.PathLike[str], format: str | None, key: str = "format"
+) -> tuple[str, str, str]:
+    """The text of a file, its name, and which of ``FORMATS`` it is in; ``None``: told by its columns."""
+    text, file = read_text(as_path(path)), str(path)
+    return text, file, format_of(text, file) if format is None else one_of(format, key, FORMATS)
 
 
 def format_of(text: str, file: str) -> str:
@@ -189,8 +174,7 @@ def format_of(text: str, file: str) -> str:
     count, text = _without_count(text)
     if count is not None or re.search(r"#\s*(maxwell modes|number of modes)", text[:4000].lower()):
         return "reptate"
-    known = {kind for form in FORMATS.values() for one in form.columns for kind in (*one, *form.beside)}
-    table = read_table(text, file, [kind for kind in QUANTITIES if kind in known], _PLAIN)
+    table = read_table(text, file, _KNOWN, FORMATS["branches"].wanted)
     for name, form in FORMATS.items():
         if any({*one} <= {*table.kinds} for one in form.columns):
             return name
@@ -202,7 +186,7 @@ def format_of(text: str, file: str) -> str:
 
 def measured_data(text: str, file: str, format: str) -> RelaxationData | DynamicData:
     """Measured moduli from the text of a file in one of the formats ``MEASURED``, in any order of rows."""
-    table, columns, shear = _columns(text, file, FORMATS[format])
+    table, columns, shear = _columns(text, file, format)
     units = dict(zip(table.kinds, table.units, strict=True))
     (across, points), *moduli = columns.items()
     order = np.argsort(points, kind="stable")
@@ -217,14 +201,11 @@ def measured_data(text: str, file: str, format: str) -> RelaxationData | Dynamic
     return DynamicData(omega, values[0], values[1], shear, (time, stress))
 
 
-def _columns(text: str, file: str, form: _Format) -> tuple[TextTable, dict[str, Array], bool]:
+def _columns(text: str, file: str, format: str) -> tuple[TextTable, dict[str, Array], bool]:
     """The table in a text, its columns by what they hold, and whether its moduli are shear moduli."""
-    modes = form is FORMATS["reptate"]
+    form, modes = FORMATS[format], format == "reptate"
     count, text = _without_count(text) if modes else (None, text)
-    plain = form.wanted == _PLAIN
-    held = {kind for one in (FORMATS.values() if plain else [form]) for way in one.columns for kind in way}
-    known = {*held, *form.beside} - ({"mode", "fraction", "instantaneous modulus"} if plain else set())
-    table = read_table(text, file, [kind for kind in QUANTITIES if kind in known], form.wanted)
+    table = read_table(text, file, _KNOWN, form.wanted)
     if any(table.names) or form.any_more:
         at = table.places(*form.columns)
         wanted = next(one for one in form.columns if {*one} <= {*at})
@@ -235,9 +216,9 @@ def _columns(text: str, file: str, form: _Format) -> tuple[TextTable, dict[str, 
         raise table.unknown()
     else:
         at = {kind: place for place, kind in enumerate(wanted)}
-    ranges = _RANGES | ({"modulus": not_negative} if form.zero else {})
+    ranges = _RANGES if format in MEASURED else _RANGES | {"modulus": not_negative}
     columns = {kind: table.column(at[kind], ranges.get(kind, positive), kind) for kind in wanted}
-    if "temperature" in form.beside and np.ptp(columns.pop("temperature", np.zeros(1))) > 0.0:
+    if np.ptp(columns.pop("temperature", np.zeros(1))) > 0.0:
         raise SceneError("temperature", "differs between rows", "moduli at one temperature", file)
     if count not in (None, len(table.rows)):
         problem = f"is {count}, but there are {len(table.rows)} rows"
@@ -249,8 +230,8 @@ def _columns(text: str, file: str, form: _Format) -> tuple[TextTable, dict[str, 
         unit = table.units[at[kind]] if kind in at else ""
         if re.fullmatch(contradiction, unit.lower()):
             raise SceneError("columns", f"{kind} in {unit}", "f in Hz, or w in rad/s", file)
-    of_reptate = modes or (plain and not form.zero and not letters and file.endswith(SHEAR_FILES))
-    return table, columns, letters == {"G"} or of_reptate
+    of_reptate = modes or (format in MEASURED and file.endswith(SHEAR_FILES))
+    return table, columns, "G" in letters or (of_reptate and not letters)
 
 
 def _without_count(text: str) -> tuple[int | None, str]:
@@ -267,9 +248,9 @@ def _of_fractions(
 ) -> tuple[float, Array]:
     """Relaxed Young's modulus and Young's moduli of the branches of a pyvisco table.
 
-    ``relaxed``, if not ``None``, is the relaxed Young's modulus: the instantaneous one is ``relaxed/(1 - sum
-    alpha_i)``, and ``E_0`` is not used. If ``sum alpha_i = 1``, as fits in the frequency domain usually have
-    it, that ratio says nothing: then the branches share ``E_0 - relaxed``.
+    The instantaneous modulus is ``relaxed/(1 - sum alpha_i)``, if the relaxed one is given, else ``E_0``. If
+    ``sum alpha_i = 1``, as fits in the frequency domain usually have it, that ratio says nothing: then the
+    branches share ``E_0 - relaxed``.
     """
     file, glassy, ratios = table.file, None, None
     if (stated := columns.get("instantaneous modulus")) is not None:
@@ -289,21 +270,21 @@ def _of_fractions(
         raise SceneError(f"line {table.rows[row][0]}", wrong, "alpha_i = E_i/E_0", file)
     exhausted = 1.0 - total < EXHAUSTED
     if relaxed is not None and not exhausted:
-        return relaxed, relaxed / (1.0 - total) * fractions
-    if relaxed is not None:
-        if glassy is None or glassy <= relaxed:
-            instead = "the file has no E_0" if glassy is None else f"got {relaxed:g}, and E_0 is {glassy:g}"
-            raise SceneError("modulus", instead, "a relaxed modulus below E_0, as the sum of alpha_i is 1")
-        return relaxed, (glassy - relaxed) / total * fractions
+        glassy = relaxed / (1.0 - total)
     if glassy is None:
-        allowed = "E_0 (or G_0) in the file, or modulus in the scene"
+        allowed = "E_0 (or G_0) in the file, or modulus in the scene where the sum of alpha_i is below 1"
         raise SceneError("E_0", "the file has no such column", allowed, file)
-    if exhausted:
-        problem = "the sum is 1, which leaves nothing for the relaxed modulus"
+    if relaxed is None and exhausted:
+        problem, allowed = "the sum is 1, which leaves nothing for the relaxed modulus", "a sum below 1"
         raise SceneError(
-            "alpha_i", problem, "a sum below 1, or the relaxed modulus as modulus in the scene", file
+            "alpha_i", problem, f"{allowed}, or the relaxed modulus as modulus in the scene", file
         )
-    return glassy * (1.0 - total), glassy * fractions
+    if relaxed is None:
+        relaxed = glassy * (1.0 - total)
+    if exhausted and glassy <= relaxed:
+        allowed = "a relaxed modulus below E_0, as the sum of alpha_i is 1"
+        raise SceneError("modulus", f"got {relaxed:g}, and E_0 is {glassy:g}", allowed)
+    return relaxed, ((glassy - relaxed) / total if exhausted else glassy) * fractions
 
 
 def _fitted(data: RelaxationData | DynamicData, file: str, poisson: float, relaxed: float | None) -> Material:
@@ -326,6 +307,8 @@ def no_series_meets(fit: PronyFit) -> str:
 
 # The table [material] of a scene
 
+_SHIFT = Declaration(classes=SHIFTS, kinds=SHIFTS)
+
 
 def material_of(data: dict[str, Any], where: Path) -> Material:
     """The material of a table; files it names are looked up in the folder ``where``."""
@@ -333,9 +316,9 @@ def material_of(data: dict[str, Any], where: Path) -> Material:
     model = one_of(data.get("model", "prony"), "model", ("prony", *models))
     own = (*fields_of(models[model]),) if model in models else ("modulus", "branches", "file", "format")
     check_keys(data, (*own, "model", "poisson", "bulk", "temperature", "shift"))
-    poisson = required(data, "poisson", fields_of(Material)["poisson"].allowed("poisson"))
+    if "poisson" not in data:
+        raise SceneError("poisson", "is missing", fields_of(Material)["poisson"].allowed("poisson"))
     stated = {key: data[key] for key in own if key in data}
-    common = {key: data[key] for key in ("poisson", "bulk") if key in data}
     if model in models:
         modulus, branches = from_table([models[model]], stated | {"model": model}, where).series()
         stated = {"modulus": modulus, "branches": branches}
@@ -343,27 +326,18 @@ def material_of(data: dict[str, Any], where: Path) -> Material:
         if "branches" in data:
             raise SceneError("branches", "given beside file", "either branches or file")
         form = one_of(data.get("format", "pyvisco"), "format", FORMATS)
-        read = read_material(beside(where, data["file"]), poisson, data.get("modulus"), form)
+        read = read_material(beside(where, data["file"]), data["poisson"], data.get("modulus"), form)
         stated = {"modulus": read.modulus, "branches": read.branches}
     elif "format" in data:
         raise SceneError("format", "given without file", "file and format together")
-    material: Material = from_table([Material], common | stated, where)
-    if "temperature" not in data and "shift" not in data:
-        return material
+    stated |= {key: data[key] for key in ("poisson", "bulk") if key in data}
+    material: Material = from_table([Material], stated, where)
     for key, other in (("shift", "temperature"), ("temperature", "shift")):
-        if key not in data:
+        if key not in data and other in data:
             raise SceneError(key, f"is missing beside {other}", "temperature and shift together")
-    shift = under("shift", lambda: _shift(data["shift"], where))
-    return at_temperature(material, shift, data["temperature"])
-
-
-def _shift(entry: Any, where: Path) -> Shift:
-    kinds = [kind.model for kind in (*SHIFTS, ShiftTable)]
-    if not isinstance(entry, dict):
-        raise SceneError("", f"got {shown(entry)}", f"a table with a model: {', '.join(kinds)}")
-    default = ShiftTable.model if "file" in entry else None
-    if one_of(entry.get("model", default), "model", kinds) != ShiftTable.model:
-        shift: Shift = from_table(SHIFTS, entry, where)
-        return shift
-    check_keys(entry, ("model", "file"))
-    return read_shift_factors(beside(where, required(entry, "file", "a table of T and a_T or log_aT")))
+    if "shift" not in data:
+        return material
+    shift = data["shift"]
+    if isinstance(shift, dict) and "file" in shift:
+        shift = {"model": "file"} | shift
+    return at_temperature(material, _SHIFT.check(shift, "shift", where), data["temperature"])

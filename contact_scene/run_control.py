@@ -11,6 +11,7 @@ import threading
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -175,23 +176,19 @@ def outcome_of_loss(
 
 
 class _Threads:
-    """Runs that are under way in this process, and the limit they share on the threads of BLAS."""
+    """The limit on the threads of BLAS that the runs under way in this process share."""
 
-    def __init__(self) -> None:
-        self.lock = threading.Lock()
-        self.runs = 0
-        self.restore: Callable[[], None] | None = None
-        self._libraries: tuple[int, ThreadpoolController] | None = None
+    lock = threading.Lock()
+    runs = 0
+    limit: Any = None
+    modules, libraries = 0, None
 
-    def libraries(self) -> ThreadpoolController:
-        """Those that are loaded; to look them up takes milliseconds: again only if a module was imported."""
-        modules = len(sys.modules)
-        if self._libraries is None or self._libraries[0] != modules:
-            self._libraries = (modules, ThreadpoolController())
-        return self._libraries[1]
-
-
-_THREADS = _Threads()
+    @classmethod
+    def limited(cls) -> Any:
+        """One thread; to look libraries up takes milliseconds: again only if a module was imported."""
+        if cls.libraries is None or cls.modules != len(sys.modules):
+            cls.modules, cls.libraries = len(sys.modules), ThreadpoolController()
+        return cls.libraries.limit(limits=1, user_api="blas")
 
 
 @contextmanager
@@ -202,15 +199,14 @@ def single_threaded() -> Iterator[None]:
     time, and the last bits of a result would depend on their number. The first of several simultaneous runs
     sets the limit, the last one restores what was there.
     """
-    with _THREADS.lock:
-        if _THREADS.runs == 0:
-            _THREADS.restore = _THREADS.libraries().limit(limits=1, user_api="blas").restore_original_limits
-        _THREADS.runs += 1
+    with _Threads.lock:
+        _Threads.limit = _Threads.limit or _Threads.limited()
+        _Threads.runs += 1
     try:
         yield
     finally:
-        with _THREADS.lock:
-            _THREADS.runs -= 1
-            if _THREADS.runs == 0 and _THREADS.restore is not None:
-                _THREADS.restore()
-                _THREADS.restore = None
+        with _Threads.lock:
+            _Threads.runs -= 1
+            if _Threads.runs == 0:
+                _Threads.limit.restore_original_limits()
+                _Threads.limit = None

@@ -28,6 +28,33 @@ from contact_scene.material_file import material_of
 from contact_scene.value_checks import a_string, of_class
 
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
+LONGEST_UNIT = 16
+"""Characters of the name of a unit, which stands beside the axes of figures."""
+
+
+@dataclass(frozen=True)
+class Units(Checked):
+    """Names of the units of a scene, which is in any consistent system: labels, nothing is converted."""
+
+    length: Annotated[str, Key("unit of length")] = ""
+    force: Annotated[str, Key("unit of force")] = ""
+    time: Annotated[str, Key("unit of time")] = ""
+
+    def rules(self) -> None:
+        for kind, name in vars(self).items():
+            if not name.isprintable() or "$" in name or len(name) > LONGEST_UNIT:
+                allowed = f"a name of at most {LONGEST_UNIT} printable characters, as um or µm"
+                raise SceneError(kind, f"got {shown(name)}", allowed)
+
+    def states(self, dimension: str) -> bool:
+        """Whether all units of a product of powers of length, force and time have names."""
+        return all(name or kind not in dimension for kind, name in vars(self).items())
+
+    def named(self, dimension: str) -> str:
+        """The product by these names; what has none stays as it is."""
+        for kind, name in vars(self).items():
+            dimension = dimension.replace(kind, name or kind)
+        return dimension
 
 
 @dataclass(frozen=True)
@@ -39,6 +66,7 @@ class Scene(Checked):
     loading: Annotated[Loading, Key("what is done with it")]
     adhesion: Annotated[Adhesion | None, Key("adhesion between them, if any")] = None
     title: Annotated[str, Key("name of the scene in figures and reports")] = ""
+    units: Annotated[Units | None, Key("names of its units in figures and tables")] = None
 
     def rules(self) -> None:
         if self.adhesion is not None:
@@ -53,6 +81,12 @@ class Scene(Checked):
     def machine(self) -> Machine | None:
         """What holds the indenter; ``None``: rigid. Part of the loading."""
         return self.loading.machine
+
+    @property
+    def unit_names(self) -> str:
+        """Its units in words."""
+        names = [] if self.units is None else filter(None, vars(self.units).values())
+        return ", ".join(names) or "scene units"
 
     @property
     def is_adhesive(self) -> bool:
@@ -106,11 +140,11 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
     where = as_path(folder, "folder", "the path of a folder")
     if not isinstance(data, dict):
         raise SceneError("", f"got {shown(data)}", _A_SCENE)
-    check_keys(data, ("title", "material", "indenter", "adhesion", "machine", "loading"))
-    for key in ("material", "indenter", "adhesion", "machine", "loading"):
+    check_keys(data, ("title", "units", "material", "indenter", "adhesion", "machine", "loading"))
+    for key in ("units", "material", "indenter", "adhesion", "machine", "loading"):
         if key in data and not isinstance(data[key], dict):
             raise SceneError(key, f"got {shown(data[key])}", f"a table [{key}]")
-        if key not in data and key not in ("adhesion", "machine"):
+        if key not in data and key not in ("units", "adhesion", "machine"):
             raise SceneError(key, "is missing", f"a table [{key}]")
     parts = {key: value for key, value in data.items() if key != "machine"}
     parts["material"] = under("material", lambda: material_of(data["material"], where))
@@ -189,22 +223,19 @@ def _place(table: dict[str, Any], path: Any) -> tuple[Any, Any]:
     keys = re.sub(r"\[(\d+)\]", r".\1", path).split(".") if isinstance(path, str) else [""]
     if not all(re.fullmatch(r"[A-Za-z_]\w*|\d+", key) for key in keys):
         raise SceneError(shown(path), "is no path", "names joined by dots, as adhesion.work")
+    at: Any = table
     part: Any = None
-    at, key, where = table, keys[0], ""
-    for key in keys:
-        part, name = at, where or "a scene"
-        if isinstance(part, list) and key.isdecimal():
-            if int(key) >= len(part):
+    place: Any = None
+    for depth, key in enumerate(keys):
+        part, place, name = at, key, ".".join(keys[:depth]) or "the scene"
+        if isinstance(part, list):
+            place = int(key) if key.isdecimal() else -1
+            if not 0 <= place < len(part):
                 raise SceneError(path, f"{name} has {len(part)} entries", "places counted from 0")
-            at, where = part[int(key)], f"{where}[{key}]"
-            continue
-        if key.isdecimal():
-            raise SceneError(path, f"{name} is no list", "the path of a number in the scene")
-        if not isinstance(part, dict) or key not in part:
-            allowed = ", ".join(part) if isinstance(part, dict) else "the path of a number"
-            problem = f"the scene has no {key}" if part is table else f"{name} has no {key}"
-            raise SceneError(path, problem, allowed)
-        at, where = part[key], f"{where}.{key}".lstrip(".")
+        elif not isinstance(part, dict) or key not in part:
+            allowed = ", ".join(part) if isinstance(part, dict) else "the path of a number in the scene"
+            raise SceneError(path, f"{name} has no {key}", allowed)
+        at = part[place]
     if isinstance(at, bool) or not isinstance(at, (int, float)):
         raise SceneError(path, f"is no number but {shown(at)}", "the path of a number in the scene")
-    return part, int(key) if isinstance(part, list) else key
+    return part, place

@@ -19,6 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +48,22 @@ QUANTITIES = {
     "work": ("energy per area", ("work",)),
 }
 _OWN_NAMES = {
-    "length": ("penetration", "stage", "contact_radius", "radius", "height"),
-    "force": ("force",),
+    "length": ("contact_radius", "radius"),
     "speed": ("speed",),
     "energy": ("stored_energy", "external_work", "dissipated_energy"),
 }
 QUANTITIES |= {name: (kind, (name,)) for kind, names in _OWN_NAMES.items() for name in names}
+QUANTITIES |= {
+    "force": ("force", ("force", "load", "F", "normal_force")),
+    "penetration": ("length", ("penetration", "indentation", "indentation_depth", "depth")),
+    "stage": ("length", ("stage", "stage_position", "z", "Z", "z_position", "zsnsr", "z_sensor")),
+    "piezo": ("length", ("piezo", "piezo_position", "piezo_displacement", "z_piezo", "zpiezo")),
+    "height": ("length", ("height",)),  # away from the sample
+    "deflection": (
+        "deflection",
+        ("deflection", "defl", "cantilever", "cantilever_deflection", "mems_displ."),
+    ),
+}
 """What a column may hold: the kind of its unit, and its names as :func:`kind_of` compares them."""
 
 _ABSCISSAS = ("time", "frequency", "temperature")
@@ -70,8 +81,6 @@ _UNITS = {
 }
 """Plain units by kind. Single letters that stand for a quantity as often (h, F, T) are in none."""
 
-_SIGNS = {";": "semicolons", "\t": "tabs", " ": "blanks", '","': "commas"}
-"""Between cells with decimal commas."""
 _ANY_SIGN = "points in numbers; semicolons, commas or blanks between cells"
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+(\.\d{3})*,\d+([eE][+-]?\d+)?")
 _COMMENT = re.compile(r"\s*(#|%|!|//|\*\*)[#%!/*]*")
@@ -84,56 +93,59 @@ _NAME_AND_UNIT = re.compile(r"[^\s\[(]+(?: *[\[(][^\[\]()]*[\])])*|\S+")
 class _Line:
     """A line of the head: text without the mark of a comment, cells, and what columns so named hold.
 
-    ``columns``: the line itself says that it names the columns.
+    ``declared``: the line itself says that it names the columns.
     """
 
     number: int
     content: str
     comment: bool
-    columns: bool
+    declared: bool
     cells: list[str]
     kinds: tuple[str, ...]
 
-    def rank(self, sign: str) -> int | None:
-        """How sure it is that the line names columns parted by ``sign``, 0 most; ``None``: it does not."""
-        known = [kind != "" for kind in self.kinds]
-        if self.columns or (all if self.comment else any)(known):
-            return 0
+    @property
+    def has_abscissa(self) -> bool:
+        """Whether a column is known over which others are given."""
+        return any(kind and QUANTITIES[kind][0] in _ABSCISSAS for kind in self.kinds)
+
+    def rank(self, sign: str) -> int:
+        """How sure it is that the line names columns parted by ``sign``, 3 most; 0: it does not."""
+        if self.declared or (all if self.comment else any)(self.kinds):
+            return 3
         if not self.comment:
-            return None if "=" in self.content else 1
+            return 0 if "=" in self.content else 2
         if not all(re.fullmatch(r"[^\W\d_][^=:]*", cell) and not is_number(cell) for cell in self.cells):
-            return None  # a value is stated
-        listed = _sign(self.content) in (",", ";", sign) or any(map(_is_abscissa, self.kinds))
+            return 0  # a value is stated
+        listed = self.has_abscissa or _sign(self.content) in (",", ";", sign)
         words = (_BRACKETS.sub("", cell).partition("/")[0].split() for cell in self.cells)
-        return 2 if listed and (any(known) or all(len(name) <= 2 for name in words)) else None
+        return int(listed and (any(self.kinds) or all(len(name) <= 2 for name in words)))
 
     def check_width(self, width: int, file: str) -> None:
         """Refuse names of columns, as far as they are no prose, that are more or fewer than ``width``."""
-        prose = "" in self.kinds and (self.comment or not re.search("[;,\t]", self.content))
-        abscissas = set(filter(_is_abscissa, self.kinds))
-        if self.columns or (not prose and abscissas and {*self.kinds} - abscissas - {""}):
+        listed = all(self.kinds) or (not self.comment and re.search("[;,\t]", self.content))
+        several = len({QUANTITIES[kind][0] for kind in self.kinds if kind}) > 1
+        if self.declared or (listed and self.has_abscissa and several):
             problem = f"{len(self.cells)} names, {cell_shown(','.join(self.cells))}, over {width} columns"
-            raise SceneError(
-                f"line {self.number}", problem, "a name for each column, points in numbers", file
-            )
+            allowed = "a name for each column, points in numbers"
+            raise SceneError(f"line {self.number}", problem, allowed, file)
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table of ``width`` columns whose rows begin in line ``first``.
+    """A table whose rows begin in line ``first``.
 
     Names, units and what the columns hold (of ``QUANTITIES``) are "" where the head does not tell.
     """
 
     file: str
     wanted: str
-    head: tuple[_Line, ...]
+    head: list[_Line]
+    first: int
+    body: str
+    named_in: int
     names: tuple[str, ...]
     units: tuple[str, ...]
     kinds: tuple[str, ...]
-    named_in: int
-    first: int
-    body: str
 
     @property
     def width(self) -> int:
@@ -209,27 +221,24 @@ def read_table(text: str, file: str, kinds: Sequence[str], wanted: str) -> TextT
     else:
         reason = "no rows of numbers" if head else "the file is empty"
         raise SceneError("", reason, f"a table of numbers ({_ANY_SIGN}): {wanted}", file)
-    width, body, sign = len(cells), content + stream.read(), _sign(content)
+    width, sign, rows = len(cells), _sign(content), (head, number, content + stream.read())
     fitting = [one for one in head if len(one.cells) == width]
-    ranked = [(rank, one) for one in fitting if (rank := one.rank(sign)) is not None]
-    if not ranked or any(one.columns and one not in fitting for one in head):
+    named = max(fitting, key=lambda one: one.rank(sign), default=None)
+    if not named or not named.rank(sign) or any(one.declared and one not in fitting for one in head):
         for one in head:
             one.check_width(width, file)
-        nothing = ("",) * width
-        return TextTable(file, wanted, tuple(head), nothing, nothing, nothing, 0, number, body)
-    _, named = min(ranked, key=lambda one: one[0])
-    units = tuple(map(bracketed, named.cells))
+        return TextTable(file, wanted, *rows, 0, *3 * (("",) * width,))
+    names, units = tuple(map(_name, named.cells)), tuple(map(bracketed, named.cells))
     below = next((one for one in fitting if one.number > named.number), named)
     if not any(units) and below is not named and below.comment == named.comment:
         units = tuple(below.cells)
-    names = tuple(map(_name, named.cells))
-    return TextTable(file, wanted, tuple(head), names, units, named.kinds, named.number, number, body)
+    return TextTable(file, wanted, *rows, named.number, names, units, named.kinds)
 
 
 def read_pairs(
-    file: Path, names: tuple[str, str], others: Sequence[str] = ()
+    file: Path, names: tuple[str, str], rules: Sequence[Any], others: Sequence[str] = ()
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Two columns of numbers, in the order of ``names``.
+    """Two columns of numbers, in the order of ``names``, each of what a rule allows.
 
     The head may say anything but that the columns stand the other way round, that one is what ``others``
     name, or units that contradict the columns or each other.
@@ -244,7 +253,7 @@ def read_pairs(
         found = f"got {cell_shown(','.join(table.names))}"
         raise SceneError(f"line {table.named_in}", found, f"the columns {', '.join(names)}", str(file))
     check_units(zip(names, table.units, strict=True), str(file))
-    first, second = (table.column(at, finite, name).tolist() for at, name in enumerate(names))
+    first, second = (table.column(at, rule, names[at]).tolist() for at, rule in enumerate(rules))
     return tuple(first), tuple(second)
 
 
@@ -318,10 +327,6 @@ def _spelt(unit: str) -> str:
     return "s" if micro == "sec" else micro
 
 
-def _is_abscissa(kind: str) -> bool:
-    return kind != "" and QUANTITIES[kind][0] in _ABSCISSAS
-
-
 def _name(cell: str) -> str:
     """The name of a column, before any unit."""
     return re.split(r"[\[(]", cell)[0].strip().replace(" ", "_")
@@ -371,11 +376,12 @@ def _without_remark(row: str) -> str:
 
 
 def _check_decimal_commas(content: str, line: int, file: str) -> None:
-    """Refuse a row of numbers with decimal commas, and name the signs between them."""
-    for sign, name in _SIGNS.items():
-        cells = [stripped for cell in content.split(sign) if (stripped := cell.strip(' \t"'))]
-        commas = [bool(_DECIMAL_COMMA.fullmatch(cell)) for cell in cells]
-        numbers = (comma or is_number(cell) for comma, cell in zip(commas, cells, strict=True))
-        if len(cells) > 1 and any(commas) and all(numbers):
-            problem = f"cells are separated by {name} and numbers have decimal commas"
-            raise SceneError(f"line {line}", problem, _ANY_SIGN, file)
+    """Refuse a row of numbers with decimal commas: cells parted by another sign, or quoted."""
+    cells = [cell for cell in re.split(r'[;\t ]+|","', content.strip('"; ')) if cell]
+    commas = [bool(_DECIMAL_COMMA.fullmatch(cell)) for cell in cells]
+    if (
+        len(cells) > 1
+        and any(commas)
+        and all(map(lambda comma, cell: comma or is_number(cell), commas, cells))
+    ):
+        raise SceneError(f"line {line}", "numbers have decimal commas", _ANY_SIGN, file)

@@ -7,16 +7,21 @@ Relaxation times of a thermorheologically simple material that are ``tau`` at th
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Annotated, ClassVar
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from contact_scene.checked import Checked, Finite, Key, Kinds, Positive
+from contact_scene.checked import Checked, Finite, Key, Positive, Tabulated, from_table
 from contact_scene.errors import SceneError
+from contact_scene.files import as_path, read_text
 from contact_scene.material import Branch, BulkRelaxation, Material
-from contact_scene.value_checks import LARGEST, SMALLEST, Range, finite, of_class
+from contact_scene.tables import read_table
+from contact_scene.value_checks import LARGEST, SMALLEST, Range, finite, of_class, positive
 
 GAS_CONSTANT = 8.31446261815324
 """J/(mol K), exact in the SI of 2019."""
@@ -74,45 +79,56 @@ class Arrhenius(_Law):
 
 
 @dataclass(frozen=True)
-class ShiftTable(_Law):
+class ShiftTable(_Law, Tabulated):
     """Measured shift factors; ``log10 a_T`` is linear in temperature between them.
 
     Temperatures are distinct, at least two, in any order, on the scale of the scene's ``temperature``; the
-    factor's logarithm is 0 at the reference temperature.
+    factor's logarithm is 0 at the reference temperature. In a file it stands as ``a_T`` or ``log_aT``.
     """
 
     model: ClassVar[str] = "file"
     temperatures: Annotated[tuple[Finite, ...], Key("temperatures", "degree")]
     log10_factors: Annotated[tuple[Finite, ...], Key("log10 of the shift factors at these", "1")]
+    file: Annotated[str, Key("CSV file of T and a_T or log_aT")] = field(default="", compare=False)
+    columns = ("temperature", "a_T or log_aT")
+
+    @classmethod
+    def read(cls, file: Path, data: dict[str, Any]) -> tuple[Sequence[float], Sequence[float]]:
+        kinds = ("temperature", "log shift factor", "shift factor")
+        table = read_table(read_text(file), str(file), kinds, "T, a_T | T, log_aT")
+        at = table.places(kinds[:2], kinds[::2])
+        temperatures = table.column(at["temperature"])
+        if kinds[1] in at:
+            return temperatures.tolist(), table.column(at[kinds[1]]).tolist()
+        return temperatures.tolist(), np.log10(table.column(at[kinds[2]], positive)).tolist()
 
     def rules(self) -> None:
-        if len(self.temperatures) != len(self.log10_factors):
-            problem = f"{len(self.log10_factors)} factors for {len(self.temperatures)} temperatures"
-            raise SceneError("log10_factors", problem, "one for each")
-        if len(self.temperatures) < 2:
-            raise SceneError("temperatures", f"{len(self.temperatures)} rows", "two rows or more")
-        rows = sorted(zip(self.temperatures, self.log10_factors, strict=True))
-        temperatures, factors = zip(*rows, strict=True)
-        for one, other in pairwise(temperatures):
+        rows = sorted(zip(self.temperatures, self.log10_factors, strict=False))
+        for (one, _), (other, _) in pairwise(rows):
             if one == other:
-                raise SceneError("temperature", f"{one:g} comes twice", "distinct temperatures")
-        object.__setattr__(self, "temperatures", temperatures)
-        object.__setattr__(self, "log10_factors", factors)
+                raise SceneError("temperatures", f"{one:g} comes twice", "distinct temperatures")
+        if len(rows) == len(self.temperatures) == len(self.log10_factors):
+            for name, column in zip(("temperatures", "log10_factors"), zip(*rows, strict=True), strict=False):
+                object.__setattr__(self, name, column)
+        super().rules()
 
     def log_factor(self, temperature: float) -> float:
         low, high = self.temperatures[0], self.temperatures[-1]
         if not low <= finite(temperature, "temperature") <= high:
-            raise SceneError(
-                "temperature",
-                f"got {temperature!r}",
-                f"{low:g} to {high:g}, as in the table of shift factors",
-            )
+            allowed = f"{low:g} to {high:g}, as in the table of shift factors"
+            raise SceneError("temperature", f"got {temperature!r}", allowed)
         return math.log(10.0) * float(np.interp(temperature, self.temperatures, self.log10_factors))
 
 
+def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
+    """Shift factors from a table with the columns ``T`` and ``a_T`` or ``log_aT`` (decadic)."""
+    shift: ShiftTable = from_table([ShiftTable], {"model": "file", "file": str(as_path(path))}, Path())
+    return shift
+
+
 Shift = WLF | Arrhenius | ShiftTable
-SHIFTS = Kinds((WLF, Arrhenius))
-"""What a file may state under ``shift.model``, beside a table of factors."""
+SHIFTS = (WLF, Arrhenius, ShiftTable)
+"""What a file may state under ``shift.model``."""
 
 
 def at_temperature(material: Material, shift: Shift, temperature: float) -> Material:

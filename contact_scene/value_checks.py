@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping, Set
 from dataclasses import dataclass
 from typing import Any
@@ -62,19 +61,11 @@ class Range(Number):
     also: tuple[float, ...] = ()
 
     def __call__(self, value: Any, key: str) -> float:
-        """The number as a float; ``key`` names it in the error."""
         super().__call__(value, key)
-        try:
-            result = float(value)
-        except OverflowError:
-            raise self.refused(key, "must be finite, got an integer too large for a float") from None
-        if result in self.also:
-            return result
-        if not math.isfinite(result):
-            raise self.refused(key, f"must be finite, got {result}")
-        if not self.holds(result):
-            raise self.refused(key, f"got {result!r}")
-        return result
+        number = value if isinstance(value, int) else float(value)  # integers may be too large for a float
+        if number in self.also or self.holds(number):
+            return float(number)
+        raise self.refused(key, f"got {shown(number)}")
 
     def holds(self, value: Any) -> Any:
         """Whether a number, or each of an array, lies between the ends; nan does not."""

@@ -30,7 +30,16 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     from contact_scene import *
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.exam import export_exam, judge
-    from crosscontact.fitting import Fit, MeasuredCurve, fit, read_curves, synthetic, write_curve
+    from crosscontact.fitting import (
+        Fit,
+        MeasuredCurve,
+        fit,
+        fit_each,
+        read_curve,
+        read_curves,
+        synthetic,
+        write_curve,
+    )
     from crosscontact.result import ContactState, Result, load
     from crosscontact.sweeps import sweep
 
@@ -78,6 +87,7 @@ __all__ = [
     "Table",
     "TabulatedProfile",
     "Trace",
+    "Units",
     "UnsupportedScene",
     "__version__",
     "at_temperature",
@@ -85,9 +95,11 @@ __all__ = [
     "compare",
     "export_exam",
     "fit",
+    "fit_each",
     "fit_prony",
     "judge",
     "load",
+    "read_curve",
     "read_curves",
     "read_material",
     "read_measured",
@@ -107,7 +119,16 @@ __all__ = [
 _HOMES = {
     "crosscontact.api": ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers"),
     "crosscontact.exam": ("export_exam", "judge"),
-    "crosscontact.fitting": ("Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve"),
+    "crosscontact.fitting": (
+        "Fit",
+        "MeasuredCurve",
+        "fit",
+        "fit_each",
+        "read_curve",
+        "read_curves",
+        "synthetic",
+        "write_curve",
+    ),
     "crosscontact.result": ("ContactState", "Result", "load"),
     "crosscontact.sweeps": ("sweep",),
     "validation.solvers": ("RunOptions", "Solver"),

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from argparse import Namespace
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
@@ -17,14 +18,17 @@ from crosscontact import arguments
 from crosscontact.arguments import RESOLUTION, case_of, checked_path, given
 from crosscontact.result import html_table
 from validation.fits import charts
-from validation.fits.afm_files import is_afm_file, read_file, write_afm
-from validation.fits.curve_files import write_csv
-from validation.fits.fit import fit_curves, question
-from validation.fits.fit_result import FitResult, InterruptedFit
-from validation.fits.fit_settings import REGULARISATION, FitSettings
-from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.curve_tables import write_csv
+from validation.fits.each import EachFit, dataset, write_each
+from validation.fits.each import fit_each as fit_curves_each
+from validation.fits.errors import Estimate
+from validation.fits.fit import fit_curves
+from validation.fits.instruments import KNOWN, write_afm
 from validation.fits.page import lead, statements, table, write_fit
-from validation.fits.statistics import Estimate
+from validation.fits.parameters import REGULARISATION, FitSettings, question
+from validation.fits.readers import choose, given_of, read_file
+from validation.fits.record import MeasuredCurve
+from validation.fits.result import FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic
 from validation.report.terminal import aligned
 from validation.runs.folder import claim, output_folder
@@ -33,7 +37,16 @@ from validation.runs.store import Store
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Fit", "MeasuredCurve", "fit", "read_curves", "synthetic", "write_curve"]
+__all__ = [
+    "Fit",
+    "MeasuredCurve",
+    "fit",
+    "fit_each",
+    "read_curve",
+    "read_curves",
+    "synthetic",
+    "write_curve",
+]
 
 Curve = MeasuredCurve | str | os.PathLike[str]
 """A curve, or the path of a file that holds some."""
@@ -82,7 +95,7 @@ class Fit:
 
     def figure(self) -> Figure:
         """Data, fit and residuals."""
-        return charts.draw_curves(self.result.curves)
+        return charts.draw_curves(self.result)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write ``index.html``, ``fit.json``, ``scene.toml``, ``fit.png`` and ``fit.svg``."""
@@ -115,6 +128,7 @@ def fit(
     resolution: int | None = None,
     check_solver: str | None = "bem",
     max_steps: int | None = None,
+    within: float | None = None,
     executor: Executor | None = None,
     out: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
@@ -134,7 +148,8 @@ def fit(
     per_curve : sequence of str
         Like ``vary``, with a value of its own for each curve.
     free : sequence of str
-        Of ``contact_point``, ``baseline``, ``drift``, ``time_offset``.
+        Of each curve: ``contact_point``, ``time_offset``, and what the force is linear in: ``baseline``,
+        ``drift``, or ``background`` (level, tilt over the position, drag with the speed, a wave).
     prony : sequence of float
         Relaxation times of a fixed grid whose moduli are fitted.
     regularisation : float, optional
@@ -150,6 +165,8 @@ def fit(
         Solves the fitted curves once more.
     max_steps : int, optional
         Bounds accepted and rejected steps together; by default a bound that no sound run comes near.
+    within : float, optional
+        Share of the range of the force that the model may miss, where a white noise is no yardstick: 0.01.
     executor : Executor, optional
         Any of ``concurrent.futures``; carries out the runs of a derivative side by side.
     out : path, optional
@@ -166,31 +183,95 @@ def fit(
     SceneError
         One line, if data or arguments are no good.
     """
-    measured = _measured(curves)
-    arguments.check_solver(solver, "solver", arguments.names())
-    if check_solver is not None:
-        arguments.check_solver(check_solver, "check_solver", arguments.names())
-    resolution = given(RESOLUTION, resolution, "resolution")
-    of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
-    function_or_none(progress, "progress", "a line of text")
-    settings = FitSettings(
-        vary=_names(vary, "vary"),
-        tie=_names(tie, "tie"),
-        per_curve=_names(per_curve, "per_curve"),
-        free=_names(free, "free"),
-        prony=as_tuple(prony, "prony", "several relaxation times"),
-        regularisation=REGULARISATION if regularisation is None else regularisation,
+    settings = _settings(
+        vary=vary,
+        tie=tie,
+        per_curve=per_curve,
+        free=free,
+        prony=prony,
+        regularisation=regularisation,
         starts=starts,
         seed=seed,
-        profile=_names(profile, "profile"),
+        profile=profile,
         solver=solver,
         resolution=resolution,
         check_solver=check_solver,
         max_steps=max_steps,
+        within=within,
     )
-    guess = case_of(scene).scene
-    folder = None if out is None else output_folder(checked_path(out, "out"), "out")
+    measured, guess, folder = _asked(curves, scene, executor, out, progress)
     return Fit(fit_and_write(measured, guess, settings, folder, executor, progress))
+
+
+def fit_each(
+    curves: Curve | Sequence[Curve],
+    scene: Scene | str | os.PathLike[str],
+    vary: Sequence[str] = (),
+    *,
+    executor: Executor | None = None,
+    out: str | os.PathLike[str] | None = None,
+    progress: Callable[[str], None] | None = None,
+    **options: Any,
+) -> Any:
+    """Fit each curve by itself, from the answer of the explained one before it.
+
+    Parameters
+    ----------
+    curves, scene, vary, executor, progress
+        As of :func:`fit`.
+    out : path, optional
+        Folder of ``table.csv``, ``map.nc`` and the page.
+    **options
+        The others of :func:`fit`; by default without a second solver and further starts.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``value``, ``deviation``, ``low`` and ``high`` over ``curve`` and ``parameter``; ``explained``,
+        ``misfit_over_noise``, ``rms_over_range`` and ``failure`` over ``curve``.
+
+    Raises
+    ------
+    SceneError
+        One line, if arguments are no good or no curve can be fitted.
+    """
+    for name in options:
+        if name not in FitSettings.__dataclass_fields__:
+            raise SceneError(name, "is no option of a fit", ", ".join(FitSettings.__dataclass_fields__))
+    settings = _settings(**{"vary": vary, "starts": 1, "check_solver": None} | options)
+    measured, guess, folder = _asked(curves, scene, executor, out, progress)
+    return dataset(each_and_write(measured, guess, settings, folder, executor, progress))
+
+
+def _settings(**given_by_name: Any) -> FitSettings:
+    """Settings of a fit from arguments that anybody may have made."""
+    asked = dict(given_by_name)
+    for name in {"vary", "tie", "per_curve", "free", "profile"} & set(asked):
+        asked[name] = _names(asked[name], name)
+    if "prony" in asked:
+        asked["prony"] = as_tuple(asked["prony"], "prony", "several relaxation times")
+    if asked.get("regularisation") is None:
+        asked["regularisation"] = REGULARISATION
+    for name in {"solver", "check_solver"} & set(asked):
+        if name == "solver" or asked[name] is not None:
+            arguments.check_solver(asked[name], name, arguments.names())
+    asked["resolution"] = given(RESOLUTION, asked.get("resolution"), "resolution")
+    return FitSettings(**asked)
+
+
+def _asked(
+    curves: Curve | Sequence[Curve],
+    scene: Scene | str | os.PathLike[str],
+    executor: Executor | None,
+    out: str | os.PathLike[str] | None,
+    progress: Callable[[str], None] | None,
+) -> tuple[list[MeasuredCurve], Scene, Path | None]:
+    """Curves, first guess and folder of a fit; executor and progress are looked at."""
+    measured = _measured(curves)
+    of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
+    function_or_none(progress, "progress", "a line of text")
+    folder = None if out is None else output_folder(checked_path(out, "out"), "out")
+    return measured, case_of(scene).scene, folder
 
 
 def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
@@ -238,9 +319,98 @@ def fit_and_write(
     return result
 
 
+def each_and_write(
+    curves: list[MeasuredCurve],
+    guess: Scene,
+    settings: FitSettings,
+    folder: Path | None,
+    executor: Executor | None,
+    progress: Callable[[str], None] | None,
+    key: str = "out",
+    fresh: bool = False,
+) -> list[EachFit]:
+    """Fit each curve; with a folder all that there is stands in it after each of them."""
+    if folder is None:
+        return fit_curves_each(curves, guess, settings, executor, None, progress)
+    claim(folder, "fits of each curve", question(curves, guess, settings), key, fresh)
+    store = Store(folder, fresh)
+    found = fit_curves_each(
+        curves, guess, settings, executor, store, progress, lambda found: write_each(found, folder)
+    )
+    write_each(found, folder)
+    store.clear()
+    return found
+
+
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
-    """The curves of a file: one of a CSV, all of a file that ``afmformats`` reads (extra ``fit``)."""
+    """All curves of a file as :func:`fit` takes them: tables in units of the scene, others in SI units."""
     return read_file(checked_path(path, "path"))
+
+
+def read_curve(
+    path: str | os.PathLike[str],
+    *,
+    spring_constant: float | None = None,
+    sensitivity: float | None = None,
+    sampling_rate: float | None = None,
+    speed: float | None = None,
+    enum: int | None = None,
+    segment: str | None = None,
+    columns: str | Mapping[str, Any] | None = None,
+) -> MeasuredCurve:
+    """One curve of an instrument's file, in SI units.
+
+    Read are JPK (``.jpk-force``, ``-force-map``, ``-qi-data``, ``-qi-series``), Asylum ``.ibw``, ``.h5``,
+    ``.tab``, AFM Workshop, NT-MDT (extra ``fit``), Nanoscope (where ``pyfmreader`` is installed), Chiaro and
+    other tables of text, and ``.zip`` of these. What is stated here goes before what the file says.
+
+    Parameters
+    ----------
+    path : str or path
+    spring_constant : float, optional
+        In N/m.
+    sensitivity : float, optional
+        Deflection over signal, in m/V.
+    sampling_rate, speed : float, optional
+        Rows a second, or the speed of the stage in m/s, where a file has no times.
+    enum : int, optional
+        Number of the curve, from 0; needed where the file holds several.
+    segment : str, optional
+        Only the longest ``approach``, ``pause`` or ``retract``; or ``"I:J"``, segments I to J - 1.
+    columns : str or mapping, optional
+        Of a table: ``"time=3,stage=1:1e-6,deflection=2:1e-9"``, number (from 1) or name of a column and the
+        factor to SI; as a mapping ``{"stage": (1, 1e-6), ...}``.
+
+    Returns
+    -------
+    MeasuredCurve
+
+    Raises
+    ------
+    SceneError
+        One line: what is wrong, or which of the arguments states what the file does not.
+    ImportError
+        If the package that reads such files is not installed.
+    """
+    file = checked_path(path, "path")
+    given = given_of(spring_constant, sensitivity, sampling_rate, speed, columns)
+    curves = choose(read_file(file, given, si=True), enum, segment, file)
+    if len(curves) > 1:
+        raise SceneError("enum", f"{len(curves)} curves", f"one from 0 to {len(curves) - 1}", str(file))
+    return curves[0]
+
+
+def read_given(path: str, options: Namespace) -> list[MeasuredCurve]:
+    """The curves of a file, as the options of a command read it."""
+    file = checked_path(path, "path")
+    stated = (
+        options.spring_constant,
+        options.sensitivity,
+        options.sampling_rate,
+        options.speed,
+        options.columns,
+    )
+    return choose(read_file(file, given_of(*stated), si=True), options.enum, options.segment, file)
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
@@ -253,7 +423,7 @@ def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
     """
     of_class(curve, "curve", MeasuredCurve, "a MeasuredCurve")
     file = as_target(path)
-    if is_afm_file(file):
+    if file.suffix.lower() in (*KNOWN, ".zip", ".txt"):
         write_afm(curve, file)
     else:
         write_csv(curve, file)

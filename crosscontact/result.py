@@ -15,7 +15,7 @@ from crosscontact.arguments import checked_path
 from validation.drawing import run_figures
 from validation.drawing.export import png
 from validation.drawing.styles import curve_style
-from validation.measure.scaling import SYMBOLS, kind_of, unit_sizes
+from validation.measure.scaling import SYMBOLS, kind_of, unit_name, unit_sizes
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder
 from validation.runs.run import Run, read_run, write_run
@@ -140,7 +140,7 @@ class Result:
         except ImportError:
             raise _missing("pandas") from None
         frame = pandas.DataFrame(self.trace.columns())
-        frame.attrs |= self._attributes() | {"units": {name: _unit(name) for name in frame.columns}}
+        frame.attrs |= self._attributes() | {"units": {name: self._unit(name) for name in frame.columns}}
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
@@ -150,10 +150,14 @@ class Result:
         except ImportError:
             raise _missing("xarray") from None
         variables = {
-            name: ("step", column, {"units": _unit(name), "long_name": name.replace("_", " ")})
+            name: ("step", column, {"units": self._unit(name), "long_name": name.replace("_", " ")})
             for name, column in self.trace.columns().items()
         }
         return xarray.Dataset(variables, attrs=self._attributes()).set_coords("time")
+
+    def _unit(self, column: str) -> str:
+        name, kind = unit_name(self.scene, column), kind_of(column)
+        return f"{kind} in {name}" if kind and name == "scene units" else name
 
     def _attributes(self) -> dict[str, Any]:
         return {
@@ -180,7 +184,8 @@ class Result:
         Returns
         -------
         tuple of Axes
-            Spheres in the paper's dimensionless quantities, other shapes in units of the scene.
+            Spheres in the paper's dimensionless quantities, unless the scene names its units, other shapes in
+            units of the scene.
         """
         with_stage = run_figures.has_stage(self.trace)
         if axes is None:
@@ -223,11 +228,6 @@ class Result:
         write_run(output_folder(checked_path(folder), "folder"), self.scene, self.run)
 
 
-def _unit(column: str) -> str:
-    kind = kind_of(column)
-    return f"{kind} in scene units" if kind else "scene units"
-
-
 def _missing(package: str) -> ImportError:
     return ImportError(f"{package} is not installed: pip install 'crosscontact[data]'")
 
@@ -236,7 +236,8 @@ def key_numbers(
     scene: Scene, measures: Mapping[str, float | None], errors: Mapping[str, float]
 ) -> list[tuple[str, ...]]:
     """The key numbers of a run as rows under a head; columns in which there is nothing are left out."""
-    units, rows = unit_sizes(scene), [("", "in scene units", "dimensionless", "F/F_JKR", "error estimate")]
+    units = unit_sizes(scene)
+    rows = [("", f"in {scene.unit_names}", "dimensionless", "F/F_JKR", "error estimate")]
     for name in (*KEY_MEASURES, *(MACHINE_MEASURES if scene.loading.compliance > 0.0 else ())):
         kind, value = kind_of(name), measures.get(name)
         jkr = units.get("jkr-force") if kind == "force" else None

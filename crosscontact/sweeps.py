@@ -17,10 +17,9 @@ from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, COUNT, checked_path, given
 from validation.runs.folder import claim, locked_folder
 from validation.runs.pool import engine_of, own_engine
-from validation.runs.store import RunTable
 from validation.sweeps.dataset import check_writable, to_dataset, write_results
 from validation.sweeps.plan import DESIGNS, SAMPLES, SceneTable, builtin_or_file, of_scene, plan_from_dict
-from validation.sweeps.run_plan import carry_out
+from validation.sweeps.run_plan import carry_out, store_of
 
 if TYPE_CHECKING:
     import xarray
@@ -130,8 +129,7 @@ def sweep(
         folder = None if target is None else opened.enter_context(locked_folder(target, "out"))
         if folder is not None:
             claim(folder, "a sweep", {}, "out")
-        stored = opened.enter_context(RunTable(folder))
-        runs = carry_out(plan, stored, engine, progress)
+        runs = carry_out(plan, opened.enter_context(store_of(folder)), engine, progress)
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
 
 

@@ -111,6 +111,7 @@ def command_line() -> str:
 
 
 SCENE_KEYS: dict[str, Iterable[type[Checked]]] = {
+    "`[units]`": (cc.Units,),
     "`[material]`": (cc.Material,),
     "`material.model`": MODELS,
     "`material.bulk`": (cc.BulkRelaxation,),

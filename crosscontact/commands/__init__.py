@@ -26,6 +26,7 @@ COMMANDS = {
     "material": "read a Prony series, or fit one to measured moduli",
     "exam": "scenes for other codes to answer: export, answer, reproduce",
     "judge": "grade the traces of other codes; exit 1 when one fails",
+    "curve": "what measured curves show of themselves: contact, pull-off, background",
     "fit": "material and adhesion from measured curves, with errors",
 }
 """One line of help of every command, in the order of ``--help``."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from contact_scene import SceneError
 from contact_scene.errors import shown
@@ -10,10 +11,12 @@ from crosscontact import arguments
 from crosscontact.arguments import COUNT, option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import say, value
-from crosscontact.fitting import Fit, fit_and_write, read_curves
+from crosscontact.fitting import Fit, each_and_write, fit_and_write, read_curves
 from validation import cases
-from validation.fits.fit_result import InterruptedFit
-from validation.fits.fit_settings import FitSettings
+from validation.fits.each import EachFit, each_table
+from validation.fits.parameters import FitSettings
+from validation.fits.result import InterruptedFit
+from validation.report.terminal import aligned
 from validation.runs.folder import output_folder
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
@@ -23,17 +26,26 @@ def _names(metavar: str, help: str) -> dict[str, object]:
     return value(metavar, help, nargs="+", default=[])
 
 
+def _share(text: str) -> float:
+    """A share as 0.01 or 1%."""
+    return float(text.removesuffix("%")) * (0.01 if text.endswith("%") else 1.0)
+
+
 SETTINGS: shared.Options = {
     "--vary": _names(
         "PATH[=LOW:HIGH]", "numbers of the scene, as adhesion.work or material.branches[0].time=0.1:10"
     ),
     "--per-curve": _names("PATH", "the same, another value for each curve"),
     "--tie": _names("PATH=OTHER", "PATH keeps its ratio to OTHER"),
-    "--free": _names("NAME", "of each curve: contact_point, baseline, drift, time_offset"),
+    "--free": _names(
+        "NAME",
+        "of each curve: contact_point, baseline, drift, background (level, tilt, drag, wave), time_offset",
+    ),
     "--profile": _names("NAME", "profile likelihood of these, or all"),
     "--prony": value("TIME", "moduli on these relaxation times", nargs="+", type=float, default=[]),
-    "--starts": value("N", "default: %(default)s", type=option_type(COUNT), default=3),
+    "--starts": value("N", "default: 3, with --each 1", type=option_type(COUNT)),
     "--seed": value("N", "of the starts that are drawn", type=int, default=0),
+    "--within": value("SHARE", "of the range that the model may miss, as 1%%", type=_share, default=None),
     **shared.resolution("default: by the noise"),
     **shared.MAX_STEPS,
 }
@@ -44,7 +56,8 @@ OPTIONS = {
     **SETTINGS,
     "--regularisation": value("X", "weight of the bending of these moduli; default: 0.1", type=float),
     **shared.solver("default: the reference"),
-    "--check-solver": value("NAME", "or none; default: bem", default="bem"),
+    "--check-solver": value("NAME", "or none; default: bem, with --each none"),
+    "--each": shared.flag("every curve by itself, from the answer before it: table.csv, map.nc and a page"),
     "--out": value("DIR", "write page, fit.json, scene.toml and figure there"),
     **shared.jobs(),
     **shared.FRESH,
@@ -61,11 +74,14 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     except ImportError as error:
         raise SceneError("", str(error), "a CSV file, or the extra") from None
     folder = None if options.out is None else output_folder(options.out)
+    asked = curves, scene, settings, folder
     try:
         with Progress("fit") as progress, processes(jobs) as executor:
             progress.phase("searching")
-            asked = curves, scene, settings, folder, executor, lambda text: progress(0.0, text)
-            result = fit_and_write(*asked, key="--out", fresh=options.fresh)
+            told = executor, lambda text: progress(0.0, text)
+            if options.each:
+                return _of_each(each_and_write(*asked, *told, key="--out", fresh=options.fresh), folder)
+            result = fit_and_write(*asked, *told, key="--out", fresh=options.fresh)
     except InterruptedFit as interrupted:
         if interrupted.result is not None:
             print(Fit(interrupted.result))
@@ -82,6 +98,15 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     return 0 if result.goodness.explained else 1
 
 
+def _of_each(found: list[EachFit], folder: Path | None) -> int:
+    """Print a line for each curve; 1 if one of them is not explained."""
+    for line in aligned(each_table(found).texts):
+        print(line)
+    if folder is not None:
+        print(f"written to {folder / 'index.html'}")
+    return 0 if all(one.explained for one in found) else 1
+
+
 def _settings(options: argparse.Namespace) -> FitSettings:
     """What to fit and how."""
     stated = [name.strip("-").replace("-", "_") for name in SETTINGS]
@@ -90,7 +115,9 @@ def _settings(options: argparse.Namespace) -> FitSettings:
         chosen["regularisation"] = options.regularisation
     solver = options.solver or arguments.REFERENCE
     arguments.check_solver(solver, "--solver", arguments.names())
-    check = None if options.check_solver == "none" else options.check_solver
+    chosen["starts"] = options.starts or (1 if options.each else 3)
+    check = options.check_solver or ("none" if options.each else "bem")
+    check = None if check == "none" else check
     if check is not None and check not in arguments.names():
         raise SceneError("--check-solver", f"got {shown(check)}", f"none, {', '.join(arguments.names())}")
     return FitSettings(**chosen, solver=solver, check_solver=check)

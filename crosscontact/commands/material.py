@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import argparse
 from functools import partial
-from pathlib import Path
 
 from contact_scene import Material, SceneError
-from contact_scene.files import read_text
 from contact_scene.material_file import (
-    FORMATS,
     LARGEST_MISFIT,
     MEASURED,
-    format_of,
     measured_data,
     no_series_meets,
     read_material,
+    text_and_format,
 )
 from contact_scene.prony import TOLERANCE, DynamicData, PronyFit, RelaxationData, fit_prony, young_over
 from contact_scene.scene import write_material
-from contact_scene.value_checks import one_of, positive
+from contact_scene.value_checks import positive
 from crosscontact.commands import shared
 from crosscontact.commands.shared import flag, value
 from validation.drawing.material_figure import draw_fit, draw_series
@@ -46,8 +43,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     """Read a Prony series, or fit one to measured moduli; 1 if none meets the data, or they do not determine
     it."""
     file, poisson, modulus = options.file, options.poisson, options.modulus
-    text, given = read_text(Path(file)), options.format
-    kind = format_of(text, file) if given is None else one_of(given, "--format", FORMATS)
+    text, file, kind = text_and_format(file, options.format, "--format")
     if options.tolerance is not None and kind not in MEASURED:
         raise SceneError("--tolerance", f"given for a Prony series ({kind})", "with measured data only", file)
     folder = None if options.out is None else output_folder(options.out)

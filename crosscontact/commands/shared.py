@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contact_scene import OutcomeKind, Scene, SceneError
+from contact_scene.value_checks import positive, whole_from
 from crosscontact import arguments
 from crosscontact.arguments import COUNT, RESOLUTION, option_type
 from validation import cases
@@ -82,6 +83,16 @@ MAX_STEPS = {
         type=option_type(COUNT),
     )
 }
+READING = {
+    "--spring-constant": value("K", "in N/m, in place of what the file states", type=option_type(positive)),
+    "--sensitivity": value("S", "deflection over signal, in m/V", type=option_type(positive)),
+    "--sampling-rate": value("HZ", "rows a second, of a file without times", type=option_type(positive)),
+    "--speed": value("V", "of the stage in m/s, of a file without times", type=option_type(positive)),
+    "--enum": value("N", "only the curve of this number, from 0", type=option_type(whole_from(0))),
+    "--segment": value("NAME", "only the longest approach, pause or retract, or segments I:J"),
+    "--columns": value("C", "of a table: time=3,stage=1:1e-6,force=2 (number or name, factor to SI units)"),
+}
+"""What files of curves may leave open."""
 REPLACE = {"--fresh": flag("replace what --out holds, of another scene, solver or command")}
 FRESH = {
     "--fresh": flag(

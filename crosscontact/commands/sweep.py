@@ -14,11 +14,10 @@ from validation.report.terminal import aligned
 from validation.runs.folder import claim, in_words, locked_folder
 from validation.runs.pool import own_engine
 from validation.runs.progress import Progress, duration
-from validation.runs.store import RunTable
 from validation.sweeps.dataset import FILE, check_writable, endings, read_dataset, summary_rows, write_results
 from validation.sweeps.figures import draw
 from validation.sweeps.plan import SweepPlan, plan_names, read_plan
-from validation.sweeps.run_plan import SweepForecast, carry_out, forecast
+from validation.sweeps.run_plan import SweepForecast, carry_out, forecast, store_of
 
 ENDINGS = 5
 """Ways to end that are listed; the table has all."""
@@ -58,8 +57,8 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     arguments.usable()  # names those that cannot be loaded
     if options.dry_run:
         there = options.out is not None and os.path.isdir(options.out)
-        with RunTable(Path(options.out) if there else None) as table:
-            _say_forecast(plan, forecast(plan, table), jobs)
+        with store_of(Path(options.out) if there else None) as store:
+            _say_forecast(plan, forecast(plan, store), jobs)
         return 0
     if options.out is None:
         raise SceneError("--out", "is missing", "a folder for the results, or --dry-run")
@@ -69,20 +68,20 @@ def run(options: argparse.Namespace, jobs: int) -> int:
 def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: argparse.Namespace) -> int:
     check_writable(plan)
     claim(folder, "a sweep", {}, fresh=options.fresh)
-    with RunTable(folder, options.fresh) as table:
+    with store_of(folder, options.fresh) as store:
         with Progress(f"sweep {name}") as progress, own_engine(jobs, options.dask) as engine:
             progress.phase("runs")
             try:
-                runs = carry_out(plan, table, engine, lambda share, text: progress(share, detail=text))
+                runs = carry_out(plan, store, engine, lambda share, text: progress(share, detail=text))
             except (KeyboardInterrupt, OSError):
                 kept = f"kept in {folder}: the same command goes on"
-                say(kept if table.holds_answers else "no run is done: there is nothing to keep")
+                say(kept if store.holds_answers else "no run is done: there is nothing to keep")
                 raise
         with Progress(f"sweep {name}") as progress:
             progress.phase("drawing and writing")
             data = write_results(plan, runs, folder)
             draw(data, folder)
-        unfinished = sum(not runs.record(key).finished for key in runs.keys)
+        unfinished = sum(not one.finished for one in runs)
     print(f"{plan.title or name}: {plan.count} runs of {plan.scene.name} by {plan.solver}")
     for line in aligned(summary_rows(data)):
         print(line)

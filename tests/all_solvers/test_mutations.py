@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.faults import altered_answers, altered_scenes, bem, fem, reference, shared
+from support.faults import altered, bem, fem, reference, shared
 from support.faults.injection import Fault, seeded, stale, time_limit
 
 from validation import cases, scenes, solvers
@@ -33,13 +33,11 @@ from validation.measure.scaling import column_of, scale
 from validation.runs.pool import quick_resolution
 from validation.runs.run import Run, run
 
-FAULTS = [*reference.FAULTS, *bem.FAULTS, *fem.FAULTS]
-FAULTS += [*altered_scenes.FAULTS, *altered_answers.FAULTS, *shared.FAULTS]
+FAULTS = [*reference.FAULTS, *bem.FAULTS, *fem.FAULTS, *altered.FAULTS, *shared.FAULTS]
 SCENES = ("relaxed-equilibrium", "elastic-relaxed", "cycle-v0.02", "adhesionless-cycle", "three-branches")
 NOTICEABLE = 0.01
 CHEAP = "punch-programme"
-TABLES = [*altered_scenes.FAULTS, *altered_answers.FAULTS]
-CHEAP_TABLES = [fault for fault in TABLES if fault.scenes == (CHEAP,)][::3]
+CHEAP_TABLES = [fault for fault in altered.FAULTS if fault.scenes == (CHEAP,)][::3]
 CHEAP_SHARED = [fault for fault in shared.FAULTS if fault.scenes == (CHEAP,)]
 QUICKLY = [
     *CHEAP_SHARED[::2],

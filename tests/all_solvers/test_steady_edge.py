@@ -1,7 +1,6 @@
 """A short zone that opens steadily: a law of the rate, or a fixed stress, and the enhancement of the crack.
 
-The scenes' check values worked out again, every row of every solver against the law, and wrong versions of
-what makes up the law, one at a time: the check values show each.
+The scenes' check values worked out again, and every row of every solver against the law.
 """
 
 from __future__ import annotations
@@ -11,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support.faults.injection import Fault, found_wrong, stale
 
 import bem_solver
 from benchmarks.steady_edge import relaxed_contact, steady_edge, steady_rows
@@ -27,16 +25,14 @@ from contact_scene import (
     Sphere,
 )
 from validation.cases import load
-from validation.measure.observables import observe
 from validation.measure.scaling import unit_sizes
 from validation.reference import fixed_stress, steady_crack
 from validation.reference.rated_edge import RatedEdge
 from validation.solvers import SOLVERS
 
-PATH = "validation.reference.path"
-RATED, STRESS = ("steady-rate-si",), ("steady-stress-si",)
+RATED, STRESS = "steady-rate-si", "steady-stress-si"
 ACCURACY = {"reference": 5e-4, "bem": 1e-3, "fem": 5e-3}
-each_scene = pytest.mark.parametrize("name", [*RATED, *STRESS])
+each_scene = pytest.mark.parametrize("name", [RATED, STRESS])
 
 
 @each_scene
@@ -87,13 +83,13 @@ def test_the_speed_is_the_one_at_which_so_much_is_taken(name):
 
 
 def test_without_a_rate_nothing_takes_more_than_a_glassy_edge():
-    motion = steady_edge(load(*STRESS).scene)
+    motion = steady_edge(load(STRESS).scene)
     assert motion.speed(9.999 * motion.adhesion.work) > 1e3 * motion.speed(9.0 * motion.adhesion.work)
     assert motion.speed(10.001 * motion.adhesion.work) == np.inf
 
 
 def test_a_half_space_that_relaxes_at_once_leaves_the_law_of_the_rate():
-    scene = load(*RATED).scene
+    scene = load(RATED).scene
     quick = replace(scene.material, branches=tuple(replace(b, time=1e-12) for b in scene.material.branches))
     edge = steady_edge(scene)
     motion, elastic = replace(edge, material=quick), RatedEdge(scene.adhesion, edge.release_rate)
@@ -121,7 +117,7 @@ def test_every_row_follows_the_law(solver, name):
 @pytest.mark.slow
 def test_boundary_elements_follow_the_law_in_few_steps():
     """Steps over many zones: at a twelfth of a zone each they would be a hundred thousand."""
-    scene = load(*RATED).scene
+    scene = load(RATED).scene
     brisk = replace(scene, loading=replace(scene.loading, steps=(Ramp(-1.2e-5, 2e-9),)))
     trace = bem_solver.solve(brisk, bem_solver.Options(resolution=6))
     rate = assert_law_holds(brisk, trace, ACCURACY["bem"])
@@ -139,76 +135,3 @@ def test_a_rated_edge_that_collapses_within_the_rounding_of_time_ends_the_run():
     assert trace.outcome.kind is OutcomeKind.BELOW_ZONE
     assert np.all(np.diff(trace.contact_radius)[-50:] < 0.0)
     assert trace.contact_radius[-1] == pytest.approx(adhesion.zone)
-
-
-def times(factor):
-    return lambda true: lambda *given, **named: factor * true(*given, **named)
-
-
-def timed(factor):
-    """A half-space whose branches relax slower, or at once."""
-
-    def altered(true):
-        def of_material(*given):
-            *before, material = given[:2] if isinstance(given[-1], bool) else given
-            branches = tuple(replace(one, time=factor * one.time) for one in material.branches)
-            return true(*before, replace(material, branches=branches), *given[len(before) + 1 :])
-
-        return of_material
-
-    return altered
-
-
-FAULTS = [
-    Fault("reference", "speed twice too large", f"{PATH}.trial:Trial.speed",
-          times(2.0), RATED),
-    Fault("reference", "zone as at rest", f"{PATH}.trial:zone_length",
-          lambda true: lambda stress, edges, radius, cohesive, at_rest, guess: at_rest, STRESS),
-    Fault("reference", "enhancement forgotten", f"{PATH}.rheology:rheology", timed(1e-4), RATED),
-    Fault("reference", "enhancement at twice the speed", f"{PATH}.rheology:rheology", timed(2.0), STRESS),
-    Fault("bem", "speed twice too large", "bem_solver.edge_energy:end_velocity", times(2.0), RATED),
-    Fault("bem", "zone as at rest", "bem_solver.trial:_zone",
-          lambda true: lambda problem, surface: problem.zone, STRESS),
-    Fault("bem", "enhancement forgotten", "bem_solver.creep:Chain.__init__", timed(1e-4), RATED),
-    Fault("bem", "enhancement at twice the speed", "bem_solver.creep:Chain.__init__", timed(2.0), STRESS),
-    Fault("fem", "speed twice too large", "fem_solver.release:EdgeOrigin.opening_speed", times(2.0), RATED),
-    Fault("fem", "zone as at rest", "fem_solver.following.closure:zone_at",
-          lambda true: lambda placement, *given: placement.geometry.zone, STRESS),
-    Fault("fem", "enhancement forgotten", "fem_solver.setup:moduli", timed(1e-4), RATED),
-    Fault("fem", "enhancement at twice the speed", "fem_solver.setup:moduli", timed(2.0), STRESS),
-]  # fmt: skip
-
-
-def wrong(solver, name):
-    """Check values that a solver misses on a scene; empty if all is well."""
-    case = load(name)
-    trace = SOLVERS[solver].solve(case.scene, None)
-    found = observe(trace, case.scene.adhesion.zone, case.scene.loading).as_dict()
-    units = unit_sizes(case.scene)
-    missed = [] if trace.outcome.kind == case.outcome else ["outcome"]
-    for check in case.expected:
-        value, measured = check.value * units[check.unit], found.get(check.observable)
-        if check.at_time is not None:
-            measured = np.interp(check.at_time, trace.time, trace.columns()[check.observable])
-        if measured is None or not abs(measured - value) <= check.tolerance[solver] * abs(value):
-            missed.append(check.observable)
-    return missed
-
-
-def test_every_fault_has_its_function():
-    assert stale(FAULTS) == []
-
-
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("solver", ACCURACY)
-@each_scene
-def test_the_true_solvers_miss_nothing(solver, name):
-    assert wrong(solver, name) == []
-
-
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("fault", FAULTS, ids=[fault.key for fault in FAULTS])
-def test_a_fault_shows(fault):
-    calls, missed = found_wrong(fault, wrong, 60.0)
-    assert calls > 0
-    assert missed != []

@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 import pytest
-from support.spring_solver import SCENE, FunctionSolver, named, small_scene, spring
+from support.spring_solver import FunctionSolver, named, small_scene, spring
 
 import crosscontact as cc
 from contact_scene import OutcomeKind
@@ -127,30 +127,6 @@ def test_a_budget_that_ends_a_run_is_said(capsys, tmp_path, scene_file, monkeypa
     with pytest.raises(SystemExit) as refused:
         main([*given, "0"])
     assert refused.value.code == 2
-
-
-REFUSED = {
-    "contact too large": ('kind = "force"\nvalue = 1e12\nduration = 1.0', [], "grows to"),
-    "lost in the time": ('kind = "hold"\nduration = 1e17', [], "less than the time can resolve"),
-    "cycles": ('kind = "oscillate"\namplitude = 1e-3\nangular_frequency = 1e6\nduration = 1e7', [], "cycles"),
-    "mesh": ('kind = "hold"\nduration = 1.0', ["--resolution", "1000000"], "no mesh for this scene"),
-}
-
-
-@pytest.mark.parametrize("command", ["solve", "fields"])
-@pytest.mark.parametrize("name", REFUSED)
-def test_a_refusal_is_one_line(capsys, tmp_path, monkeypatch, name, command):
-    """Nothing is said of what the answer would be worth, or would cost."""
-    step, more, reason = REFUSED[name]
-    ramps = SCENE.split("[[loading.steps]]")
-    file = tmp_path / "refused.toml"
-    file.write_text("[[loading.steps]]\n".join([ramps[0], f"{step}\n", *ramps[1:]]))
-    monkeypatch.setattr(solvers, "scene_warnings", lambda scene: ("doubtful",))
-    own = ["--solver", "fem"] if command == "solve" else ["--pull-off", "--no-figures"]
-    assert main([command, str(file), *own, *more, "--out", str(tmp_path / "out")]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert reason in line
-    assert "allowed" in line
 
 
 def test_an_outcome_below_the_zone_is_read_back_as_it_was(tmp_path, scene_file, monkeypatch):

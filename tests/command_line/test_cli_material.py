@@ -136,7 +136,7 @@ def test_what_figures_show(tmp_path, monkeypatch, file):
         (SHORT, ("--poisson", "0.7"), "poisson: got 0.7"),
         (SHORT, ("--poisson", "x"), "--poisson"),
         (SHORT, ("--modulus", "-1"), "--modulus: got -1.0"),
-        (SHORT, ("--tolerance", "nan"), "tolerance: must be finite"),
+        (SHORT, ("--tolerance", "nan"), "tolerance: got nan"),
         (MODES, (), "modulus: "),
         (MODES, ("--modulus", "1", "--tolerance", "0.1"), "--tolerance: given for a Prony series"),
     ],

@@ -42,7 +42,6 @@ from validation.fields import files
 from validation.report import document
 from validation.runs import pool, process
 from validation.studies import ladders as schemes
-from validation.sweeps import run_plan
 
 TABLE = table()
 OF_MANY_RUNS = [row for row in TABLE if row.command in ("compare", "study", "study --zones", "sweep", "fit")]
@@ -110,7 +109,7 @@ def interrupted(row: Row, monkeypatch: pytest.MonkeyPatch) -> None:
 
         monkeypatch.setattr(process.GracefulStop, "monitor", stop_later)
         return
-    owner, name = {"fields": (files, "save"), "sweep": (run_plan, "run")}.get(row.command, (pool, "execute"))
+    owner, name = (files, "save") if row.command == "fields" else (pool, "execute")
     calls, function = iter(range(1)), getattr(owner, name)
 
     def stop_at_the_second(*given):

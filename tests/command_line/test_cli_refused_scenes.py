@@ -14,9 +14,7 @@ from validation import solvers
 from validation.solvers.finite_elements import FiniteElements
 from validation.studies import ladders as schemes
 
-HOLD = '[[loading.steps]]\nkind = "hold"\nduration = 1e17\n'
 BRANCH = "branches = [{ modulus = 6.75, time = 1.0 }]\n"
-NO_SOLVER = "less than the time can resolve"
 
 
 class Picky(FunctionSolver):
@@ -26,13 +24,46 @@ class Picky(FunctionSolver):
         return UnsupportedScene("indenter", "is too round", "another one")
 
 
-@pytest.fixture
-def lost(tmp_path):
-    """A scene that is out of every solver's range."""
-    ramps = SCENE.split("[[loading.steps]]")
-    file = tmp_path / "lost.toml"
-    file.write_text("[[loading.steps]]".join([ramps[0] + HOLD, *ramps[1:]]))
-    return str(file)
+def beginning_with(step):
+    """A scene with another load step before its own."""
+    head, *ramps = SCENE.split("[[loading.steps]]")
+    return "[[loading.steps]]\n".join([head, f"{step}\n", *ramps])
+
+
+OSCILLATE = 'kind = "oscillate"\namplitude = 1e-3\nangular_frequency = 1e6\nduration = 1e7'
+LOST = (beginning_with('kind = "hold"\nduration = 1e17'), "less than the time can resolve")
+LARGE = (beginning_with('kind = "force"\nvalue = 1e12\nduration = 1.0'), "grows to")
+CYCLES = (beginning_with(OSCILLATE), "cycles")
+MESH = (SCENE.replace("[indenter]", BRANCH + "[indenter]"), "no mesh for this scene")
+FOLLOWING = (MESH[0].replace("0.013", "0.0013"), MESH[1])
+FINE = "--resolution 1000000"
+REFUSED = [
+    *((command, LOST) for command in ("compare", "study", "study --poisson 10", "study --zones 0.01")),
+    *(
+        (command, asked)
+        for command in ("solve --solver fem", "fields --at 0 --no-figures")
+        for asked in (LOST, LARGE, CYCLES)
+    ),
+    *((f"{command} {FINE}", MESH) for command in ("solve --solver fem", "fields --pull-off")),
+    *((f"{command} {FINE}", FOLLOWING) for command in ("solve --solver fem", "fields --pull-off")),
+    ("solve --solver bem --resolution 1000000", (SCENE, "resolution")),
+]
+"""Commands, and the scene and reason that no solver, or not this one, takes."""
+
+
+@pytest.mark.parametrize(("command", "asked"), REFUSED)
+def test_a_scene_that_is_not_taken_is_one_line_before_anything_is_said_or_made(
+    capsys, tmp_path, monkeypatch, command, asked
+):
+    text, reason = asked
+    name, *more = command.split()
+    (tmp_path / "refused.toml").write_text(text)
+    monkeypatch.setattr(solvers, "scene_warnings", lambda scene: ("doubtful",))
+    line = one_line(capsys, name, str(tmp_path / "refused.toml"), *more, "--out", str(tmp_path / "out"))
+    assert line.startswith(f"crosscontact: error: {tmp_path / 'refused.toml'}: ")
+    assert reason in line
+    assert "allowed: " in line
+    assert not list((tmp_path / "out").glob("*"))
 
 
 @pytest.fixture
@@ -47,17 +78,6 @@ def one_line(capsys, *given: str) -> str:
     assert out == ""
     (line,) = err.splitlines()
     return line
-
-
-@pytest.mark.parametrize(
-    "command", ["solve", "compare", "study", "study --poisson 10", "study --zones 0.01", "fields --at 0"]
-)
-def test_a_scene_that_no_solver_takes_is_one_line(capsys, tmp_path, lost, command):
-    name, *more = command.split()
-    line = one_line(capsys, name, lost, *more, "--out", str(tmp_path / "out"))
-    assert line.startswith(f"crosscontact: error: {lost}: loading.steps[1]: ")
-    assert NO_SOLVER in line
-    assert not list((tmp_path / "out").glob("*"))
 
 
 @pytest.mark.usefixtures("_stand_ins")
@@ -122,21 +142,6 @@ def test_a_study_leaves_out_what_does_not_take_the_scene(capsys, tmp_path, monke
     assert "bem together" not in err
     assert "failed:" not in err
     assert "0 failed" in out
-
-
-@pytest.mark.parametrize(
-    "command", ["solve --solver bem", "solve --solver fem", "fields --at 0 --no-figures"]
-)
-@pytest.mark.parametrize("zone", [0.013, 0.0013])
-def test_a_resolution_that_a_solver_does_not_take_is_one_line(capsys, tmp_path, command, zone):
-    """On a mesh that is fine along the whole path of the edge and on one that follows it: none is made."""
-    file = tmp_path / "fine.toml"
-    file.write_text(SCENE.replace("0.013", f"{zone}").replace("[indenter]", BRANCH + "[indenter]"))
-    name, *more = command.split()
-    line = one_line(capsys, name, str(file), *more, "--resolution", "1000000", "--out", str(tmp_path / "out"))
-    assert line.startswith(f"crosscontact: error: {file}: ")
-    assert "allowed: " in line
-    assert not list((tmp_path / "out").glob("*"))
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.synthetic_traces import by_hand
 
 import crosscontact as cc
-from contact_scene import Counters
 from crosscontact.cli import main
 from validation.cases import Case
 from validation.compare.checks import against_reference
@@ -137,10 +137,9 @@ def checked(turns, pulled, other_pulled):
     scene = punch(ELASTIC, *turns)
     runs = []
     for solver, sizes in (("bem", other_pulled), ("reference", pulled)):
-        force, zero = 0.1 + np.repeat(sizes, 40) * np.sin(time), np.zeros_like(time)
-        columns = (time, 0.002 * np.sin(time), force, zero + 0.2, zero, zero, zero)
-        outcome = cc.Outcome(cc.OutcomeKind.COMPLETED, "by hand", float(time[-1]))
-        trace = cc.Trace(solver, *columns, outcome, Counters())
+        rows = {"penetration": 0.002 * np.sin(time), "contact_radius": 0.2}
+        force = 0.1 + np.repeat(sizes, 40) * np.sin(time)
+        trace = by_hand(time, solver=solver, force=force, **rows)
         runs.append(Run("by hand", solver, trace, measures=measure(trace, scene, 0.0)))
     return {check.quantity: check for check in against_reference(Case("by hand", scene), *runs)}
 

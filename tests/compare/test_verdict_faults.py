@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from support.faults.injection import seeded, stale
 from support.faults.verdicts import FAULTS
+from support.synthetic_traces import by_hand
 
-from contact_scene import Counters, Loading, Material, Outcome, OutcomeKind, Ramp, Scene, Sphere, Trace
+from contact_scene import Loading, Material, Ramp, Scene, Sphere, Trace
 from meshes import EdgeMeshes, surface
 from validation.cases import Case, Expected
 from validation.compare.checks import against_reference, check_run
@@ -23,19 +24,7 @@ TIMES = np.arange(5.0)
 
 
 def trace(force: np.ndarray) -> Trace:
-    zero = np.zeros_like(force)
-    return Trace(
-        solver="bem",
-        time=TIMES[: len(force)],
-        penetration=zero,
-        force=force,
-        contact_radius=zero + 1.0,
-        stored_energy=zero,
-        external_work=zero,
-        dissipated_energy=zero,
-        outcome=Outcome(OutcomeKind.COMPLETED, "by hand", float(len(force) - 1)),
-        counters=Counters(),
-    )
+    return by_hand(TIMES[: len(force)], force=force)
 
 
 def run(loop: float) -> Run:

@@ -10,13 +10,12 @@ import math
 
 import numpy as np
 import pytest
+from support.synthetic_traces import by_hand, work_of
 
 from contact_scene import (
     Adhesion,
-    Counters,
     Loading,
     Material,
-    Outcome,
     OutcomeKind,
     Ramp,
     Scene,
@@ -45,19 +44,11 @@ def trace(factor: float = 1.0, kind: OutcomeKind = OutcomeKind.DETACHED, solver:
     t = np.linspace(0.0, 1.0, 201)
     d = np.where(t < 0.5, 0.06 * t, 0.03 - 0.16 * (t - 0.5))
     force = np.where(t < 0.9, 40.0 * d, -1.36 + 8.0 * (t - 0.9))
-    work = np.concatenate(([0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(d))))
-    return Trace(
-        solver=solver,
-        time=t,
-        penetration=d,
-        force=factor * force,
-        contact_radius=factor * (0.2 + 0.1 * np.sin(3.0 * t)),
-        stored_energy=np.abs(work),
-        external_work=factor * work,
-        dissipated_energy=1e-3 * factor * t,
-        outcome=Outcome(kind, "by hand", 1.0),
-        counters=Counters(),
-    )
+    rows = {"penetration": d, "force": force, "contact_radius": 0.2 + 0.1 * np.sin(3.0 * t)}
+    made = work_of(by_hand(t, kind, solver, dissipated_energy=1e-3 * t, **rows))
+    made = dataclasses.replace(made, stored_energy=np.abs(made.external_work))
+    scaled = ("force", "contact_radius", "external_work", "dissipated_energy")
+    return dataclasses.replace(made, **{name: factor * getattr(made, name) for name in scaled})
 
 
 MEASURES = {

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from support.wrong_values import WRONG, refused
 
+import contact_scene
 import crosscontact as cc
 from contact_scene import Counters
 from contact_scene.checked import Checked
@@ -17,10 +18,7 @@ ROWS = np.linspace(0.1, 1.0, 30)
 ELASTIC = cc.Material(1.0, 0.3)
 SCENE = cc.Scene(ELASTIC, cc.Sphere(1.0), cc.Loading("relaxed", 0.01, (cc.Ramp(0.02, 0.02),)))
 CURVE = cc.MeasuredCurve(ROWS, ROWS**2, ROWS)
-COLUMNS = dict.fromkeys(
-    ("time", "penetration", "force", "contact_radius", "stored_energy", "external_work", "dissipated_energy"),
-    ROWS,
-)
+COLUMNS = dict.fromkeys(contact_scene.COLUMNS, ROWS)
 COMPLETED = cc.Outcome(cc.OutcomeKind.COMPLETED, "the end", 1.0)
 RUN = Run("scene", "none", cc.Trace("none", *COLUMNS.values(), COMPLETED, Counters()))
 REQUIRED = {
@@ -33,9 +31,11 @@ REQUIRED = {
     "compare": {"scene": SCENE, "resolution": 4, "max_steps": 5},
     "export_exam": {"folder": "exam"},
     "fit": {"curves": CURVE, "scene": SCENE, "vary": ("material.modulus",), "max_steps": 5000},
+    "fit_each": {"curves": CURVE, "scene": SCENE, "vary": ("material.modulus",)},
     "fit_prony": {"data": cc.RelaxationData(ROWS, 1.0 + np.exp(-ROWS))},
     "judge": {"folder": "answers"},
     "load": {"folder": "run"},
+    "read_curve": {"path": "curve.csv"},
     "read_curves": {"path": "curve.csv"},
     "read_material": {"path": "moduli.csv"},
     "read_measured": {"path": "moduli.csv"},
@@ -51,26 +51,16 @@ REQUIRED = {
 }
 """Arguments with which a name can be called; the others have a default."""
 FLAG, TEXT, EMPTY = "truth value", "text", "empty array"
+TIMES = ("stop_times", "profile_times", "prony")
 TAKEN = {
     FLAG: ("estimate_errors", "with_reference"),
     TEXT: ("folder", "path", "out", "name", "remark", "solver"),
-    "array": ("stop_times", "profile_times", "prony"),
-    "list": ("stop_times", "profile_times", "prony"),
-    EMPTY: (*("stop_times", "profile_times", "prony", "tie", "per_curve", "free", "profile", "measures"),),
+    "array": TIMES,
+    "list": TIMES,
+    EMPTY: (*TIMES, "tie", "per_curve", "free", "profile", "measures", "segments"),
 }
 """Arguments that may be one of the wrong values after all, ``None`` aside where it is the default."""
-NAMED = (
-    "solve",
-    "compare",
-    "fit",
-    "sweep",
-    "synthetic",
-    "builtin",
-    "load",
-    "judge",
-    "scene_from_dict",
-    "read_",
-)
+NAMED = ("solve", "compare", "fit", "sweep", "synthetic", "builtin", "load", "judge", "scene_from", "read_")
 """Where a text has to be the name of something that there is."""
 OPTIONAL = {("MeasuredCurve", name) for name in ("penetration", "contact_radius", "indenter_radius", "noise")}
 OPTIONAL |= {("fit", "check_solver")}
@@ -86,7 +76,8 @@ def declared(name):
 
 def good_arguments(name):
     parameters = inspect.signature(getattr(cc, name)).parameters.values()
-    return {one.name: REQUIRED[name].get(one.name, one.default) for one in parameters}
+    named = [one for one in parameters if one.kind is not one.VAR_KEYWORD]
+    return {one.name: REQUIRED[name].get(one.name, one.default) for one in named}
 
 
 def test_every_public_name_is_asked():
@@ -136,7 +127,7 @@ def test_what_stands_within_the_arguments_of_a_sweep_is_refused_in_one_line(what
         (lambda: cc.solve("a" * 5000), "aaa"),
         (lambda: cc.solve(3), "a Scene, the name of a built-in scene, or a scene file"),
         (lambda: cc.solve(SCENE, "magic"), "one of bem, fem, reference"),
-        (lambda: cc.solve(SCENE, resolution=3), "resolution: got 3.0; allowed: a whole number >= 4"),
+        (lambda: cc.solve(SCENE, resolution=3), "resolution: got 3; allowed: a whole number >= 4"),
         (lambda: cc.solve(SCENE, resolution=8.5), "resolution"),
         (lambda: cc.solve(SCENE, max_steps=0), "max_steps"),
         (lambda: cc.solve(SCENE, stop_times=[-1.0]), "stop_times[0]"),

@@ -71,28 +71,17 @@ def test_every_name_is_there():
         cc.Indentor  # noqa: B018
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_a_file_that_hides_a_package_is_named(tmp_path, package):
-    file = tmp_path / f"{package}.py"
-    file.write_text("")
-    ended = python("import crosscontact", tmp_path)
-    assert ended.returncode == 1
+@pytest.mark.parametrize("before", ["", "import {}, "])
+@pytest.mark.parametrize("file", [*(f"{package}.py" for package in PACKAGES), "validation/__init__.py"])
+def test_a_file_that_hides_a_package_is_named(tmp_path, file, before):
+    package = file.partition("/")[0].removesuffix(".py")
+    hiding = tmp_path / file
+    hiding.parent.mkdir(exist_ok=True)
+    hiding.write_text("")
+    ended = python(f"{before.format(package) or 'import '}crosscontact", tmp_path)
+    assert (ended.returncode, ended.stdout) == (1, "")
     last = ended.stderr.splitlines()[-1]
-    assert last.startswith(f"ImportError: crosscontact: {file} hides its package {package}: ")
-    assert ended.stdout == ""
-
-
-def test_a_file_loaded_before_is_named_too(tmp_path):
-    (tmp_path / "meshes.py").write_text("")
-    ended = python("import meshes, crosscontact", tmp_path)
-    assert str(tmp_path / "meshes.py") in ended.stderr.splitlines()[-1]
-
-
-def test_a_folder_that_hides_a_package_is_named(tmp_path):
-    (tmp_path / "validation").mkdir()
-    (tmp_path / "validation" / "__init__.py").write_text("")
-    ended = python("import crosscontact", tmp_path)
-    assert str(tmp_path / "validation" / "__init__.py") in ended.stderr.splitlines()[-1]
+    assert last.startswith(f"ImportError: crosscontact: {hiding} hides its package {package}: ")
 
 
 @pytest.mark.parametrize("in_place", [True, False])

@@ -31,7 +31,7 @@ FAULTS = {
     HEAD + "time,contact_radius\n0,-1\n": "contact_radius, line 3",
     TIMED + "0,0\n" * 3: "has 4 rows; allowed: 1 to 3 rows",
     HEAD + TIMED: "header: code: is given twice",
-    HEAD + "time;force\n0,5;0,1\n": "line 3: cells are separated by semicolons and numbers have",
+    HEAD + "time;force\n0,5;0,1\n": "line 3: numbers have decimal commas",
     TIMED.replace("\n", "\r"): "a carriage return alone",
     TIMED.replace("", "\0"): "zero bytes",
     TIMED + "#" * 10_000_001: "",

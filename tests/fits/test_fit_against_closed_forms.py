@@ -23,8 +23,8 @@ from contact_scene import (
 from contact_scene.scene import with_values
 from validation.fits.baseline import features
 from validation.fits.fit import fit_curves
-from validation.fits.fit_settings import FitSettings
-from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.parameters import FitSettings
+from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 
 LOADING = Loading("jump-in", 0.0, (Ramp(0.03, 0.03), Ramp(-0.1, 0.03)))

@@ -20,9 +20,10 @@ from contact_scene import (
     write_scene,
 )
 from crosscontact.cli import main
-from validation.fits.curve_files import write_csv
-from validation.fits.fit import fit_curves, question
+from validation.fits.curve_tables import write_csv
+from validation.fits.fit import fit_curves
 from validation.fits.page import statements
+from validation.fits.parameters import question
 from validation.runs.folder import claim
 
 pytestmark = pytest.mark.usefixtures("closed_form")
@@ -35,7 +36,9 @@ pytestmark = pytest.mark.usefixtures("closed_form")
         (["--vary", "material.modulus=2:1"], "bounds"),
         (["--vary", "material.modulus=a:b"], "two finite numbers"),
         ([], "vary: is empty"),
-        (["--vary", "material.modulus", "--free", "tilt"], "contact_point"),
+        (["--vary", "material.modulus", "--free", "tilt"], "background"),
+        (["--vary", "material.modulus", "--within", "2"], "a share of the range"),
+        (["--vary", "material.modulos", "--each"], "material has no modulos"),
         (["--vary", "material.modulus", "--check-solver", "x"], "--check-solver"),
         (["--vary", "material.modulus", "--tie", "indenter.radius=adhesion.work"], "is not varied"),
         (["--vary", "material.modulus", "--tie", "material.modulus=material.modulus"], "is tied to itself"),
@@ -104,7 +107,7 @@ def test_a_first_guess_that_the_solver_does_not_take_is_refused_by_its_reason():
 
 
 def test_means_of_rows_stand_in_the_report(monkeypatch):
-    monkeypatch.setattr("validation.fits.decimation.MOST_ROWS", 60)
+    monkeypatch.setattr("validation.fits.fit.MOST_ROWS", 60)
     found = fit_curves([hertz_curve(noise=2e-4)], elastic_scene(GUESS), settings_of("material.modulus"))
     assert "hertz: fitted are means of 2 rows" in statements(found)
     assert found.curves[0].curve.time.size == 60

@@ -18,9 +18,9 @@ from contact_scene import (
     Sphere,
     Table,
 )
-from validation.fits.curve_model import CurveModel
 from validation.fits.fit import fit_curves
-from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.model import CurveModel
+from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 
 pytestmark = pytest.mark.usefixtures("closed_form")

@@ -7,16 +7,14 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from support.synthetic_traces import by_hand
 
 from contact_scene import (
-    Counters,
     Force,
     ForceRamp,
     Hold,
     Loading,
     Oscillate,
-    Outcome,
-    OutcomeKind,
     Ramp,
     Sweep,
     Trace,
@@ -35,13 +33,8 @@ from validation.measure.curves import (
 from validation.measure.windows import corners, windows
 
 
-def run(time, force, radius=None, penetration=None) -> Trace:
-    t = np.asarray(time, float)
-    zero = np.zeros_like(t)
-    depth = zero if penetration is None else np.asarray(penetration, float)
-    edge = zero + 1.0 if radius is None else np.asarray(radius, float)
-    outcome = Outcome(OutcomeKind.COMPLETED, "by hand", float(t[-1]))
-    return Trace("bem", t, depth, np.asarray(force, float), edge, zero, zero, zero, outcome, Counters())
+def run(time, force, radius=1.0, penetration=0.0) -> Trace:
+    return by_hand(time, force=force, contact_radius=radius, penetration=penetration)
 
 
 def test_points_and_weights_integrate_the_square_of_a_cubic():

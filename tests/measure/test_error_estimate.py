@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from support.spring_solver import FunctionSolver
 from support.spring_solver import spring as spring_solve
+from support.synthetic_traces import by_hand
 
-from contact_scene import Counters, Event, Force, ForceRamp, Hold, Loading, Outcome, OutcomeKind, Ramp, Trace
+from contact_scene import COLUMNS, Event, Force, ForceRamp, Hold, Loading, Outcome, OutcomeKind, Ramp, Trace
 from crosscontact import arguments
 from validation import solvers
 from validation.cases import load
@@ -28,11 +29,9 @@ def spring(stiffness: float, solver: str = "fem", rows: int = 41, **columns) -> 
     """A spring pressed in and pulled out again, kinked at half time; some columns replaced."""
     t = np.linspace(0.0, 1.0, rows)
     d = 0.03 - 0.08 * np.abs(t - 0.5)
-    energy = 0.5 * stiffness * d**2
-    outcome = Outcome(OutcomeKind.COMPLETED, "as told", 1.0)
-    force, radius = stiffness * d, np.full_like(t, 0.2)
-    made = Trace(solver, t, d, force, radius, energy, energy, energy, outcome, Counters())
-    return dataclasses.replace(made, **columns)
+    made = {"penetration": d, "force": stiffness * d, "contact_radius": 0.2}
+    energies = dict.fromkeys(COLUMNS[4:], 0.5 * stiffness * d**2)
+    return dataclasses.replace(by_hand(t, solver=solver, **made, **energies), **columns)
 
 
 def estimates(run: Trace, other: Trace, ratio: float = 2.0, loading: Loading | None = None):

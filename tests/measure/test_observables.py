@@ -6,20 +6,18 @@ import dataclasses
 
 import numpy as np
 import pytest
+from support.synthetic_traces import by_hand, work_of
 
 from contact_scene import (
-    Counters,
     Event,
     Force,
     ForceRamp,
     Hold,
     Loading,
     Oscillate,
-    Outcome,
     OutcomeKind,
     Ramp,
     Table,
-    Trace,
 )
 from contact_scene.run_control import below_zone_outcome
 from validation.cases import load
@@ -30,23 +28,9 @@ from validation.measure.scaling import SYMBOLS, kind_of, unit_sizes
 DETACHED, COMPLETED = OutcomeKind.DETACHED, OutcomeKind.COMPLETED
 
 
-def trace(time, penetration, force, radius=None, loss=None, kind=COMPLETED, events=(), past=False):
-    time, depth, load = (np.asarray(column, float) for column in (time, penetration, force))
-    zero = np.zeros_like(time)
-    work = np.concatenate((zero[:1], np.cumsum(0.5 * (load[1:] + load[:-1]) * np.diff(depth))))
-    return Trace(
-        solver="by hand",
-        time=time,
-        penetration=depth,
-        force=load,
-        contact_radius=zero + 1.0 if radius is None else np.asarray(radius, float),
-        stored_energy=zero,
-        external_work=work,
-        dissipated_energy=zero if loss is None else np.asarray(loss, float),
-        outcome=Outcome(kind, "by hand", float(time[-1]) if time.size else 0.0, past),
-        counters=Counters(),
-        events=events,
-    )
+def trace(time, penetration, force, radius=1.0, loss=0.0, kind=COMPLETED, events=(), past=False):
+    rows = {"penetration": penetration, "force": force, "contact_radius": radius, "dissipated_energy": loss}
+    return work_of(by_hand(time, kind, past=past, events=events, **rows))
 
 
 def test_cycle():

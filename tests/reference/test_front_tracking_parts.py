@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.linalg import expm
 
 from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
-from contact_scene.loading import straight as straight_load
+from contact_scene.loading import pieces
 from validation.reference.path.abel import transform
 from validation.reference.path.rheology import Body, rheology
 from validation.reference.tracking import hermite
@@ -276,13 +276,13 @@ def test_a_root_close_to_its_guess_is_corrected_by_the_known_slope() -> None:
 
 def test_penetration_is_as_free_as_the_load_leaves_it() -> None:
     body = Body(rheology(SPREAD), transform(Sphere(2.0)))
-    stage = straight_load("stage", 0.0, 1.0, 0.0, 1.0)
+    stage = pieces("stage", (0.0, 1.0), (0.0, 1.0))
     half = 0.5 / (body.rheology.glassy * 0.1)
     stiff, even, soft = (
         freedom(replace(stage, compliance=c), body, 0.1) for c in (1e-6 * half, half, 1e6 * half)
     )
-    assert freedom(straight_load("penetration", 0.0, 1.0, 0.0, 1.0), body, 0.1) == 0.0
-    assert freedom(straight_load("force", 0.0, 1.0, 0.0, 1.0), body, 0.1) == 1.0
+    assert freedom(pieces("penetration", (0.0, 1.0), (0.0, 1.0)), body, 0.1) == 0.0
+    assert freedom(pieces("force", (0.0, 1.0), (0.0, 1.0)), body, 0.1) == 1.0
     assert even == pytest.approx(0.5)
     assert 0.0 < stiff < 2e-6
     assert 1.0 - 2e-6 < soft < 1.0

@@ -12,7 +12,7 @@ from support.synthetic_traces import trace
 
 from validation.cases import load
 from validation.claims.paper_figures import oscillation
-from validation.drawing.curves import SCENE_UNITS, RunCurves, with_differences
+from validation.drawing.curves import RunCurves, labels, with_differences
 from validation.drawing.run_figures import PANELS, draw
 from validation.measure.scaling import unit_sizes
 
@@ -23,7 +23,7 @@ RANGES = [(0.0, 1.0), (-3e-9, 7e-9), (-2.4e8, 1.1e9), (0.24515012, 0.2451503), (
 def test_nothing_is_cut_off_and_numbers_do_not_touch(low, high):
     values = np.linspace(low, high, 40)
     columns = dict.fromkeys(("time", "penetration", "force", "contact_radius"), values)
-    figure = draw(PANELS[0], [RunCurves("bem", "bem", columns)], SCENE_UNITS)
+    figure = draw(PANELS[0], [RunCurves("bem", "bem", columns)], labels(load("cycle-v0.1").scene))
     figure.draw_without_rendering()
     box, (width, height) = figure.get_tightbbox(), figure.get_size_inches()
     assert min(box.x0, box.y0, width - box.x1, height - box.y1) >= 0.0

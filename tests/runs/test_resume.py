@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import re
+import random
 import signal
 import sqlite3
 import subprocess
@@ -19,6 +19,7 @@ from support.interruptible_command import BEGUN, VERSION
 from support.spring_solver import SCENE, FunctionSolver, spring
 from support.unlaid_figures import without_layout
 
+from benchmarks import kills
 from contact_scene import read_columns
 from crosscontact.cli import main
 from validation import solvers
@@ -242,33 +243,14 @@ def alive(process: int) -> bool:
         return False
 
 
-@pytest.mark.exhaustive
-def test_a_report_killed_again_and_again(tmp_path):
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "command",
+    [pytest.param(name, marks=() if name == "sweep" else pytest.mark.exhaustive) for name in kills.COMMANDS],
+)
+def test_a_command_killed_again_and_again_gives_the_same_numbers(tmp_path, command):
     """The real solvers in processes of their own; the store grows until nothing is missing."""
-    given = [sys.executable, "-m", "crosscontact", "compare", "relaxed-equilibrium"]
-    given += ["--jobs", "2", "--out"]
-    once, twice = tmp_path / "once", tmp_path / "twice"
-    subprocess.run([*given, str(once)], check=True, capture_output=True, env=ENVIRONMENT)
-    for wanted in (1, 2):
-        work = subprocess.Popen(
-            [*given, str(twice)],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=ENVIRONMENT,
-        )
-        assert work.stderr is not None
-        assert any(re.search(r"\d/3 relaxed-equilibrium", line) for line in work.stderr)  # one has finished
-        threads = Path(f"/proc/{work.pid}/task").glob("*/children")
-        children = [child for thread in threads for child in thread.read_text().split()]
-        work.kill()
-        assert work.wait() == -signal.SIGKILL  # it had not finished; its workers may have
-        work.stderr.close()
-        wait_for(lambda children=children: not any(alive(int(child)) for child in children), "the workers")
-        assert len(kept_runs(twice)) >= wanted
-    said = subprocess.run([*given, str(twice)], capture_output=True, text=True, env=ENVIRONMENT)
-    assert said.returncode == 0, said.stderr
-    assert "taken over from an earlier attempt" in said.stderr
-    assert report_of(twice) == report_of(once)
-    for trace in once.rglob("trace.csv"):
-        assert trace.read_bytes() == (twice / trace.relative_to(once)).read_bytes()
+    kills.prepare(tmp_path)
+    done, ends, differing = kills.killed(command, tmp_path, 2, random.Random(1))
+    assert (done, differing) == (2, 0)
+    assert ends > 0

@@ -26,12 +26,11 @@ from contact_scene import Event, SceneError, Sphere, SurfaceProfile
 from contact_scene.indenter import TabulatedProfile
 from validation import cases
 from validation.compare import regression
-from validation.fits.fit_run import FitRun
+from validation.fits.model import FitRun
 from validation.runs import provenance, store
 from validation.runs.run import Run, read_run, write_run
-from validation.runs.store import UNFINISHED, Columns, RunRecord, RunTable, Store, StoredRun, dumps
+from validation.runs.store import UNFINISHED, Store, dumps
 from validation.stability.matrix import CaseAnswer
-from validation.studies.knobs import RunAndMemory
 from validation.studies.ladders import Level, Settings
 from validation.studies.study import FinestReference, LevelRun
 
@@ -115,13 +114,10 @@ LEVEL = LevelRun(Level(0.5, "8", Settings(8)), {"a": None}, {"b": np.float64(0.1
 STORED = {
     "run": (RUN, Run),
     "failed run": (Run("s", "bem", failure="no memory", details="line\nline"), Run),
-    "measured run": (RunAndMemory(RUN, 10**9), RunAndMemory),
     "level": (LEVEL, LevelRun),
     "finest reference": ((RUN, 30, "words"), FinestReference),
     "answer of a case": (CaseAnswer(TRACE, seconds=0.5), CaseAnswer),
     "run of a fit": (FitRun(*np.arange(12.0).reshape(4, 3), None, "why"), FitRun),
-    "record": (RunRecord("completed", "", True, {"a": 0.1, "b": 5e-324}, {}, ("c",), 3), RunRecord),
-    "columns": ({"time": np.arange(3.0)}, Columns),
 }
 """What is stored of every command, and its kind."""
 
@@ -303,13 +299,3 @@ def test_an_interrupted_command_finds_what_is_done(tmp_path):
     nowhere = Store()
     nowhere.put("a", 1)
     assert nowhere.get("a", int) is None
-
-
-def test_runs_of_a_sweep_are_stored_with_their_traces(tmp_path):
-    record, columns = RunRecord("completed", "", rows=2), {"time": np.arange(2.0)}
-    for folder in (tmp_path, None):
-        with RunTable(folder) as table:
-            table.keep([StoredRun("x", record, 1.5, columns), StoredRun("y", record, 0.5)])
-            assert (table.record("x"), table.record("z"), table.seconds_of("x")) == (record, None, 1.5)
-            assert [table.holds("x", True), table.holds("y"), table.holds("y", True)] == [True, True, False]
-            assert list(table.columns("x")) == ["time"]

@@ -43,45 +43,6 @@ def test_a_written_scene_is_read_as_the_same(law, tmp_path):
     assert read_scene(tmp_path / "scene.toml") == scene
 
 
-BAD = {
-    "closing above opening": ({"work_closing": 6e-4}, "adhesion.work_closing", "at most work"),
-    "file and speed": ({"rate": {"file": "a.csv", "speed": 1}}, "adhesion.rate.speed", "file"),
-    "stress and zone": ({"stress": 0.2}, "adhesion.stress", "either zone or stress"),
-    "rate without adhesion": (
-        {"work": 0.0, "rate": {"speed": 1, "exponent": 1}},
-        "adhesion.rate",
-        "work > 0",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", BAD)
-def test_bad_values_are_one_line(name):
-    entries, key, allowed = BAD[name]
-    with pytest.raises(SceneError) as caught:
-        scene_from_dict(asked(**{"work": 5e-4, "zone": 0.013} | entries))
-    assert "\n" not in str(caught.value)
-    assert str(caught.value).startswith(key)
-    assert allowed in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("rows", "allowed"),
-    [
-        ("1e-3,6e-4\n1e-4,7e-4\n", "speed, row 2.*strictly rising"),
-        ("1e-4,7e-4\n1e-3,6e-4\n", "do not fall"),
-        ("1e-4,4e-4\n", "at least work"),
-        ("1e-4,0.0\n", "> 0"),
-        ("", "a table of numbers"),
-    ],
-)
-def test_bad_tables_are_one_line(rows, allowed, tmp_path):
-    (tmp_path / "works.csv").write_text("speed,work\n" + rows)
-    with pytest.raises(SceneError, match=allowed) as caught:
-        scene_from_dict(asked(work=5e-4, zone=0.013, rate={"file": "works.csv"}), tmp_path)
-    assert "\n" not in str(caught.value)
-
-
 def test_works_of_the_two_laws():
     power = Adhesion(2.0, 0.1, None, PowerRate(0.5, 2.0))
     assert power.opening(0.0) == 2.0

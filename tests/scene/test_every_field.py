@@ -11,7 +11,7 @@ from support.wrong_values import WRONG, refused
 
 import contact_scene
 from contact_scene import SceneError
-from contact_scene.checked import Declaration, Tabulated, fields_of, from_table, to_table
+from contact_scene.checked import REQUIRED, Declaration, Tabulated, fields_of, from_table, to_table
 from contact_scene.material import MODELS
 from contact_scene.temperature_shift import SHIFTS
 
@@ -62,8 +62,11 @@ def made(kind):
 
 
 def takes(kind, name: str, value) -> bool:
-    """Whether a field may be this after all: nothing, a text, a list without entries, or one of numbers."""
+    """Whether a field may be this after all: nothing, a text, a list without entries or one of numbers, or a
+    table without keys."""
     field = fields_of(kind)[name]
+    if isinstance(value, dict) and field.kinds:
+        return all(one.default is not REQUIRED for one in fields_of(field.kinds[0]).values())
     if value is None:
         return field.optional
     if isinstance(value, str):

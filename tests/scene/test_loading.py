@@ -30,7 +30,6 @@ from contact_scene import (
     PowerLaw,
     Ramp,
     Scene,
-    SceneError,
     Sphere,
     Sweep,
     Table,
@@ -110,21 +109,6 @@ def test_duration_lost_in_a_late_start():
     assert (partly.value(1e9), partly.kinks, partly.value(1e9 + 1.5)) == (1.0, (1e9 + 1.0,), 1.0)
 
 
-@pytest.mark.parametrize(
-    ("build", "key"),
-    [
-        (lambda: Table((0.0, 1.0, 1.0), (0.0, 0.0, 0.0)), "time, row 3"),
-        (lambda: Table((0.0,), (0.0,)), "time"),
-        (lambda: Table((0.0, 1.0), (0.0,)), "penetration"),
-    ],
-)
-def test_bad_tables(build, key):
-    with pytest.raises(SceneError) as caught:
-        build()
-    assert caught.value.key == key
-    assert caught.value.allowed
-
-
 # The machine, and approaches
 
 K = 0.5
@@ -140,9 +124,6 @@ def with_steps(*entries):
     return GOOD[: GOOD.index("[[loading.steps]]")] + "\n".join(f"[[loading.steps]]\n{e}" for e in entries)
 
 
-PROFILED = GOOD[: GOOD.index("[indenter]")] + '[indenter]\nshape = "profile"\nfile = "t.csv"\n\n[adhesion]'
-
-
 def test_machine_is_read_and_written(tmp_path):
     scene = read(tmp_path, GOOD + "\n[machine]\nstiffness = 2\n")
     assert scene.machine == Machine(2.0)
@@ -150,32 +131,6 @@ def test_machine_is_read_and_written(tmp_path):
     assert read(tmp_path, GOOD + "\n[machine]\nstiffness = inf\n").loading.compliance == 0.0
     write_scene(scene, tmp_path / "again.toml")
     assert read_scene(tmp_path / "again.toml") == scene
-
-
-@pytest.mark.parametrize(
-    ("text", "key"),
-    [
-        (
-            with_steps('kind = "ramp"\nto = 1\nrate = 1\nuntil_radius = 1\nuntil_force = 1'),
-            "loading.steps[0].until_radius",
-        ),
-        (
-            with_steps('kind = "force"\nvalue = 1\nduration = 1', 'kind = "approach"\nrate = 1\nforce = 1'),
-            "loading.steps[1].to",
-        ),
-        (
-            PROFILED + with_steps('kind = "approach"\nrate = 1\nforce = 1').partition("[adhesion]")[2],
-            "loading.steps[0].to",
-        ),
-        (with_steps('kind = "approach"\nrate = 1\nforce = 1\nto = 1\naway = 2'), "loading.steps[0].away"),
-    ],
-)
-def test_bad_values_are_named(tmp_path, text, key):
-    (tmp_path / "t.csv").write_text("0,0\n1,1\n2,4\n")
-    with pytest.raises(SceneError) as caught:
-        read(tmp_path, text)
-    assert key in str(caught.value)
-    assert "\n" not in str(caught.value)
 
 
 def test_steps_drive_the_stage_of_a_spring_and_forces_the_indenter():
@@ -301,29 +256,6 @@ def test_a_retraction_ends_where_no_contact_is_left(to):
     assert -found == pytest.approx(max(reached, math.sqrt(2.0 * math.pi * (radius + 0.01) * 1e-3)), rel=1e-12)
     found, reached = away(Sphere(2.0), work=0.0)
     assert found == -reached
-
-
-@pytest.mark.parametrize(
-    ("wrong", "key"),
-    [
-        (lambda: bound(Approach(1.0, 0.0)), "loading.steps[0].force"),
-        (lambda: bound(Force(1.0, 1.0), Approach(1.0, 1.0)), "loading.steps[1].to"),
-        (lambda: bound(ForceRamp(1.0, 1.0), Approach(1.0, 1.0)), "loading.steps[1].to"),
-        (
-            lambda: bound(Approach(1.0, 1.0), material=Material(0.75, 0.3, (), "elastic")),
-            "loading.steps[0].to",
-        ),
-        (lambda: bound(Approach(1.0, 1e60), indenter=PowerLaw(100.0, 1e300)), "loading.steps[0].to"),
-        (lambda: bound(Approach(1.0, 1.0, away=1e9)), "loading.steps[0].away"),
-        (lambda: Loading("relaxed", 0.0, (Approach(1.0, 1.0),)).steps[0].segment(0.0, 0.0, 0.0), "to"),
-    ],
-)
-def test_where_no_bound_can_be_stated_one_is_asked_for(wrong, key):
-    with pytest.raises(SceneError) as caught:
-        wrong()
-    assert caught.value.key == key
-    assert "\n" not in str(caught.value)
-    assert caught.value.allowed
 
 
 def test_cubic_table_has_no_kinks_and_no_extremum_between_rows(tmp_path):

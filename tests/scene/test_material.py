@@ -301,40 +301,6 @@ def test_table_of_shift_factors(tmp_path, text):
         factor(101.0, {"file": "aT.csv"}, tmp_path)
 
 
-POWER = {"model": "power-law", "exponent": 0.3, "modulus": 2.0, "time": 1.0, "range": [1e-3, 1e3]}
-STANDARD = {"model": "standard-linear", "relaxed": 1.0, "glassy": 10.0, "time": 1.0}
-
-
-@pytest.mark.parametrize(
-    ("keys", "where", "allowed"),
-    [
-        (POWER | {"range": [1.0]}, "range", "two times"),
-        (POWER | {"range": [1.0, 1.0]}, "range", "first < last"),
-        (POWER | {"range": [1e-60, 1e60]}, "range", "from 1e-60 to 1e+60"),
-        (POWER | {"modulus": 1e60, "time": 1e3}, "modulus", "from 1e-60 to 1e+60"),
-        (POWER | {"modulus": 1e-60}, "modulus", "from 1e-60 to 1e+60"),
-        (POWER | {"branches": []}, "branches", "exponent"),
-        (STANDARD | {"glassy": 1.0}, "glassy", "above relaxed"),
-        (SERIES | {"temperature": 300.0}, "shift", "together"),
-        (SERIES | {"shift": UNIVERSAL}, "temperature", "together"),
-        (SERIES | {"temperature": 321.5, "shift": UNIVERSAL}, "temperature", "c2 = 321.55"),
-        (SERIES | {"temperature": 340.0, "shift": UNIVERSAL}, "temperature", "30 decades"),
-        (SERIES | {"temperature": 25.0, "shift": ACTIVATED}, "temperature", "kelvin"),
-        (SERIES | {"temperature": 210.0, "shift": {"file": "aT.csv"}}, "temperature", "30 decades"),
-        (SERIES | {"temperature": 300.0, "shift": {"model": "file"}}, "shift.file", "a_T"),
-        (SERIES | {"temperature": 300.0, "shift": {"file": "x", "c1": 1.0}}, "shift.c1", "model, file"),
-        (SERIES | {"temperature": 300.0, "shift": 3}, "shift", "WLF"),
-    ],
-)
-def test_bad_values_get_one_line(tmp_path, keys, where, allowed):
-    (tmp_path / "aT.csv").write_text("T,log_aT\n200,40\n300,0\n")
-    with pytest.raises(SceneError) as caught:
-        of_scene(tmp_path, **keys)
-    line = str(caught.value)
-    assert line.startswith(f"material.{where}")
-    assert allowed in line.split("; allowed: ")[1]
-
-
 @given(st.sampled_from([WLF, Arrhenius]), st.lists(st.floats(), min_size=4, max_size=4))
 def test_whatever_the_numbers_times_are_usable_or_refused(kind, numbers):
     *keys, temperature = numbers

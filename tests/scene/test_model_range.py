@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.scene_strategies import scenes
+from support.synthetic_traces import by_hand
 
 from contact_scene import (
     Adhesion,
     Branch,
     Cone,
-    Counters,
     FlatPunch,
     Force,
     ForceRamp,
@@ -24,8 +24,6 @@ from contact_scene import (
     Loading,
     Material,
     Oscillate,
-    Outcome,
-    OutcomeKind,
     PowerLaw,
     Ramp,
     Scene,
@@ -105,10 +103,7 @@ def test_what_no_solver_can_compute_is_refused_in_one_line(name):
 
 
 def trace(start: float, largest: float) -> Trace:
-    radius = np.array([start, largest, start])
-    zero = np.zeros(3)
-    outcome = Outcome(OutcomeKind.COMPLETED, "by hand", 2.0)
-    return Trace("bem", np.arange(3.0), zero, zero, radius, zero, zero, zero, outcome, Counters())
+    return by_hand(np.arange(3.0), contact_radius=[start, largest, start])
 
 
 @pytest.mark.parametrize(("zone", "warned"), [(0.19, False), (0.21, True)])

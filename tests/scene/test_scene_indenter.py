@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from contact_scene import Cone, FlatPunch, PowerLaw, SceneError, Sphere, TabulatedProfile, scene_from_dict
+from contact_scene import Cone, FlatPunch, PowerLaw, Sphere, TabulatedProfile
 
 R = np.linspace(0.0, 1.0, 21)
 SHAPES = {
@@ -64,30 +64,6 @@ def test_table_of_a_smooth_profile_converges(points, worst):
     fine = np.linspace(0.0, 1.0, 1001)
     error = np.abs(table.height(fine) - (np.cosh(fine) - 1.0)).max()
     assert worst / 3.0 < error < worst
-
-
-def test_table_from_a_file(tmp_path):
-    (tmp_path / "tip.csv").write_text("# measured\nradius,height\n0,0\n0.5,0.1\n1.0,0.5\n")
-    data = {
-        "material": {"modulus": 1.0, "poisson": 0.3},
-        "indenter": {"shape": "profile", "file": "tip.csv"},
-        "loading": {"start": "relaxed", "penetration": 0.0},
-    }
-    scene = scene_from_dict(data, tmp_path)
-    assert scene.indenter == TabulatedProfile((0.0, 0.5, 1.0), (0.0, 0.1, 0.5))
-    for rows, where in [
-        ("0,0\n0.5,0.1\n0.5,0.5\n", "radius, row 3"),
-        ("0,0\n0.5,0.1\n1.0,0.05\n", "height, row 3"),
-        ("0.1,0\n0.5,0.1\n1.0,0.5\n", "radius"),
-        ("0,0\n1,1\n", "radius"),
-        ("0,0\n1,0\n2,0\n", "height"),
-        ("0,0\n1,nan\n2,0\n", "height, line 2"),
-        ("0,0\n1e-80,1\n2,3\n", "radius"),
-    ]:
-        (tmp_path / "tip.csv").write_text(rows)
-        with pytest.raises(SceneError) as caught:
-            scene_from_dict(data, tmp_path)
-        assert str(caught.value).startswith(f"{tmp_path / 'tip.csv'}: {where}")
 
 
 @pytest.mark.parametrize("heights", [(0.0, 1e-300, 1.0), (0.0, 1e60, 1e60), (-1e60, 0.0, 1e60)])

@@ -1,11 +1,18 @@
-"""Units in headers: labels of the scene's own units; one that cannot be is refused in one line."""
+"""Units: labels in headers of files and in scenes; nothing is converted, and what cannot be is refused."""
 
 from __future__ import annotations
 
+import dataclasses
+import re
+import tomllib
+
 import pytest
+from support.scene_text import GOOD
 
 import crosscontact as cc
 from contact_scene.tables import read_pairs
+from contact_scene.value_checks import finite
+from validation.measure.scaling import unit_name
 
 MATERIAL = {"modulus": 1.0, "poisson": 0.3}
 LOADING = {"start": "relaxed", "penetration": 0.01}
@@ -59,34 +66,6 @@ RATES = "1,1\n2,2\n"
 THREE = "".join(f"{k},{k},{k}\n" for k in range(30))
 PYVISCO = "1,0.01,0.5,2,1\n"
 
-# how it is read, its header, its rows, what is said of the header
-REFUSED = [
-    (
-        profile,
-        "radius [mm],height [um]",
-        RISING,
-        "height in um, but radius in mm; allowed: one unit of length",
-    ),
-    (profile, "# height, radius", RISING, "allowed: the columns radius, height"),
-    (table("penetration"), "# load, time", RISING, "allowed: the columns time, penetration"),
-    (profile, "# of a tip\nr [MPa],h", RISING, "radius in MPa; allowed: a unit of length, or none"),
-    (rate, "speed [s],work", RATES, "speed in s; allowed: a unit of speed"),
-    (shift, "T [s],a_T", RATES, "temperature in s; allowed: a unit of temperature"),
-    (shift, "T [K],log_aT [s]", RATES, "log shift factor in s; allowed: no unit"),
-    (measured, "w,E',E''\nrad/s,MPa,kPa", DYNAMIC, "loss modulus in kPa, but storage modulus in MPa"),
-    (
-        material("pyvisco"),
-        "i,tau_i,alpha_i,E_0,E_i\n-,s,-,MPa,Pa",
-        PYVISCO,
-        "modulus in Pa, but instantaneous modulus in MPa",
-    ),
-    (
-        curve,
-        "time,penetration [nm],force,contact_radius [um]",
-        "".join(f"{k},{k},{k},{k}\n" for k in range(30)),
-        "contact_radius in um, but penetration in nm; allowed: one unit of length",
-    ),
-]
 TAKEN = [
     (profile, "radius [mm],height [mm]", RISING),
     (profile, "r (µm), h (um)", RISING),
@@ -100,18 +79,6 @@ TAKEN = [
 ]
 
 
-@pytest.mark.parametrize(("read", "header", "rows", "said"), REFUSED)
-def test_units_that_contradict_a_column_or_each_other_are_refused(tmp_path, read, header, rows, said):
-    (tmp_path / "x.csv").write_text(f"{header}\n{rows}")
-    with pytest.raises(cc.SceneError) as caught:
-        read(tmp_path)
-    line = str(caught.value)
-    assert line.startswith(str(tmp_path / "x.csv"))
-    assert said in line
-    assert "; allowed: " in line
-    assert line.isprintable()
-
-
 @pytest.mark.parametrize(("read", "header", "rows"), TAKEN)
 def test_plain_names_and_units_that_can_be_the_scenes_are_taken(tmp_path, read, header, rows):
     (tmp_path / "x.csv").write_text(f"{header}\n{rows}")
@@ -119,7 +86,7 @@ def test_plain_names_and_units_that_can_be_the_scenes_are_taken(tmp_path, read, 
 
 
 def of_pairs(path):
-    return read_pairs(path, ("time", "penetration"), ("force",))
+    return read_pairs(path, ("time", "penetration"), (finite, finite), ("force",))
 
 
 def of_branches(path):
@@ -166,3 +133,50 @@ def test_the_time_for_a_line_grows_with_its_length_only(tmp_path, text):
     for read in (of_pairs, of_moduli):
         with pytest.raises(cc.SceneError):
             read(tmp_path / "x.csv")
+
+
+# Units that a scene states
+
+STATED = {"length": "um", "force": "nN", "time": "s"}
+
+
+def test_figures_and_tables_name_the_units_of_a_scene(tmp_path):
+    """Labels alone: the same numbers, in the scene's units instead of dimensionless ones."""
+    table = tomllib.loads(GOOD)
+    plain, named = cc.scene_from_dict(table), cc.scene_from_dict(table | {"units": STATED})
+    cc.write_scene(named, tmp_path / "scene.toml")
+    assert cc.read_scene(tmp_path / "scene.toml") == named
+    assert named.units == cc.Units("um", "nN", "s")
+    one, other = cc.solve(plain, "bem", 4), cc.solve(named, "bem", 4)
+    assert one.measures["pull_off_force"] == other.measures["pull_off_force"]
+    axes = [(panel.get_xlabel(), panel.get_ylabel()) for panel in other.figure().axes]
+    assert axes == [("penetration Δ (um)", "force F (nN)"), ("force F (nN)", "contact radius a (um)")]
+    drawn = other.figure().axes[0].lines[0].get_xdata()
+    assert max(drawn) == pytest.approx(other.trace.penetration.max())
+    assert "in um, nN, s" in repr(other)
+    assert "in scene units" in repr(one)
+    assert other.to_xarray()["stored_energy"].attrs["units"] == "nN um"
+    assert one.to_xarray()["force"].attrs["units"] == "force in scene units"
+
+
+def test_axes_in_units_of_the_si_have_prefixes():
+    si = cc.builtin("cycle-si")
+    result = cc.solve(dataclasses.replace(si, units=cc.Units("m", "N", "s")), resolution=4)
+    figure = result.figure()
+    result.plot(figure.axes)  # a second run in the same axes
+    figure.draw_without_rendering()
+    (depth, force), (across, up) = ((panel.xaxis, panel.yaxis) for panel in figure.axes)
+    assert [axis.get_label_text() for axis in (depth, up)] == ["penetration Δ", "contact radius a"]
+    for axis, unit in ((depth, "m"), (force, "N"), (across, "N"), (up, "m")):
+        numbers = [text.get_text() for text in axis.get_ticklabels()]
+        assert all(re.fullmatch(rf"−?\d+(\.\d+)? [fpnµm]?{unit}", number) for number in numbers), numbers
+
+
+def test_units_that_are_not_stated_stay_those_of_the_scene():
+    some = cc.scene_from_dict(tomllib.loads(GOOD) | {"units": {"length": "um"}})
+    assert [unit_name(some, name) for name in ("penetration", "force")] == ["um", "scene units"]
+    with pytest.raises(cc.SceneError, match=r"^units\.mass: unknown key; allowed: length, force, time"):
+        cc.scene_from_dict(tomllib.loads(GOOD) | {"units": {"mass": "kg"}})
+    for wrong in ("$x$", "a\nb", 17 * "m", 3):
+        with pytest.raises(cc.SceneError, match=r"^units\.force: got .*; allowed: "):
+            cc.scene_from_dict(tomllib.loads(GOOD) | {"units": {"force": wrong}})

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.synthetic_traces import by_hand
 
 from benchmarks import random_matrix
 from benchmarks.random_matrix import Answer, Finding, JudgedScene, Settings, judge
@@ -13,10 +14,8 @@ from benchmarks.random_scenes import FAMILIES, RandomScene, random_scene, rounde
 from benchmarks.trace_invariants import broken
 from contact_scene import (
     Adhesion,
-    Counters,
     Loading,
     Material,
-    Outcome,
     OutcomeKind,
     Ramp,
     Scene,
@@ -38,10 +37,9 @@ CHOSEN = RandomScene(1, "retraction", SCENE)
 def answer(excursion: float = 0.1, kind: OutcomeKind = OutcomeKind.COMPLETED) -> Trace:
     """A small movement on a large mean, to the last penetration of the loading."""
     t = np.linspace(0.0, 1.0, 51)
-    force, energy, radius = 10.0 + excursion * np.sin(6.0 * t), np.ones_like(t), np.full_like(t, 0.2)
-    outcome, extra = Outcome(kind, "as told", 1.0), {"branch_dissipation": 0.1 * t}
-    columns = (t, 0.02 - 0.12 * t, force, radius, energy, energy * t, energy * t)
-    return Trace("reference", *columns, outcome, Counters(), extra)
+    energies = {"stored_energy": 1.0, "external_work": t, "dissipated_energy": t}
+    rows = {"penetration": 0.02 - 0.12 * t, "contact_radius": 0.2, "extra": {"branch_dissipation": 0.1 * t}}
+    return by_hand(t, kind, "reference", force=10.0 + excursion * np.sin(6.0 * t), **rows, **energies)
 
 
 def result(solver: str, trace: Trace | None, error: float = 1e-3, **how) -> TaskResult:

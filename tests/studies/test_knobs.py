@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.synthetic_traces import DETACHED, by_hand
 
-from contact_scene import Branch, Counters, Material, Outcome, OutcomeKind, SceneError, Trace
+from contact_scene import Branch, Counters, Material, SceneError
 from crosscontact.cli import main
 from validation import cases
 from validation.measure.curves import CURVES
@@ -17,7 +18,7 @@ from validation.runs import pool
 from validation.runs.pool import TaskEnding, TaskResult
 from validation.runs.run import Run
 from validation.studies import knobs
-from validation.studies.knobs import ASSUMPTIONS, KnobRun, Poisson, RunAndMemory, Zones, growth
+from validation.studies.knobs import ASSUMPTIONS, KnobRun, Poisson, Zones, growth
 
 GLASSY = 9.0  # G(0)/G(infinity) - 1
 RUBBER = Material(3.0, 0.45, (Branch(5.0, 0.2), Branch(7.0, 3.0)))
@@ -55,10 +56,8 @@ def answered(case, solver, resolution=None, progress=None, estimate=False, max_s
         material = equivalent_material(material)
     steps = np.arange(3.0)
     force = material.glassy_plane_modulus * np.array([0.0, 2.0, -1.0])
-    trace = Trace(
-        solver, steps, 1.0 - (steps - 1.0) ** 2, force, np.array([1.0, 2.0, 0.5]), *3 * [0.0 * steps],
-        Outcome(OutcomeKind.DETACHED, "done", 2.0), Counters(),
-    )  # fmt: skip
+    rows = {"penetration": 1.0 - (steps - 1.0) ** 2, "force": force, "contact_radius": [1.0, 2.0, 0.5]}
+    trace = by_hand(steps, DETACHED, solver, **rows)
     errors = dict.fromkeys((*Poisson.observed, *CURVES), 1e-6)
     return Run(case.name, solver, trace, measures=measure(trace, case.scene, 0.0), errors=errors)
 
@@ -129,13 +128,9 @@ def test_finite_elements_with_elastic_bulk_meet_the_modulus_of_the_surface(ratio
 
 
 def answer(steps, seconds):
-    rows = {name: np.array([0.0, 1.0]) for name in ("time", "penetration", "force", "contact_radius")}
-    energies = {name: np.zeros(2) for name in ("stored_energy", "external_work", "dissipated_energy")}
-    counters, outcome = (
-        Counters(steps=steps, history_updates=10 * steps),
-        Outcome(OutcomeKind.COMPLETED, "done", 1.0),
-    )
-    trace = Trace(solver="one", outcome=outcome, counters=counters, **rows, **energies)
+    rows = dict.fromkeys(("penetration", "force", "contact_radius"), (0.0, 1.0))
+    counters = Counters(steps=steps, history_updates=10 * steps)
+    trace = by_hand([0.0, 1.0], solver="one", counters=counters, **rows)
     measures = {"pull_off_force": 2.0 + seconds, "loop_energy": None}
     return Run("scene", "one", trace, cpu_seconds=seconds, measures=measures)
 
@@ -161,9 +156,9 @@ def test_a_slow_solver_is_asked_no_further(monkeypatch):
 
     def run_tasks(tasks, executor, store):
         assert all(task.time_limit == knobs.PATIENCE for task in tasks)
-        case, solver = tasks[0].arguments[1:3]
+        case, solver = tasks[0].arguments[:2]
         slow = solver == "bem" and case.scene.adhesion.zone < 0.05
-        value = None if slow else RunAndMemory(answer(100, 4.0), 2_000_000)
+        value = None if slow else answer(100, 4.0)
         ending = TaskEnding.TIMED_OUT if slow else TaskEnding.ANSWERED
         return [TaskResult(tasks[0], value, "no answer within 60 s" if slow else "", ending=ending)]
 
@@ -194,7 +189,7 @@ def test_zones_need_adhesion_of_a_given_length(without):
 def test_zones_write_table_figure_and_numbers(tmp_path, capsys, monkeypatch):
     """A solver's curves end where it was not run; without an answer the figure is empty."""
     monkeypatch.setattr(knobs, "run", lambda case, solver, resolution=None: answer(100, 1.0))
-    taken = RunAndMemory(answer(100, 2.0), 250_000_000)
+    taken = replace(answer(100, 2.0), peak_memory=250_000_000)
     monkeypatch.setattr(knobs, "run_tasks", lambda tasks, *others: [TaskResult(tasks[0], taken)])
     ratios = ["1e-2", "1e-4", "1e-6"]
     assert main(["study", "cycle-v0.02", "--zones", *ratios, "--out", str(tmp_path)]) == 0
@@ -207,7 +202,7 @@ def test_zones_write_table_figure_and_numbers(tmp_path, capsys, monkeypatch):
     assert {one["peak_memory_bytes"] for one in data["runs"]} == {250_000_000}
     assert (tmp_path / "zones-cycle-v0.02.png").stat().st_size > 1000
     assert "| zone / radius" in (tmp_path / "zones-cycle-v0.02.md").read_text()
-    runs = [of_zone(r, run=answer(100, 2.0), base=answer(100, 1.0), peak_memory=9) for r in (1e-2, 1e-4)]
+    runs = [of_zone(r, run=answer(100, 2.0), base=answer(100, 1.0)) for r in (1e-2, 1e-4)]
     axes = Zones().draw([*runs, of_zone(1e-6, skipped="not run")]).axes
     drawn = {one.get_ylabel(): list(one.lines[0].get_ydata()) for one in axes if one.lines}
     assert drawn["error of pull off force (relative)"] == pytest.approx([1 / 3] * 2)

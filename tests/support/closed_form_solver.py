@@ -8,8 +8,8 @@ from __future__ import annotations
 from contextlib import contextmanager
 
 import numpy as np
+from support.synthetic_traces import COMPLETED, DETACHED, by_hand
 
-from contact_scene import Counters, Outcome, OutcomeKind, Trace
 from validation import solvers
 from validation.reference import sneddon
 from validation.reference.jkr import JKR
@@ -53,10 +53,9 @@ class ClosedFormSolver(Solver):
             rise, fall = motion[1] / time[1], -np.diff(table.values)[-1] / np.diff(knots)[-1]
             law = Ting(scene.material, scene.indenter, rise, knots[1], fall)
             force, radius = law.force(time), law.contact_radius(time)
-        kind = OutcomeKind.DETACHED if radius[-1] == 0.0 or scene.is_adhesive else OutcomeKind.COMPLETED
-        nothing = np.zeros_like(time)
-        outcome = Outcome(kind, "closed form", float(time[-1]))
-        return Trace(self.name, time, motion, force, radius, nothing, nothing, nothing, outcome, Counters())
+        kind = DETACHED if radius[-1] == 0.0 or scene.is_adhesive else COMPLETED
+        rows = {"penetration": motion, "force": force, "contact_radius": radius}
+        return by_hand(time, kind, self.name, **rows)
 
 
 def on_spring(scene, time, stage):

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from support.synthetic_traces import DETACHED, by_hand
 
-from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Trace
+from contact_scene import COLUMNS, Trace
 from validation.cases import Case, load
 from validation.exam.answer import Answer, Header
 from validation.measure.observables import measure
@@ -40,8 +41,7 @@ def hertz(rows: int = 200) -> dict[str, np.ndarray]:
 def hertz_run() -> Run:
     """The same as a run of the reference whose errors are known."""
     columns = hertz(800)
-    outcome = Outcome(OutcomeKind.DETACHED, "exact", 6.0)
-    trace = Trace("reference", *(columns[name] for name in COLUMNS), outcome, Counters())
+    trace = by_hand(columns.pop("time"), DETACHED, "reference", **columns)
     known = {"force": 1e-6, "contact_radius": 1e-6, "loop_energy": 1e-6, "dissipated_energy": 1e-6}
     return Run(SCENE, "reference", trace, measures=measure(trace, case().scene, 0.0), errors=known)
 

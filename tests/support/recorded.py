@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Loading, Material, Ramp, Scene, Sphere
-from validation.fits.fit_settings import FitSettings
-from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.parameters import FitSettings
+from validation.fits.record import MeasuredCurve
 
 MODULUS, DEPTH, RATE = 0.8, 0.03, 0.02
 GUESS = 1.3 * MODULUS

@@ -7,8 +7,9 @@ import time
 from dataclasses import replace
 
 import numpy as np
+from support.synthetic_traces import by_hand
 
-from contact_scene import Counters, Outcome, OutcomeKind, Scene, SceneError, Trace
+from contact_scene import Counters, OutcomeKind, Scene, SceneError, Trace
 from validation.stability.cases import PLAIN, StabilityCase, Tolerance
 from validation.stability.expected import ClosedForm, Value
 from validation.stability.matrix import CaseAnswer, CaseRun
@@ -31,11 +32,8 @@ def case(title: str, expected=EXPECTED, **more) -> StabilityCase:
 def trace(force: float = FORCE, kind: OutcomeKind = OutcomeKind.COMPLETED, steps: int = 3) -> Trace:
     """A press by one radius, without any energy."""
     time = np.linspace(0.0, 1.0, steps + 1)
-    zero = 0.0 * time
-    radius = np.full_like(time, 0.1)
-    end = Outcome(kind, "as told", 1.0)
-    counters = Counters(steps=steps, rejected_steps=1)
-    return Trace("bem", time, 0.01 * time, force * time, radius, zero, zero, zero, end, counters)
+    rows = {"penetration": 0.01 * time, "force": force * time, "contact_radius": 0.1}
+    return by_hand(time, kind, counters=Counters(steps=steps, rejected_steps=1), **rows)
 
 
 def act(run: CaseRun) -> CaseAnswer:

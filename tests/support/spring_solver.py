@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from support.synthetic_traces import by_hand
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, Trace
 from validation.solvers import SOLVERS, RunOptions, Solver
@@ -100,15 +101,13 @@ def spring(
                 depth.append(segment.value(float(at)))
         if progress is not None:
             progress(0.5)
-        t, d = np.array(time), np.array(depth)
-        force = stiffness * d
+        d = np.array(depth)
+        force, energy = stiffness * d, 0.5 * stiffness * d**2
         if poison:
             force[-1] = np.nan
-        outcome = Outcome(kind, "as told", float(t[-1]))
-        energy = 0.5 * stiffness * d**2
-        return Trace(
-            "bem", t, d, force, np.full_like(t, 0.2), energy, energy, 0 * t, outcome, Counters(steps=len(t))
-        )
+        rows = {"penetration": d, "force": force, "stored_energy": energy, "external_work": energy}
+        outcome = Outcome(kind, "as told", time[-1])
+        return by_hand(time, contact_radius=0.2, outcome=outcome, counters=Counters(steps=len(d)), **rows)
 
     return solve
 

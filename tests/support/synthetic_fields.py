@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from support.synthetic_traces import DETACHED, by_hand
 
 from contact_scene import (
     Adhesion,
     Counters,
     Loading,
     Material,
-    Outcome,
-    OutcomeKind,
     Ramp,
     Scene,
     Sphere,
@@ -86,11 +85,8 @@ def trace(**changes: Any) -> Trace:
     depth = np.array([0.0, 0.01, 0.02, 0.03, 0.03, 0.02, 0.01, 0.0, -0.01, -0.02, -0.02])
     force = np.array([-0.1, 0.4, 0.8, 1.0, 0.9, 0.3, -0.2, -0.5, -0.7, -0.4, 0.0])
     radius = np.array([0.05, 0.1, 0.15, 0.2, 0.2, 0.2, 0.19, 0.17, 0.12, 0.06, 0.0])
-    still = 0.0 * time
-    outcome = Outcome(OutcomeKind.DETACHED, "as told", 10.0)
-    columns: dict[str, Any] = {"time": time, "penetration": depth, "force": force, "contact_radius": radius}
-    columns |= {"stored_energy": still, "external_work": still, "dissipated_energy": still} | changes
-    return Trace("fem", **columns, outcome=outcome, counters=Counters(steps=10))
+    rows = {"penetration": depth, "force": force, "contact_radius": radius} | changes
+    return by_hand(rows.pop("time", time), DETACHED, "fem", counters=Counters(steps=10), **rows)
 
 
 def states(rows: dict[int, str]) -> list[FieldState]:

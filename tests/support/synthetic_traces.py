@@ -1,21 +1,41 @@
-"""Made-up traces and profiles on which the paper's statements can be judged without a solver."""
+"""Traces and profiles by hand, on which whatever reads a run can be judged without a solver."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from contact_scene import Counters, Outcome, OutcomeKind, Scene, SurfaceProfile, Trace
+from contact_scene import COLUMNS, Counters, Outcome, OutcomeKind, Scene, SurfaceProfile, Trace
 from validation.measure.scaling import unit_sizes
 
+COMPLETED, DETACHED = OutcomeKind.COMPLETED, OutcomeKind.DETACHED
 
-def trace(depth=(0.0, 1.0), force=(0.0, 1.0), radius=None, loss=None) -> Trace:
-    """A detached run over equally spaced times; contact radius 0.2 where nothing else is said."""
-    d, f = np.array(depth, float), np.array(force, float)
-    a = np.full_like(d, 0.2) if radius is None else np.asarray(radius, float)
-    p = np.zeros_like(d) if loss is None else np.asarray(loss, float)
-    t = np.arange(d.size, dtype=float)
-    outcome = Outcome(OutcomeKind.DETACHED, "as told", float(t[-1]))
-    return Trace("bem", t, d, f, a, 0.0 * d, 0.0 * d, p, outcome, Counters())
+
+def by_hand(time, kind: OutcomeKind = COMPLETED, solver: str = "bem", past: bool = False, **stated) -> Trace:
+    """A run over these times that ends at the last one.
+
+    Columns that are not stated are zero, but for a contact radius of 1; a number is that in every row. Any
+    other field of a trace may be stated, too.
+    """
+    t = np.asarray(time, float)
+    given = {"contact_radius": 1.0} | stated
+    columns = {name: np.zeros_like(t) + np.asarray(given.pop(name, 0.0), float) for name in COLUMNS[1:]}
+    end = Outcome(kind, "by hand", float(t[-1]) if t.size else 0.0, past)
+    return Trace(solver, t, **columns, **{"outcome": end, "counters": Counters()} | given)
+
+
+def work_of(trace: Trace) -> Trace:
+    """The same with the work of its rows, by trapezoids."""
+    force, depth = trace.force, trace.penetration
+    steps = 0.5 * (force[1:] + force[:-1]) * np.diff(depth)
+    return replace(trace, external_work=np.concatenate((0.0 * force[:1], np.cumsum(steps))))
+
+
+def trace(depth=(0.0, 1.0), force=(0.0, 1.0), radius=0.2, loss=0.0) -> Trace:
+    """A detached run over equally spaced times."""
+    rows = {"penetration": depth, "force": force, "contact_radius": radius, "dissipated_energy": loss}
+    return by_hand(np.arange(len(depth)), DETACHED, **rows)
 
 
 def follow(scene: Scene, strength: float) -> Trace:

@@ -1,4 +1,4 @@
-"""Killed in the middle: nothing is lost, nothing runs twice, the same bytes as without."""
+"""Workers, schedulers and whole sweeps that end in the middle: nothing is lost, the same bytes as without."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from pathlib import Path
 import pytest
 
 from validation.runs.pool import BATCH_SECONDS, Engine
-from validation.runs.store import RunTable
 from validation.sweeps.dataset import to_dataset, write_results
 from validation.sweeps.plan import read_plan
-from validation.sweeps.run_plan import carry_out
+from validation.sweeps.run_plan import carry_out, store_of
 
 ROOT = Path(__file__).parents[2]
 PLAN = """
@@ -64,8 +63,8 @@ def plan(tmp_path_factory):
 def whole(plan, tmp_path_factory):
     """Folder and data set of the sweep that nothing interrupts, carried out in this process."""
     folder, task = tmp_path_factory.mktemp("whole"), read_plan(str(plan))
-    with RunTable(folder) as table:
-        runs = carry_out(task, table)
+    with store_of(folder) as store:
+        runs = carry_out(task, store)
         write_results(task, runs, folder)
         return folder, to_dataset(task, runs)
 
@@ -89,24 +88,6 @@ def wait_for_runs(out, process):
 
 
 @pytest.mark.slow
-def test_a_killed_sweep_goes_on_where_it_was(plan, whole, tmp_path):
-    out, (folder, _) = tmp_path / "out", whole
-    process = subprocess.Popen(command(plan, out), cwd=ROOT, stderr=subprocess.DEVNULL)
-    wait_for_runs(out, process)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    before = stored(out / "runs.sqlite")
-    assert 0 < len(before) < 60
-    again = subprocess.run(command(plan, out, jobs=1), cwd=ROOT, capture_output=True, text=True)
-    assert again.returncode == 0, again.stderr
-    after = stored(out / "runs.sqlite")
-    assert len(after) == 60
-    assert {key: after[key] for key in before} == before  # a run done again would have another run time
-    assert (out / "sweep.nc").read_bytes() == (folder / "sweep.nc").read_bytes()
-    assert (out / "sweep.csv").read_bytes() == (folder / "sweep.csv").read_bytes()
-
-
-@pytest.mark.slow
 def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
     distributed = pytest.importorskip("distributed", reason="the optional extra `dask` is not installed")
     task, killed = read_plan(str(plan)), []
@@ -114,7 +95,7 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
         client.get_executor() as executor,
-        RunTable() as table,
+        store_of() as store,
     ):
 
         def kill_one(share, text):
@@ -122,7 +103,7 @@ def test_a_dask_cluster_that_loses_a_worker_gives_the_same(plan, whole):
                 killed.append(next(iter(client.run(os.getpid).values())))
                 os.kill(killed[0], signal.SIGKILL)
 
-        runs = carry_out(task, table, Engine(executor, 16, BATCH_SECONDS / 5.0), kill_one)
+        runs = carry_out(task, store, Engine(executor, 16, BATCH_SECONDS / 5.0), kill_one)
         there = to_dataset(task, runs)
     assert killed
     assert not runs.failed

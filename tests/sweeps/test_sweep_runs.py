@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import sqlite3
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 
@@ -17,13 +19,12 @@ from benchmarks.sweep_price import plan_of
 from contact_scene import UnsupportedScene
 from crosscontact.cli import main
 from validation import solvers
-from validation.runs import store
+from validation.runs import pool, store
 from validation.runs.pool import Engine
-from validation.runs.store import RunTable
 from validation.sweeps import run_plan
 from validation.sweeps.dataset import to_dataset
 from validation.sweeps.plan import plan_from_dict
-from validation.sweeps.run_plan import OtherVersion, RunSettings, carry_out, run_batch
+from validation.sweeps.run_plan import store_of, task_of
 
 RATES = [0.01, 0.02, 0.05]
 DEPTHS = [0.02, 0.03]
@@ -115,31 +116,33 @@ def speeds_plan(scene_file, tmp_path, rates):
     return plan_from_dict(asked, tmp_path)
 
 
-def test_a_worker_with_other_sources_is_refused():
-    with pytest.raises(OtherVersion, match="another version"):
-        run_batch([], RunSettings("bem"), "other")
+def test_a_worker_with_other_sources_is_refused(scene_file, calls, monkeypatch):
+    """As one of a cluster: what it is asked was made by another version."""
+    monkeypatch.setattr(pool, "version", lambda: f"{threading.get_ident()}")
+    with ThreadPoolExecutor(1) as executor, pytest.raises(cc.SceneError, match="the same installation"):
+        swept(scene_file, executor=executor)
 
 
 def test_a_batch_that_ends_its_process_is_run_again_one_by_one(tmp_path, scene_file, calls, monkeypatch):
     sizes = []
 
-    def dying(scenes, *arguments):
-        sizes.append(len(scenes))
-        if any(scene.loading.steps[0].rate == 0.02 for _, scene in scenes):
-            raise MemoryError("killed")
-        return run_batch(scenes, *arguments)
+    class Dying(ThreadPoolExecutor):
+        def submit(self, function, batch, *arguments):
+            sizes.append(len(batch))
+            rates = [asked[0].scene.loading.steps[0].rate for _, asked in batch]
+            dies = 0.02 in rates
+            return super().submit(os.kill if dies else function, *("no process",) * dies, batch, *arguments)
 
-    monkeypatch.setattr(run_plan, "run_batch", dying)
-    monkeypatch.setattr(run_plan._Batches, "_size", lambda batches, left: batches._largest or 2)
+    monkeypatch.setattr(Engine, "batch_size", lambda *given: 2)
     plan = speeds_plan(scene_file, tmp_path, [0.01, 0.03, 0.06, 0.02])
-    with ThreadPoolExecutor(1) as executor, RunTable() as table:
-        runs = run_plan.carry_out(plan, table, Engine(executor, 1))
+    with Dying(1) as executor, store_of() as store:
+        runs = run_plan.carry_out(plan, store, Engine(executor, 1))
         data = to_dataset(plan, runs)
         assert data.outcome.values.tolist() == ["detached", "detached", "detached", "failed"]
-        assert data.reason.values[3] == "MemoryError: killed"
+        assert data.reason.values[3].startswith("TypeError")
         assert sizes == [2, 2, 1, 1]
         assert sorted(rate for rate, _ in calls) == [0.01, 0.03, 0.06]
-        assert len(run_plan.missing_runs(plan, table)[1]) == 1  # another attempt may end otherwise
+        assert len(run_plan.missing_runs(plan, store)[1]) == 1  # another attempt may end otherwise
 
 
 @pytest.mark.parametrize("pages", [1, 5])
@@ -163,7 +166,7 @@ def test_files_of_another_program_are_refused_in_one_line(capsys, tmp_path):
     with closing(sqlite3.connect(tmp_path / "runs.sqlite")) as connection:
         connection.execute("CREATE TABLE answers (number REAL)")
     with pytest.raises(cc.SceneError, match=r"runs\.sqlite cannot be used: no such column"):
-        RunTable(tmp_path)
+        store_of(tmp_path)
     xarray.Dataset({"a": ("x", np.arange(3.0))}).to_netcdf(tmp_path / "sweep.nc", engine="h5netcdf")
     assert main(["sweep", "--plot", str(tmp_path)]) == 2
     refusal = capsys.readouterr().err
@@ -230,21 +233,17 @@ def test_traces_are_kept_on_request(tmp_path, scene_file, calls, kind):
         swept(scene_file, traces=kind)
 
 
-def test_short_runs_are_stored_by_batches_in_this_process_too(tmp_path, scene_file, calls, monkeypatch):
-    plan = speeds_plan(scene_file, tmp_path, np.linspace(0.01, 0.03, 40).tolist())
-    batches = []
-    with RunTable() as table:
-        keep = table.keep
-        monkeypatch.setattr(table, "keep", lambda runs: keep(batches.append(list(runs)) or batches[-1]))
-        runs = carry_out(plan, table)
-        assert [run.fingerprint for batch in batches for run in batch] == runs.keys
-    assert len(batches) < 20
+def test_short_runs_travel_in_batches_as_long_as_the_engine_asks_for():
+    engine = Engine(None, 4, 0.2)
+    assert engine.batch_size(0.0, 0, 1000) == 1  # what a run takes is not known yet
+    assert engine.batch_size(0.1, 10, 1000) == 20
+    assert [engine.batch_size(0.1, 10, left) for left in (80, 8)] == [10, 5]  # to end together
+    assert engine.batch_size(20.0, 10, 1000) == Engine().batch_size(0.1, 10, 1000) == 1
 
 
 def test_a_solver_that_is_installed_beside_is_told_apart_by_its_version(tmp_path, monkeypatch):
-    scene = plan_of(1, tmp_path).scene.with_values({})
-    prints = []
+    plan, prints = plan_of(1, tmp_path), []
     for version in ("", "other 1.0", "other 1.1"):
         monkeypatch.setattr(type(solvers.SOLVERS), "origin", lambda self, name, v=version: v)
-        prints.append(RunSettings("reference").fingerprint(scene))
+        prints.append(task_of(plan, next(plan.rows())).key)
     assert len(set(prints)) == 3

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +43,7 @@ from validation.report.document import (
 from validation.report.report import Chapter
 from validation.runs.folder import from_json
 from validation.runs.provenance import changes
+from validation.runs.run import Run
 
 UNCHANGED = 1e-10
 """Change, relative as for checks, below which a number counts as unchanged."""
@@ -131,15 +132,6 @@ class ReportComparison:
         )
 
 
-@dataclass(frozen=True)
-class _ReportedRun:
-    """The numbers of a run in a report, as far as it is compared."""
-
-    measures: Mapping[str, float | None]
-    errors: Mapping[str, float] = field(default_factory=dict)
-    curves: None = None
-
-
 def read(path: str) -> dict[str, Any]:
     """An earlier ``report.json``; a SceneError if it is none."""
     try:
@@ -195,7 +187,8 @@ def _run(case: Case, solver: str, old: Data, new: Data) -> Iterator[Move]:
     if old.get("outcome") != new.get("outcome"):
         yield Move(case.name, solver, "outcome", old.get("outcome"), new.get("outcome"))
     before, after = _numbers(old), _numbers(new)
-    for one in of_numbers(_ReportedRun(after), _ReportedRun(before), dict.fromkeys((*before, *after))):
+    run, base = (Run(case.name, solver, measures=numbers) for numbers in (after, before))
+    for one in of_numbers(run, base, dict.fromkeys((*before, *after))):
         name = one.quantity
         first, second, tolerance = before.get(name), after.get(name), case.tolerance(solver, name)
         if one.missing:

@@ -46,7 +46,7 @@ def drawn(scene: SceneComparison) -> tuple[Section, Figure]:
     warned = (Bullets(said),) if said else ()
     parts: tuple[Part, ...] = (
         *((Paragraph(case.statement),) if case.statement else ()),
-        Fold("Parameters (scene units)", (parameters(scene),)),
+        Fold(f"Parameters ({case.scene.unit_names})", (parameters(scene),)),
         figures(scene),
         Section("Runs", (runs(scene), *warned, Paragraph(skipped_work(scene)))),
         Section("Checks", (of_checks(scene.checks),)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from validation.drawing.styles import GRID, INK
@@ -10,6 +11,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SIZE = (4.2, 3.1)  # inches of a figure with one pair of axes
+OF_THE_SI = re.compile(r" \((m|N|s)\)$")
+"""End of a label with a unit whose numbers carry a prefix: ``20 nm``."""
 
 
 def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:
@@ -30,3 +33,14 @@ def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float
                 one.ticklabel_format(
                     axis="x" if axis is one.xaxis else "y", style="sci", scilimits=powers, useOffset=False
                 )
+
+
+def label_axes(axes: Axes, across: str, up: str) -> None:
+    """Label axes; numbers in a unit of the SI carry it and a prefix."""
+    from matplotlib.ticker import EngFormatter
+
+    for axis, label in ((axes.xaxis, across), (axes.yaxis, up)):
+        unit = OF_THE_SI.search(label)
+        axis.set_label_text(label if unit is None else label[: unit.start()])
+        if unit is not None:
+            axis.set_major_formatter(EngFormatter(unit[1]))

@@ -10,27 +10,11 @@ from numpy.typing import NDArray
 
 from contact_scene import Cone, PowerLaw, Scene, Sphere, Trace
 from validation.measure.events import largest_tension
-from validation.measure.scaling import unit_sizes
+from validation.measure.scaling import drawn_sizes, unit_name
 from validation.reference.jkr import JKR
 
 Labels = Mapping[str, str]
 Array = NDArray[np.float64]
-
-DIFFERENCE = {"shared_time": "time t (scene units)", "difference": "(F − F_ref)/max |F_ref|"}
-DIMENSIONLESS: Labels = {
-    "time": "time t (scene units)",
-    "penetration": "penetration Δ/R",
-    "force": "force (1−ν²)F/(πE₀R²)",
-    "contact_radius": "contact radius a/R",
-    "stage": "stage X/R",
-} | DIFFERENCE
-SCENE_UNITS: Labels = {
-    "time": "time t (scene units)",
-    "penetration": "penetration Δ (scene units)",
-    "force": "force F (scene units)",
-    "contact_radius": "contact radius a (scene units)",
-    "stage": "stage X (scene units)",
-} | DIFFERENCE
 
 
 @dataclass(frozen=True)
@@ -45,14 +29,25 @@ class RunCurves:
 
 def labels(scene: Scene) -> Labels:
     """Axis labels that go with the columns of :func:`of_trace`."""
-    return DIMENSIONLESS if isinstance(scene.indenter, Sphere) else SCENE_UNITS
+    units = {name: f" ({unit_name(scene, name)})" for name in ("time", "penetration", "force")}
+    length, force = units["penetration"], units["force"]
+    scaled = "length" in drawn_sizes(scene)
+    return {
+        "time": f"time t{units['time']}",
+        "shared_time": f"time t{units['time']}",
+        "penetration": "penetration Δ" + ("/R" if scaled else length),
+        "force": "force " + ("(1−ν²)F/(πE₀R²)" if scaled else f"F{force}"),
+        "contact_radius": "contact radius a" + ("/R" if scaled else length),
+        "stage": "stage X" + ("/R" if scaled else length),
+        "difference": "(F − F_ref)/max |F_ref|",
+    }
 
 
 def of_trace(trace: Trace, scene: Scene) -> RunCurves:
     """The columns a figure needs, without the jump to the free surface after contact is lost."""
     lost = len(trace) > 1 and trace.contact_radius[-1] == 0.0 and trace.time[-1] == trace.time[-2]
     rows = slice(None, -1 if lost else None)
-    size = unit_sizes(scene)
+    size = drawn_sizes(scene)
     length, force = size.get("length", 1.0), size.get("force", 1.0)
     columns = {
         "time": trace.time[rows],
@@ -100,7 +95,7 @@ def elastic_limits(scene: Scene, largest_radius: float) -> list[RunCurves]:
         return []
     if not isinstance(scene.indenter, (Sphere, Cone, PowerLaw)):
         return []
-    size = unit_sizes(scene)
+    size = drawn_sizes(scene)
     length, force = size.get("length", 1.0), size.get("force", 1.0)
     material = scene.material
     moduli = {"JKR, E₀": material.relaxed_plane_modulus}

@@ -2,7 +2,7 @@
 
 A report draws a figure a pair of quantities, with all solvers laid over each other; a notebook the panels of
 :func:`side_by_side`. Drawn from saved columns only (those of ``trace.csv``): spheres in the paper's
-dimensionless quantities, other shapes in units of the scene.
+dimensionless quantities, unless the scene names its units, other shapes in units of the scene.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown as shown_value
-from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.axes import SIZE, format_axes, label_axes
 from validation.drawing.curves import Labels, RunCurves, labels, of_trace
 from validation.drawing.styles import CLOSED_FORM, INK, curve_style
-from validation.measure.scaling import unit_sizes
+from validation.measure.scaling import drawn_sizes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -74,8 +74,8 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
         high = max((column.max() for column in solved if column.size), default=0.0)
         if high > low:
             limit(low - 0.06 * (high - low), high + 0.06 * (high - low))
-    axes.set(xlabel=labels[panel.across], ylabel=labels[panel.up])
     format_axes(axes)
+    label_axes(axes, labels[panel.across], labels[panel.up])
     axes.locator_params(axis="x", nbins=6)
     numbers = axes.xaxis.get_major_formatter().format_ticks(axes.get_xticks().tolist())
     if max(map(len, numbers), default=0) > SHORT:
@@ -157,8 +157,8 @@ def draw_side_by_side(axes: Sequence[Axes], trace: Trace, scene: Scene, line: di
             panel.annotate("pull-off", at, offset, textcoords="offset points", fontsize="small")
         if has_stage(trace) and scene.is_adhesive:  # without adhesion the contact shrinks to nothing
             _mark_instabilities(panel, trace, scene, (across, up), line["color"])
-        panel.set(xlabel=names[across], ylabel=names[up])
         format_axes(panel)
+        label_axes(panel, names[across], names[up])
         panel.margins(0.06, 0.12)
         panel.locator_params(axis="x", nbins=5)  # more labels run into each other
     axes[0].legend(frameon=False, fontsize="small")
@@ -168,7 +168,7 @@ def _mark_instabilities(panel: Axes, trace: Trace, scene: Scene, drawn: tuple[st
     """A cross each; where contact is lost a dotted line on, at constant stage, to the force zero."""
     from matplotlib.lines import Line2D
 
-    size, (across, up) = unit_sizes(scene), drawn
+    size, (across, up) = drawn_sizes(scene), drawn
     length, force = size.get("length", 1.0), size.get("force", 1.0)
     for event in trace.events:
         stage = (event.penetration + scene.loading.compliance * event.force) / length

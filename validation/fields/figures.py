@@ -24,6 +24,7 @@ from validation.fields.quantities import QUANTITIES, Quantity, ValueKind
 from validation.fields.rendering import INDENTER, MARK, ZONE, NoRendering
 from validation.fields.section import AxialSection, Look, look_at, looks
 from validation.measure.events import end_of_approach
+from validation.measure.scaling import unit_name
 from validation.runs.folder import in_words, write_whole
 
 if TYPE_CHECKING:
@@ -66,8 +67,8 @@ def draw(axes: Axes, cut: AxialSection, look: Look) -> None:
             axes.plot(*line.T, color=ZONE, linewidth=2.5, zorder=4, solid_capstyle="butt", gid="zone")
         axes.plot(*cut.edge * mirror, "v", color=MARK, markersize=5, zorder=5, gid="edge")
     axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
-    axes.set_xlabel("r, mirrored (scene units of length)", fontsize=SMALL + 1)
-    axes.set_ylabel("z (scene units of length)", fontsize=SMALL + 1)
+    axes.set_xlabel(f"r, mirrored ({unit_name(cut.scene, 'penetration')})", fontsize=SMALL + 1)
+    axes.set_ylabel(f"z ({unit_name(cut.scene, 'penetration')})", fontsize=SMALL + 1)
     _number(axes, (-3, 4))
 
 
@@ -209,8 +210,8 @@ def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Q
         right.plot(depth[turn:], force[turn:], color=RETRACTION, label="retraction", **style)
         right.axhline(0.0, color=MARK, linewidth=0.5)
         right.plot(state.penetration, state.force, "o", color=MARK, markersize=6, gid="state")
-        right.set_xlabel("penetration (length)", fontsize=SMALL + 1)
-        right.set_ylabel("force (scene units of force)", fontsize=SMALL + 1)
+        right.set_xlabel(f"penetration ({unit_name(scene, 'penetration')})", fontsize=SMALL + 1)
+        right.set_ylabel(f"force ({unit_name(scene, 'force')})", fontsize=SMALL + 1)
         _number(right, (-2, 3))
         right.legend(loc="upper left", frameon=False, fontsize=SMALL)
         yield figure

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.fits.jumps import Jump, jump_behind
-from validation.fits.measured_curve import Array, MeasuredCurve
+from validation.fits.contact import white_noise
+from validation.fits.jumps import JUMP, Jump, jump_behind
+from validation.fits.record import Array, MeasuredCurve
 
 CONTACT = 6.0
 """Deviations of the noise from which a row lies off the baseline: below one in 10^8 rows by chance."""
@@ -21,10 +22,11 @@ EXCLUDED = 2
 only, for which there is a residual of its own, and the force would make misfit a step function of it."""
 LEAST_NOISE = 1e-6
 """Noise over the range of the force, at least: of records without noise, so that weights remain finite."""
+JUMP_SHARE, LEFT = 0.25, 0.15
+"""A jump behind the least force is the loss of contact if it takes a quarter of it, and leaves less than
+15 %, which rings down or creeps away without contact."""
 MEDIAN_EFFICIENCY = 0.37
 """Variance of the standard deviation over that of the median magnitude, both of as many normal numbers."""
-_THIRD_DIFFERENCE = np.sqrt(20.0)  # standard deviation of 1, -3, 3, -1 times independent noise
-_NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard normal number
 
 
 @dataclass(frozen=True)
@@ -77,17 +79,11 @@ class CurveFeatures:
         return recorded, known
 
 
-def noise_of_differences(values: Array) -> float:
-    """Standard deviation of independent noise on a smooth curve, from third differences, outliers aside."""
-    third = np.diff(values, 3)
-    return float(np.median(np.abs(third)) / _NORMAL_MEDIAN / _THIRD_DIFFERENCE)
-
-
 def features(curve: MeasuredCurve) -> CurveFeatures:
     """Read them off a curve."""
     force, time = curve.force, curve.time
     least = LEAST_NOISE * float(np.ptp(force))
-    noise = max(noise_of_differences(force), least)
+    noise = max(white_noise(force), least)
     level = float(np.median(force[: max(IN_A_ROW, force.size // 50)]))
     first = _leaves(np.abs(force - level) > CONTACT * noise)
     leading = np.arange(_free_rows(force - level, first))
@@ -108,9 +104,22 @@ def features(curve: MeasuredCurve) -> CurveFeatures:
         degrees = outside.size - 2.0
     if curve.noise is not None:
         noise, source, degrees = curve.noise, "stated", np.inf
+    if first < last < force.size:
+        last = _before_ring_down(force - baseline, first, last, noise)
     snap_in = jump_behind(curve, first - 1, noise, 1) if first > 0 else None
     pull_off = jump_behind(curve, last - 1, noise, -1) if last < force.size else None
     return CurveFeatures(noise, degrees, source, baseline, drift, first, last, snap_in, pull_off)
+
+
+def _before_ring_down(excess: Array, first: int, last: int, noise: float) -> int:
+    """The row after the last in contact: where the force over the baseline jumps up behind its least, unless
+    a sizeable share of that is left behind the jump."""
+    lowest = first + int(np.argmin(excess[first:last]))
+    rises = np.diff(excess[lowest : last + 1])
+    behind = lowest + int(np.argmax(rises)) + 1
+    jumps = rises.max() > max(JUMP * noise, -JUMP_SHARE * excess[lowest])
+    rings = np.abs(excess[behind:last]).max(initial=0.0) < -LEFT * excess[lowest]
+    return behind if jumps and rings else last
 
 
 def _leaves(off: NDArray[np.bool_]) -> int:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing.axes import format_axes
+from validation.drawing.axes import format_axes, label_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
-from validation.fits.fit_result import FitResult, FittedCurve
-from validation.fits.profile_likelihood import LikelihoodProfile
+from validation.fits.result import FitResult, LikelihoodProfile
+from validation.measure.scaling import unit_name
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,14 +19,17 @@ WIDTH, HEIGHT = 3.6, 4.6  # inches of a curve's column
 MOST_COLUMNS = 4  # curves side by side
 MANY_LABELS = 8  # parameters whose correlations are written into the map
 SIZE = 2.2  # points of a marker
+ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": SIZE, "rasterized": True}
 
 
-def draw_curves(curves: Sequence[FittedCurve]) -> Figure:
-    """A column for each curve: force over position, residuals over time."""
+def draw_curves(result: FitResult) -> Figure:
+    """A column for each curve: force over position, residuals over time; a stretch that is not explained is
+    marked in both."""
     from matplotlib.figure import Figure
 
-    columns = min(len(curves), MOST_COLUMNS)
-    rows = -(-len(curves) // MOST_COLUMNS)
+    curves, explained = result.curves, result.goodness.explained
+    length, force, time = (f" ({unit_name(result.scene, name)})" for name in ("penetration", "force", "time"))
+    columns, rows = min(len(curves), MOST_COLUMNS), -(-len(curves) // MOST_COLUMNS)
     figure = Figure(figsize=(WIDTH * max(columns, 1.4), HEIGHT * rows), layout="constrained")
     panels = figure.subplots(2 * rows, columns, squeeze=False, height_ratios=[2.2, 1.0] * rows)
     for place in range(columns * rows):
@@ -36,24 +39,27 @@ def draw_curves(curves: Sequence[FittedCurve]) -> Figure:
             lower.set_axis_off()
             continue
         one = curves[place]
-        kept, colour = one.compared, SERIES[0]
-        measured = {"linestyle": "none", "marker": "o", "markersize": SIZE, "rasterized": True}
-        upper.plot(one.position[kept], one.curve.force[kept], color=colour, label="measured", **measured)
+        kept = one.compared
+        upper.plot(one.position[kept], one.curve.force[kept], color=SERIES[0], label="measured", **ROWS)
         if not kept.all():
             left = one.position[~kept], one.curve.force[~kept]
-            upper.plot(*left, color=GREY, label="not compared", **measured)
+            upper.plot(*left, color=GREY, label="not compared", **ROWS)
+        if not explained and one.stretch.stop > one.stretch.start:
+            missed = one.position[one.stretch], one.curve.force[one.stretch]
+            upper.plot(*missed, color=SERIES[1], label="not explained", **ROWS)
+            ends = one.curve.time[[one.stretch.start, one.stretch.stop - 1]]
+            lower.axvspan(*ends, color=SERIES[1], alpha=0.2, linewidth=0)
         upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
         driven = "penetration" if one.curve.stage is None else "position of the stage"
-        upper.set(xlabel=f"{driven} (unit of the scene)", title=one.curve.name)
-        lower.plot(one.curve.time[kept], one.residuals[kept], color=colour, **measured)
+        upper.set_title(one.curve.name)
+        lower.plot(one.curve.time[kept], one.residuals[kept], color=SERIES[0], **ROWS)
         lower.axhline(0.0, color=INK, linewidth=0.8)
-        lower.set(xlabel="time (unit of the scene)")
-        if place % columns == 0:
-            upper.set_ylabel("force (unit of the scene)")
-            lower.set_ylabel("(measured - fit)/noise")
         for axes in (upper, lower):
             format_axes(axes)
             axes.locator_params(axis="x", nbins=5)
+        first = place % columns == 0
+        label_axes(upper, driven + length, f"force{force}" if first else "")
+        label_axes(lower, f"time{time}", "(measured - fit)/noise" if first else "")
         upper.title.set_fontsize("medium")
     panels[0, 0].legend(frameon=False, fontsize="small", labelcolor=INK)
     return figure
@@ -70,14 +76,14 @@ def draw_correlations(result: FitResult) -> Figure:
     picture = axes.imshow(result.correlations, cmap="PuOr", vmin=-1.0, vmax=1.0)
     axes.set_xticks(range(len(names)), names, rotation=90, fontsize="small")
     axes.set_yticks(range(len(names)), names, fontsize="small")
-    axes.tick_params(colors=INK, labelcolor=INK)
     if len(names) <= MANY_LABELS:
         for (row, column), value in np.ndenumerate(result.correlations):
             colour = "white" if abs(value) > 0.6 else "black"
             axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7, color=colour)
     bar = figure.colorbar(picture, ax=axes, shrink=0.8)
     bar.set_label("correlation", color=INK)
-    bar.ax.tick_params(colors=INK, labelcolor=INK)
+    for one in (axes, bar.ax):
+        one.tick_params(colors=INK, labelcolor=INK)
     return figure
 
 
@@ -85,8 +91,7 @@ def draw_profiles(profiles: Sequence[LikelihoodProfile]) -> Figure:
     """Increase of the sum of squares over each parameter, the 95 % limit drawn in."""
     from matplotlib.figure import Figure
 
-    columns = min(len(profiles), MOST_COLUMNS)
-    rows = -(-len(profiles) // MOST_COLUMNS)
+    columns, rows = min(len(profiles), MOST_COLUMNS), -(-len(profiles) // MOST_COLUMNS)
     figure = Figure(figsize=(2.6 * max(columns, 1.5), 2.4 * rows), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False)
     for place, axes in enumerate(panels.flat):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Scene, SceneError
-from validation.fits.curve_model import CurveModel
-from validation.fits.measured_curve import MeasuredCurve
-from validation.fits.parameters import CONTACT_POINT, SPRING, ParameterSet
+from validation.fits.model import CurveModel
+from validation.fits.parameters import CONTACT_POINT, SPRING, Unknowns
+from validation.fits.record import MeasuredCurve
 from validation.fits.swapped_columns import exchanged, force_ignores_rest
 from validation.reference import sneddon
 
@@ -45,7 +45,7 @@ def require_contact(model: CurveModel) -> None:
         raise SceneError("force", problem, "a record with contact", model.curve.name)
 
 
-def check(model: CurveModel, parameters: ParameterSet) -> list[str]:
+def check(model: CurveModel, parameters: Unknowns) -> list[str]:
     """Warnings about a curve.
 
     Raises
@@ -71,7 +71,7 @@ def check(model: CurveModel, parameters: ParameterSet) -> list[str]:
     if outside.size >= OUTSIDE_ROWS and float(np.mean(outside)) > float(motion[inside].max()):
         problem = "contact is where it is smallest: the wrong sign"
         raise error(column, problem, "positions positive towards the body")
-    free = any(one.kind == CONTACT_POINT for one in parameters.parameters)
+    free = parameters.sets(CONTACT_POINT)
     if model.scene_of({}) is None and not free:
         start = scene.loading.penetration
         problem = f"never comes to {start:.4g}, where the scene begins contact"
@@ -79,9 +79,9 @@ def check(model: CurveModel, parameters: ParameterSet) -> list[str]:
     return [f"{curve.name}: {text}" for text in _warnings(model)]
 
 
-def of_spring(curve: MeasuredCurve, scene: Scene, parameters: ParameterSet) -> list[str]:
+def of_spring(curve: MeasuredCurve, scene: Scene, parameters: Unknowns) -> list[str]:
     """Warnings about the spring that holds the indenter: the scene's plays no part, or is another one."""
-    if scene.machine is None or any(path in SPRING for one in parameters.parameters for path in one.ratios):
+    if scene.machine is None or parameters.sets(*SPRING):
         return []
     stated = scene.machine.stiffness
     if curve.stage is None or curve.stiffness is None:

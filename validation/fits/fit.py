@@ -1,43 +1,71 @@
-"""A fit from curves to estimates: prepare, search, judge, look with a second solver."""
+"""A fit from curves to estimates: prepare, search, judge, look with a second solver.
+
+The first start of the search is the scene's own values. If it leads to a model that explains the data there
+is nothing better to be found; otherwise more are drawn in its neighbourhood, each is followed a few
+iterations, and the best of all to its end.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from functools import partial
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy import stats
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
 from validation.fits import data_checks
-from validation.fits.curve_model import CurveModel
-from validation.fits.decimation import decimated
-from validation.fits.fineness import fineness
-from validation.fits.fit_outcome import explained, judged, unfinished
-from validation.fits.fit_result import FitResult, InterruptedFit
-from validation.fits.fit_settings import FitSettings
-from validation.fits.measured_curve import Array, MeasuredCurve
-from validation.fits.parameters import CONTACT_POINT, ParameterSet
+from validation.fits.errors import CONFIDENCE, covariance
+from validation.fits.model import CurveModel
+from validation.fits.parameters import FitSettings, first_guess, lmfit, question, unknowns
 from validation.fits.problem import FitProblem
-from validation.fits.profile_likelihood import LikelihoodProfile, likelihood_profile
-from validation.fits.search import BestSoFar, Search, search
-from validation.fits.second_solver import SecondSolver, second_solver
-from validation.fits.statistics import covariance
-from validation.fits.unknowns import bending, unknowns, with_grid, with_spring
-from validation.runs.provenance import hashed
+from validation.fits.record import Array, MeasuredCurve
+from validation.fits.result import (
+    FitResult,
+    InterruptedFit,
+    LikelihoodProfile,
+    SecondSolver,
+    SolverDifference,
+    goodness,
+    independent,
+    judged,
+)
 from validation.runs.store import Store
 from validation.solvers import REFERENCE
 
-
-def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
-    """Hashes of curves, first guess and parameters; not of how the fit is carried out."""
-    varied = settings.vary, settings.tie, settings.per_curve, settings.free, settings.prony
-    return {
-        "curves": hashed([replace(curve, name="") for curve in curves]),
-        "first guess": hashed(scene),
-        "parameters": hashed(varied),
-    }
+MOST_ROWS = 20_000
+"""Rows of a curve that are fitted: they resolve a thousandth of the record with twenty rows, and the mean of
+more loses nothing that the motion's straight lines and a smooth force hold."""
+TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
+"""Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
+is four steps per process zone, the fewest that resolve one."""
+ERROR_SHARE = 0.05
+"""Error of a run over the noise (root mean square), at most: it moves a parameter by a twentieth of its
+standard deviation at the worst."""
+ORDER_TWO = 4.0 / 3.0
+"""Error of a run over its difference from one of half the step, for a method of second order."""
+SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
+"""Bounds of the step of differences: the root of the relative error of a run, which makes the error of a
+derivative least if the errors of two neighbouring runs have nothing in common, lies between them."""
+SPREAD = np.log(3.0)
+"""Starts are drawn within a factor of three about the scene's values: whoever knows less states bounds."""
+DRAWN_BEFORE = 4
+"""Points drawn for a start, of which the one of least misfit is taken: a point costs no derivatives."""
+EXPLORING, MOST_EVALUATIONS, PROFILING = 4, 40, 6
+"""Evaluations of a start before the starts are compared, of the last search, and of the others as one
+parameter is held."""
+SETTLED = 0.01
+"""Change of the sum of squares, over the variance of a residual, at which a search ends: a parameter that is
+off by a tenth of its standard deviation costs as much."""
+STEPS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
+"""Distances from the best value at which a profile fits the others, in standard deviations."""
+WIDEST = 1.0
+"""Standard deviation that the distances are taken of, at most: a factor of 20 on each side."""
 
 
 def fit_curves(
@@ -48,24 +76,10 @@ def fit_curves(
     store: Store | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> FitResult:
-    """Fit a scene to curves.
+    """Fit a scene, the first guess and all that is not varied, to curves.
 
-    Parameters
-    ----------
-    curves : sequence of MeasuredCurve
-    scene : Scene
-        First guess, and all that is not varied; its loading steps give way to the measured motions.
-    settings : FitSettings
-    executor : Executor, optional
-        Carries out the runs of a derivative side by side.
-    store : Store, optional
-        Of runs, from which an interrupted fit goes on.
-    progress : callable, optional
-        Called with a line of text.
-
-    Returns
-    -------
-    FitResult
+    The executor carries out the runs of a derivative side by side; the store holds runs, from which an
+    interrupted fit goes on; progress is called with a line of text at each point.
 
     Raises
     ------
@@ -75,28 +89,29 @@ def fit_curves(
         At Ctrl-C.
     """
     began = time.perf_counter()
-    curves = _named_apart(curves)
+    curves = named_apart(curves)
     asked = question(curves, scene, settings)
-    scene, settings = with_grid(with_spring(scene, curves), settings)
+    scene = first_guess(curves, scene, settings)
     problem, warnings = _prepared(curves, scene, settings, executor, store)
-    best = BestSoFar(problem, progress)
+    search = Search(problem, progress)
     error_share: float | None = None
-    finished: Search | None = None
     try:
         problem.check_first_guess()
         if settings.resolution is None and settings.solver == REFERENCE:
-            problem.tolerance, error_share, problem.step = fineness(problem)
-        finished = search(problem, best, settings.starts, settings.seed, partial(explained, problem))
-        result = judged(problem, finished, scene, settings, warnings)
-        profiles = _profiles(problem, finished.x, result, progress)
-        check = _checked(problem, finished, result, progress)
+            error_share = choose_steps(problem)
+        search.carry_out()
+        result = judged(problem, search.x, scene, warnings, search.ended, search.converged, search.starts)
+        profiles = search.profiles(result)
+        check = search.by_second_solver(result)
     except KeyboardInterrupt:
-        if best.x is None:
+        if not np.isfinite(search.least):
             raise InterruptedFit(None) from None
-        if progress is not None:
-            progress("interrupted: the errors of the best so far are worked out (once more ends at once)")
-        found = unfinished(problem, best, finished, scene, settings, warnings)
-        raise InterruptedFit(None if found is None else replace(found, question=asked)) from None
+        search.tell("interrupted: the errors of the best so far are worked out (once more ends at once)")
+        try:
+            best = judged(problem, search.x, scene, warnings, "interrupted", search.converged, search.starts)
+        except KeyboardInterrupt:
+            raise InterruptedFit(None) from None
+        raise InterruptedFit(replace(best, question=asked)) from None
     return replace(
         result,
         profiles=profiles,
@@ -108,34 +123,6 @@ def fit_curves(
     )
 
 
-def first_guesses(
-    curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings
-) -> Iterator[tuple[str, Scene]]:
-    """The scene with which the search sets out, for each curve that ever comes to contact, with its name.
-
-    Parameters
-    ----------
-    curves, scene, settings
-        As of :func:`fit_curves`.
-
-    Yields
-    ------
-    (str, Scene)
-
-    Raises
-    ------
-    SceneError
-        As of :func:`fit_curves`.
-    """
-    curves = _named_apart(curves)
-    problem, _ = _prepared(curves, *with_grid(with_spring(scene, curves), settings), None, None)
-    for index, model in enumerate(problem.models):
-        values, instrument = problem.parameters.of_curve(problem.parameters.start, index)
-        asked = model.scene_of(values, instrument[CONTACT_POINT])
-        if asked is not None:
-            yield model.curve.name, asked[0]
-
-
 def _prepared(
     curves: Sequence[MeasuredCurve],
     scene: Scene,
@@ -143,105 +130,234 @@ def _prepared(
     executor: Executor | None,
     store: Store | None,
 ) -> tuple[FitProblem, list[str]]:
-    """The problem to be solved, and warnings about the curves.
-
-    Parameters
-    ----------
-    curves : sequence of MeasuredCurve
-    scene : Scene
-    settings : FitSettings
-    executor : Executor or None
-    store : Store or None
-
-    Returns
-    -------
-    problem : FitProblem
-    warnings : list of str
-    """
-    shortened = [decimated(curve) for curve in curves]
-    models = [CurveModel.of(curve, scene) for curve, _ in shortened]
+    """The problem to be solved, and warnings about the curves."""
+    shortened = [curve.means(MOST_ROWS) for curve in curves]
+    models = [CurveModel.of(curve, scene, settings.within or 0.0) for curve, _ in shortened]
     for model in models:
         data_checks.require_contact(model)
-    parameters = ParameterSet(tuple(unknowns(models, scene, settings)))
-    _check_profiles(parameters, settings)
-    warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
-    warnings += [text for model in models for text in data_checks.check(model, parameters)]
-    warnings += [text for curve in curves for text in data_checks.of_spring(curve, scene, parameters)]
-    problem = FitProblem(
-        models,
-        parameters,
-        settings.solver,
-        settings.resolution,
-        executor=executor,
-        store=store or Store(),
-        penalty=bending(settings) if len(settings.prony) > 2 and settings.regularisation > 0.0 else None,
-        max_steps=settings.max_steps,
-    )
-    return problem, warnings
-
-
-def _check_profiles(parameters: ParameterSet, settings: FitSettings) -> None:
-    names = [one.name for one in parameters.parameters]
+    found = unknowns(models, scene, settings)
+    names = [one.name for one in found.found]
     for name in settings.profile:
         if name not in (*names, "all"):
             raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(names)}")
+    warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
+    warnings += [text for model in models for text in data_checks.check(model, found)]
+    warnings += [text for curve in curves for text in data_checks.of_spring(curve, scene, found)]
+    return FitProblem(models, found, settings, executor, store or Store()), warnings
 
 
-def _checked(
-    problem: FitProblem, found: Search, result: FitResult, progress: Callable[[str], None] | None
-) -> SecondSolver | None:
-    """What the second solver says, if there is one.
+def choose_steps(problem: FitProblem) -> float:
+    """Give the runs the coarsest time steps with an error small beside the noise, and differences a step;
+    the error over the noise comes back."""
+    x = problem.unknowns.start
+    data = np.concatenate([model.curve.force / model.allowed for model in problem.models])
+    coarse, share = None, np.inf
+    for tolerance, finer in pairwise(TOLERANCES):
+        if coarse is None:
+            problem.tolerance = tolerance
+            coarse = problem.residuals(x)
+        problem.tolerance = finer
+        fine = problem.residuals(x)
+        change = np.concatenate([(fine - coarse)[rows] for rows in problem.force_rows])
+        share, coarse = ORDER_TWO * float(np.sqrt(np.mean(change**2))), fine
+        if share <= ERROR_SHARE:
+            break
+    problem.tolerance = tolerance
+    size = float(np.sqrt(np.mean(data**2)))
+    problem.step = float(np.clip(np.sqrt(share / size), SMALLEST_STEP, LARGEST_STEP))
+    return share
 
-    Parameters
-    ----------
-    problem : FitProblem
-    found : Search
-    result : FitResult
-    progress : callable or None
 
-    Returns
-    -------
-    SecondSolver or None
-    """
-    solver = result.settings.check_solver
-    if solver is None or solver == result.settings.solver:
+class Search:
+    """Least squares within bounds, which knows the best point of all that were tried."""
+
+    def __init__(self, problem: FitProblem, progress: Callable[[str], None] | None) -> None:
+        self.problem, self._progress = problem, progress
+        self.x, self.least = problem.unknowns.start, np.inf
+        self.starts: list[float] = []
+        self.ended, self.converged = "interrupted", False
+        self._stage, self._points, self._of_start = "", 0, np.inf
+
+    def tell(self, text: str) -> None:
+        """Say where the fit stands."""
+        if self._progress is not None:
+            self._progress(text)
+
+    def residuals(self, x: Array) -> Array:
+        """Residuals of the problem; the point is noted."""
+        found = self.problem.residuals(x)
+        self._points += 1
+        total = float(found @ found)
+        if total < self.least:
+            self.x, self.least = x.copy(), total
+        self._of_start = min(self._of_start, total)
+        now, best = (np.sqrt(value / found.size) for value in (total, self.least))
+        self.tell(f"{self._stage}, point {self._points}: misfit {now:.4g}, best {best:.4g}")
+        return found
+
+    def carry_out(self) -> None:
+        """Find the parameters, from as many starts as it takes."""
+        low, high = self.problem.unknowns.bounds
+        inside = 1e-9 * np.minimum(high - low, 1.0)
+        own = np.clip(self.problem.unknowns.start, low + inside, high - inside)
+        settings = self.problem.settings
+        self._stage = "first start"
+        if not self.problem.derivatives(own).any():
+            raise self._without_influence(own)
+        followed = self._followed(own, MOST_EVALUATIONS)
+        if not goodness(self.problem, self.problem.at(self.x)).explained:
+            first = self.least
+            for number, x in enumerate(self._more_starts(own)):
+                if self.problem.derivatives(x).any():  # otherwise there is nowhere to go from here
+                    self._stage = f"start {number + 2} of {settings.starts}"
+                    self._followed(x, EXPLORING)
+            if self.least < first:
+                self._stage = "best start"
+                followed = self._followed(self.x, MOST_EVALUATIONS, counts=False)
+        self.ended, self.converged = str(followed.message), bool(followed.success)
+
+    def _followed(self, x: Array, evaluations: int, held: int | None = None, counts: bool = True) -> Any:
+        """Least squares from a point, of all parameters but one that is held."""
+        problem, names = self.problem, [f"x{place}" for place in range(len(x))]
+        parameters = problem.unknowns.at(x)
+        if held is not None:
+            parameters[names[held]].set(vary=False)
+        varied = [place for place, name in enumerate(names) if parameters[name].vary]
+
+        def point(values: Any) -> Array:
+            return np.array([values[name].value for name in names])
+
+        self._of_start = np.inf
+        try:
+            minimizer = lmfit().Minimizer(lambda values: self.residuals(point(values)), parameters)
+            found = minimizer.least_squares(
+                max_nfev=evaluations,
+                Dfun=lambda values: problem.jacobian(point(values))[:, varied],
+                x_scale="jac",
+                ftol=SETTLED / problem.size,
+                xtol=1e-6,
+                gtol=None,
+            )
+        finally:
+            if held is not None:
+                parameters[names[held]].set(vary=True)
+        if counts and held is None:
+            self.starts.append(self._of_start)
+        return found
+
+    def _without_influence(self, x: Array) -> SceneError:
+        """The error for a first guess from which no search can set out."""
+        failures = [one.failure for one in self.problem.at(x).predictions if one.failure]
+        reason = f": {failures[0]}" if failures else ""
+        problem = f"no parameter changes the force at the first guess{reason}"
+        return SceneError("vary", problem, "a first guess that comes to contact and can be run")
+
+    def _more_starts(self, own: Array) -> list[Array]:
+        """The best of a few points drawn about the scene's values, for each further start."""
+        settings, (low, high) = self.problem.settings, self.problem.unknowns.bounds
+        free = np.array([one.logarithmic for one in self.problem.unknowns.found])
+        self._stage = "drawing starts"
+        if settings.starts < 2 or not free.any():
+            return []
+        shape = settings.starts - 1, DRAWN_BEFORE, int(free.sum())
+        found = []
+        for group in np.random.default_rng(settings.seed).random(shape):
+            points = []
+            for shares in group:
+                x = own.copy()
+                x[free] = np.clip(own[free] + SPREAD * (2.0 * shares - 1.0), low[free], high[free])
+                values = self.residuals(x)
+                points.append((float(values @ values), x))
+            found.append(min(points, key=lambda point: point[0])[1])
+        return found
+
+    def profiles(self, result: FitResult) -> tuple[LikelihoodProfile, ...]:
+        """Profile likelihoods of the parameters that were asked for.
+
+        Where the least sum of squares has grown by ``3.84``, the 95 % point of chi-squared with one degree of
+        freedom, the interval ends (Venzon and Moolgavkar, Appl. Stat. 37, 87, 1988).
+        """
+        asked = result.settings.profile
+        return tuple(
+            self._profile(place, result)
+            for place, one in enumerate(self.problem.unknowns.found)
+            if "all" in asked or one.name in asked
+        )
+
+    def _profile(self, place: int, result: FitResult) -> LikelihoodProfile:
+        problem, best = self.problem, self.x.copy()
+        one, stated = problem.unknowns.found[place], result.estimates[place]
+        low, high = one.plain(one.low), one.plain(one.high)
+        point = problem.at(best)
+        size = min(stated.deviation if one.logarithmic else stated.deviation / one.scale, WIDEST)
+        least = self._weighed(point, best)
+        points = {float(best[place]): 0.0}
+        for sign in (-1.0, 1.0):
+            x = best.copy()
+            for step in STEPS:
+                x[place] = float(np.clip(best[place] + sign * step * size, low, high))
+                self._stage = f"profile of {one.name} at {one.value(x[place]):.4g}"
+                if len(x) > 1:
+                    found = self._followed(x, PROFILING, held=place)
+                    x = np.array([found.params[f"x{at}"].value for at in range(len(x))])
+                increase = (self._weighed(point, x) - least) / result.goodness.variance
+                points[float(x[place])] = max(increase, 0.0)
+                if x[place] in (low, high):
+                    break
+        at, increases = np.array(sorted(points.items())).T
+        middle = int(np.searchsorted(at, best[place]))
+        ends = _crossing(at[middle::-1], increases[middle::-1]), _crossing(at[middle:], increases[middle:])
+        values = np.array([one.value(value) for value in at.tolist()])
+        return LikelihoodProfile(
+            one.name, values, increases, *(None if end is None else one.value(end) for end in ends)
+        )
+
+    def _weighed(self, best: Any, x: Array) -> float:
+        """Sum of squares of the residuals at a point, correlated ones as those of the best point are."""
+        found = independent(self.problem, best, self.problem.residuals(x))
+        return float(found @ found)
+
+    def by_second_solver(self, result: FitResult) -> SecondSolver | None:
+        """The fitted curves once more by another solver, and how far it would have moved the parameters."""
+        problem, x, solver = self.problem, self.x, result.settings.check_solver
+        if solver is None or solver == result.settings.solver:
+            return None
+        self.tell(f"the same curves by {solver}")
+        other = replace(
+            problem, settings=replace(problem.settings, solver=solver, resolution=None), tolerance=None
+        )
+        point, by_other, slopes = problem.at(x), other.at(x), problem.jacobian(x)
+        change = by_other.residuals - point.residuals
+        differences = []
+        for index, (model, rows) in enumerate(zip(problem.models, problem.force_rows, strict=True)):
+            own = change[rows] * model.allowed / model.features.noise
+            rms = float(np.sqrt(np.mean(own**2)))
+            size = float(np.sqrt(np.mean(model.curve.force**2))) / model.features.noise
+            failure = by_other.predictions[index].failure
+            largest = float(np.abs(own).max())
+            differences.append(SolverDifference(model.curve.name, rms, largest, rms / size, failure))
+        deviations = np.sqrt(
+            np.diag(covariance(independent(problem, point, slopes), result.goodness.variance)[0])
+        )
+        shifts: dict[str, float] = {}
+        if not any(one.failure for one in differences) and np.isfinite(deviations).all():
+            moved = -np.linalg.lstsq(slopes, change, rcond=None)[0] / deviations
+            names = [one.name for one in problem.unknowns.found]
+            shifts = dict(zip(names, moved.tolist(), strict=True))
+        return SecondSolver(solver, None, tuple(differences), shifts)
+
+
+def _crossing(at: Array, increase: Array) -> float | None:
+    """Where a profile first passes the limit of its interval, by the root of the increase between points."""
+    limit = np.sqrt(float(stats.chi2.ppf(CONFIDENCE, 1)))
+    above = np.flatnonzero(increase >= limit**2)
+    if not above.size:
         return None
-    if progress is not None:
-        progress(f"the same curves by {solver}")
-    spread = covariance(found.jacobian, result.goodness)[0]
-    return second_solver(problem, found.x, found.jacobian, spread, solver, None)
+    ends = slice(int(above[0]) - 1, int(above[0]) + 1)
+    return float(np.interp(limit, np.sqrt(increase[ends]), at[ends]))
 
 
-def _profiles(
-    problem: FitProblem, x: Array, result: FitResult, progress: Callable[[str], None] | None
-) -> tuple[LikelihoodProfile, ...]:
-    """The profiles that were asked for.
-
-    Parameters
-    ----------
-    problem : FitProblem
-    x : ndarray, shape (P,)
-    result : FitResult
-    progress : callable or None
-
-    Returns
-    -------
-    tuple of LikelihoodProfile
-    """
-    names = [one.name for one in problem.parameters.parameters]
-    asked = result.settings.profile
-    wanted = names if "all" in asked else [name for name in names if name in asked]
-    scale = result.goodness.variance
-    made = []
-    for name in wanted:
-        place = names.index(name)
-        one, estimate = problem.parameters.parameters[place], result.estimates[place]
-        deviation = estimate.deviation if one.logarithmic else estimate.deviation / one.scale
-        made.append(likelihood_profile(problem, place, x, deviation, scale, progress))
-    return tuple(made)
-
-
-def _named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:
+def named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:
     """Curves with names that differ."""
     if isinstance(curves, MeasuredCurve):
         curves = [curves]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from validation.fits.measured_curve import MeasuredCurve
+from validation.fits.record import MeasuredCurve
 
 JUMP = 8.0
 """Deviations of the noise from which the change between two rows may be a jump, and is not compared."""

@@ -6,17 +6,19 @@ The page has the verdict, estimates with errors, what the data cannot tell, and 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from contact_scene import write_scene
 from validation.drawing import export
 from validation.fits import charts
-from validation.fits.fit_result import FitResult
-from validation.fits.goodness import UNLIKELY
-from validation.fits.statistics import VAGUE, Combination, Estimate
+from validation.fits.errors import UNLIKELY, VAGUE, Combination, Estimate
+from validation.fits.result import FitResult, FittedCurve
 from validation.report import report
 from validation.report.document import (
     ABSENT,
@@ -72,6 +74,9 @@ def of_fit(result: FitResult) -> dict[str, Any]:
             "noise_degrees": good.noise_degrees,
             "probability": good.probability,
             "runs_tests": [asdict(one) for one in good.runs],
+            "misfit_over_noise": math.sqrt(good.reduced),
+            "rms_over_range": good.share,
+            "within": good.within,
         },
         "profiles": [asdict(one) for one in result.profiles],
         "second_solver": None if result.check is None else asdict(result.check),
@@ -80,6 +85,10 @@ def of_fit(result: FitResult) -> dict[str, Any]:
                 "name": one.curve.name,
                 "noise": one.noise,
                 "noise_source": one.noise_source,
+                "misfit_over_noise": one.misfit,
+                "rms_over_range": one.share,
+                "rows_correlated": one.correlated,
+                "worst_stretch": one.curve.time[one.stretch][[0, -1]] if _missed(one) else None,
                 "time": one.curve.time,
                 "measured_force": one.curve.force,
                 "fitted_force": one.force,
@@ -89,7 +98,7 @@ def of_fit(result: FitResult) -> dict[str, Any]:
         ],
         "statements": statements(result),
         "settings": asdict(result.settings),
-        "resolution": result.resolution,
+        "resolution": result.settings.resolution,
         "step_tolerance": result.tolerance,
         "solver_error_over_noise": result.error_share,
         "starts": result.starts,
@@ -139,7 +148,7 @@ def document(result: FitResult, drawings: Mapping[str, Drawing]) -> Document:
 def drawings(result: FitResult) -> dict[str, Drawing]:
     """The figures by name: ``curves``, ``correlations`` and, where there are some, ``profiles``."""
     made = {
-        "curves": charts.draw_curves(result.curves),
+        "curves": charts.draw_curves(result),
         "correlations": charts.draw_correlations(result),
     }
     return made | ({"profiles": charts.draw_profiles(result.profiles)} if result.profiles else {})
@@ -150,48 +159,90 @@ def lead(result: FitResult) -> Paragraph:
     good, head = result.goodness, "The fit was interrupted: the best so far. " if not result.converged else ""
     numbers = (
         f"Misfit {math.sqrt(good.reduced):.3g} times the noise (sum of squares {good.chi_squared:.1f} for "
-        f"{good.degrees} degrees of freedom; as large by chance: {chance(good.probability)})."
+        f"{good.degrees} degrees of freedom; as large by chance: {chance(good.probability)}), "
+        f"{100.0 * good.share:.2g} % of the range of the force."
     )
     if good.explained:
-        return Paragraph(f"{head}The model explains the data within their noise. {numbers}", result.converged)
+        share = "their noise" if good.within is None else f"{100.0 * good.within:g} % of their range"
+        return Paragraph(f"{head}The model explains the data within {share}. {numbers}", result.converged)
     return Paragraph(f"{head}The model does not explain the data. {numbers}", False)
 
 
 def statements(result: FitResult) -> list[str]:
     """What a reader has to know before using a number."""
-    found = list(result.warnings)
-    for one in result.goodness.runs:
-        if one.probability < UNLIKELY:
-            found.append(
-                f"{one.curve}: the signs of the residuals change {one.runs - 1} times, where chance gives "
-                f"{one.expected - 1:.0f} ({chance(one.probability)}): the model misses the shape of this "
-                "curve. A branch or the adhesion may be missing, the zero of the record, or the spring."
-            )
-    if result.goodness.probability < UNLIKELY:
-        found.append(
-            "The misfit is larger than the noise: the errors below are scaled up to it, but say nothing "
-            "about how wrong a wrong model's parameters are."
-        )
+    good, found = result.goodness, list(result.warnings)
+    if not good.explained:
+        found += _misfits(result)
     for estimate in result.estimates:
         if estimate.note:
             found.append(f"{estimate.name}: {estimate.note}{_largest(estimate)}.")
+    found += _times(result)
     for first, second, value in result.confused:
-        found.append(f"{first} and {second} are hardly told apart: correlation {value:+.3f}.")
+        text = f"{first} and {second} are hardly told apart: correlation {value:+.3f}"
+        kinds = {re.sub(r".*branches.*[.]", "", one.partition("@")[0]) for one in (first, second)}
+        remedy = ", at one speed only their ratio: fit a record of a second speed together with this one"
+        found.append(text + (remedy if kinds == {"adhesion.zone", "time"} else "") + ".")
     vague = [one for one in result.combinations if len(one.powers) > 1 and not one.deviation < VAGUE]
-    for combination in vague:
-        found.append(f"The data do not determine {combination.text}; others below are known.")
+    found += [f"The data do not determine {one.text}; others below are known." for one in vague]
     if result.check is not None:
+        solver = result.check.solver
         found += [
-            f"{one.curve}: no second opinion, {result.check.solver} failed: {one.failure}"
+            f"{one.curve}: no second opinion, {solver} failed: {one.failure}"
             for one in result.check.differences
             if one.failure
         ]
         found += [
-            f"{name} would move by {shift:+.2f} of its standard deviations with {result.check.solver}."
+            f"{name} would move by {shift:+.2f} of its standard deviations with {solver}."
             for name, shift in result.check.shifts.items()
             if abs(shift) > VISIBLE_SHIFT
         ]
     return found
+
+
+def _misfits(result: FitResult) -> Iterator[str]:
+    """Where and how the model misses the data."""
+    for one, runs in zip(result.curves, result.goodness.runs, strict=True):
+        if runs.probability < UNLIKELY:
+            yield (
+                f"{runs.curve}: the signs of the residuals change {runs.runs - 1} times, where chance gives "
+                f"{runs.expected - 1:.0f} ({chance(runs.probability)}): the model misses the shape of this "
+                "curve. A branch or the adhesion may be missing, the zero of the record, or the spring."
+            )
+        if _missed(one):
+            begin, end = one.curve.time[one.stretch][[0, -1]].tolist()
+            largest = float(abs(one.residuals[one.stretch]).max()) * one.noise / np.ptp(one.curve.force)
+            yield (
+                f"{one.curve.name}: missed most from time {begin:.4g} to {end:.4g}, by up to "
+                f"{100.0 * largest:.2g} % of the range of the force."
+            )
+    if result.goodness.within is None and result.goodness.probability < UNLIKELY:
+        yield (
+            "The misfit is larger than the noise: the errors below are scaled up to it, but say nothing "
+            "about how wrong a wrong model's parameters are. --within SHARE asks for a share of the range."
+        )
+
+
+def _missed(one: FittedCurve) -> bool:
+    """Whether a stretch of a curve is missed at all."""
+    return one.stretch.stop > one.stretch.start
+
+
+def _times(result: FitResult) -> Iterator[str]:
+    """Which relaxation times the records hold, where branches are fitted."""
+    branches = [one for one in result.estimates if "branches[" in one.name]
+    if not branches:
+        return
+    shortest = 2.0 * min(one.curve.sampling for one in result.curves)
+    longest = max(float(np.ptp(one.curve.time)) for one in result.curves)
+    outside = [
+        one.name
+        for one in branches
+        if one.name.partition("@")[0].endswith("].time") and not shortest <= one.value <= longest
+    ]
+    yield (
+        f"The records hold times from {shortest:.3g} to {longest:.3g}: the relaxed modulus is that after "
+        f"{longest:.3g}" + (f", and {', '.join(outside)} lies outside." if outside else ".")
+    )
 
 
 def _largest(estimate: Estimate) -> str:
@@ -259,7 +310,9 @@ def curves(result: FitResult) -> Iterator[Record]:
             "compared": str(int(one.compared.sum())),
             "noise": format(one.noise, ".3g"),
             "noise from": one.noise_source,
-            "misfit / noise": format(float((one.residuals[one.compared] ** 2).mean() ** 0.5), ".3f"),
+            "misfit / noise": format(one.misfit, ".3f"),
+            "misfit / range": f"{100.0 * one.share:.2g} %",
+            "rows correlated": format(one.correlated, ".0f"),
             "stretches of one sign": str(runs.runs),
             "by chance": format(runs.expected, ".0f"),
             "as few by chance": VerdictCell(chance(runs.probability), runs.probability >= UNLIKELY),
@@ -297,7 +350,7 @@ def second_opinion(result: FitResult) -> Iterator[Part]:
 def method(result: FitResult) -> Iterator[str]:
     """Solver, starts, runs, regularisation, ties."""
     settings = result.settings
-    fine = "its own steps" if result.resolution is None else f"{result.resolution} divisions"
+    fine = "its own steps" if settings.resolution is None else f"{settings.resolution} divisions"
     if result.tolerance is not None and result.error_share is not None:
         fine = f"tolerance {result.tolerance:.1e}, with an error of {result.error_share:.2g} of the noise"
     yield f"{settings.solver}, {fine}"

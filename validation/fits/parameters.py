@@ -1,74 +1,159 @@
-"""What a fit varies: numbers of the scene by dotted path, and what belongs to the instrument.
+"""What is asked of a fit, and what it varies: numbers of the scene by dotted path, and of the instrument.
 
-A search sees plain numbers of order one: the logarithm of a positive parameter, any other one over its scale.
+A search sees plain numbers of order one: the logarithm of a positive number, any other over its scale. They
+are parameters of lmfit with bounds; what they stand for, and numbers tied to those, are expressions of them.
+What the force is linear in, the background, is no parameter of the search: it follows from every point.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
-from contact_scene import Scene, SceneError
+from contact_scene import Branch, Machine, Scene, SceneError
 from contact_scene.errors import shown
+from contact_scene.run_control import whole_number
 from contact_scene.scene import value_at
-from contact_scene.value_checks import finite
-from validation.fits.measured_curve import Array
+from contact_scene.value_checks import finite, not_negative, positive
+from validation.fits.model import CurveModel
+from validation.fits.record import Array, MeasuredCurve
+from validation.runs.provenance import hashed
+from validation.solvers import REFERENCE
 
-CONTACT_POINT, BASELINE, DRIFT, TIME_OFFSET = "contact_point", "baseline", "drift", "time_offset"
-INSTRUMENT = (CONTACT_POINT, BASELINE, DRIFT, TIME_OFFSET)
-"""Parameters of a curve's own that are no numbers of the scene."""
+CONTACT_POINT, TIME_OFFSET = "contact_point", "time_offset"
+BACKGROUND = {
+    "baseline": ("baseline",),
+    "drift": ("drift",),
+    "background": ("baseline", "tilt", "drag", "wave_cosine", "wave_sine"),
+}
+"""Parts of the background that each name of ``free`` stands for."""
+INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)
 SPRING = ("machine.stiffness", "loading.machine.stiffness")
 """Paths of the spring between stage and indenter."""
 RANGE = 1e3
 """Factor about the scene's value within which a positive parameter is searched, if no bounds are given."""
 LIMITED = {"material.poisson": (0.0, 0.5)}
 """Numbers that may not leave an interval, by path."""
+TIME_SHARE = 0.1
+"""Time offset over the duration of a record, at most."""
+REGULARISATION = 0.1
+"""Weight of the squared second differences of the logarithms of Prony weights, beside squares of residuals:
+neighbours on the grid may bend by a factor of exp(3) at the cost of one standard deviation."""
 
 
 @dataclass(frozen=True)
-class FitParameter:
-    """One unknown.
+class FitSettings:
+    """What to fit and how: see :func:`crosscontact.fit`."""
 
-    Parameters
-    ----------
-    name : str
-        Path in the scene, or one of ``INSTRUMENT``; of a curve's own, with the curve behind an ``@``.
-    start : float
-        First guess.
-    low, high : float
-        Bounds.
-    logarithmic : bool
-        Whether its logarithm is searched.
-    scale : float
-        Size of a change that matters, where it is not.
-    ratios : mapping of str to float
-        Paths of the scene that it sets, each with the value over its own; empty for the instrument's.
-    curve : int or None
-        The only curve it belongs to.
+    vary: tuple[str, ...] = ()
+    tie: tuple[str, ...] = ()
+    per_curve: tuple[str, ...] = ()
+    free: tuple[str, ...] = ()
+    prony: tuple[float, ...] = ()
+    regularisation: float = REGULARISATION
+    starts: int = 3
+    seed: int = 0
+    profile: tuple[str, ...] = ()
+    solver: str = REFERENCE
+    resolution: int | None = None
+    check_solver: str | None = "bem"
+    max_steps: int | None = None
+    within: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("vary", "tie", "per_curve", "free", "profile"):
+            given = getattr(self, name)
+            if isinstance(given, str) or not all(isinstance(one, str) for one in given):
+                raise SceneError(name, f"got {shown(given)}", "several names")
+            object.__setattr__(self, name, tuple(given))
+        for name in self.free:
+            if name not in INSTRUMENT:
+                raise SceneError("free", f"got {shown(name)}", ", ".join(INSTRUMENT))
+        times = tuple(positive(value, "prony") for value in self.prony)
+        object.__setattr__(self, "prony", times)
+        if list(times) != sorted(set(times)):
+            raise SceneError("prony", f"got {shown(times)}", "rising relaxation times")
+        not_negative(self.regularisation, "regularisation")
+        whole_number(self.starts, "starts", 1)
+        whole_number(self.seed, "seed", 0)
+        if self.max_steps is not None:
+            object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
+        if self.within is not None and not 0.0 < positive(self.within, "within") < 1.0:
+            raise SceneError("within", f"got {shown(self.within)}", "a share of the range between 0 and 1")
+
+    @property
+    def grid(self) -> tuple[str, ...]:
+        """Paths of the moduli on the fixed relaxation times."""
+        return tuple(f"material.branches[{index}].modulus" for index in range(len(self.prony)))
+
+    @property
+    def bending(self) -> Callable[[Mapping[str, float]], Array] | None:
+        """Second differences of the logarithms of the Prony weights, weighted; ``None`` if they are free."""
+        if len(self.grid) < 3 or not self.regularisation:
+            return None
+        weight = math.sqrt(self.regularisation)
+        return lambda values: weight * np.diff(np.log([values[name] for name in self.grid]), 2)
+
+
+def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
+    """Hashes of curves, first guess and parameters; not of how the fit is carried out."""
+    varied = settings.vary, settings.tie, settings.per_curve, settings.free, settings.prony
+    return {
+        "curves": hashed([replace(curve, name="") for curve in curves]),
+        "first guess": hashed(scene),
+        "parameters": hashed(varied if settings.within is None else (*varied, settings.within)),
+    }
+
+
+def first_guess(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> Scene:
+    """The scene on the spring of the curves, where it has none and they share one, with the Prony series."""
+    springs = {None if curve.stage is None else curve.stiffness for curve in curves}
+    [spring] = springs if len(springs) == 1 else [None]
+    if scene.machine is None and spring is not None:
+        scene = replace(scene, loading=replace(scene.loading, machine=Machine(spring)))
+    if not settings.prony:
+        return scene
+    relaxing = scene.material.glassy_modulus - scene.material.modulus or scene.material.modulus
+    branches = tuple(Branch(relaxing / len(settings.prony), time) for time in settings.prony)
+    return replace(scene, material=replace(scene.material, branches=branches))
+
+
+def lmfit() -> Any:
+    """The package (extra ``fit``), imported when it is needed.
+
+    Raises
+    ------
+    SceneError
+        If it is not installed.
     """
+    try:
+        return import_module("lmfit")
+    except ImportError:
+        raise SceneError("", "lmfit is not installed", "pip install 'crosscontact[fit]'") from None
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number that is searched, with its first guess and bounds; of one curve alone it bears its name."""
 
     name: str
     start: float
     low: float
     high: float
-    logarithmic: bool
+    logarithmic: bool = False
     scale: float = 1.0
-    ratios: dict[str, float] = field(default_factory=dict)
     curve: int | None = None
 
     def __post_init__(self) -> None:
         if not self.low <= self.start <= self.high or self.low >= self.high:
             problem = f"starts at {self.start:.6g}, with bounds {self.low:.6g} to {self.high:.6g}"
             raise SceneError(self.name, problem, "bounds with the value of the scene between them")
-
-    @property
-    def kind(self) -> str:
-        """The path in the scene or the name among ``INSTRUMENT``, without the curve."""
-        return self.name.partition("@")[0]
 
     def plain(self, value: float) -> float:
         """The number that the search sees."""
@@ -79,81 +164,114 @@ class FitParameter:
         return math.exp(plain) if self.logarithmic else plain * self.scale
 
 
-@dataclass(frozen=True)
-class ParameterSet:
-    """All unknowns of a fit."""
+class Unknowns:
+    """All that is searched, as parameters ``x0``, ``x1``, ... of lmfit, and expressions for what they set."""
 
-    parameters: tuple[FitParameter, ...]
-
-    def __post_init__(self) -> None:
-        if not self.parameters:
-            raise SceneError("vary", "is empty", "at least one number of the scene")
-        seen: set[tuple[str, int | None]] = set()
-        for one in self.parameters:
-            for path in one.ratios or {one.kind: 1.0}:
-                if {(path, None), (path, one.curve)} & seen or (
-                    one.curve is None and any(path == other for other, _ in seen)
-                ):
-                    raise SceneError(path, "is varied twice", "each number once")
-                seen.add((path, one.curve))
+    def __init__(self) -> None:
+        self.found: list[Unknown] = []
+        self.parameters = lmfit().Parameters()
+        self._set: dict[str, tuple[str, int | None]] = {}  # expression: path, curve
 
     def __len__(self) -> int:
-        return len(self.parameters)
+        return len(self.found)
+
+    def add(self, one: Unknown, ratios: Mapping[str, float]) -> None:
+        """One more, which sets each of some paths to its value times a ratio."""
+        number = f"x{len(self.found)}"
+        ends = {"min": one.plain(one.low), "max": one.plain(one.high)}
+        self.parameters.add(number, one.plain(one.start), **ends)
+        for path, ratio in ratios.items():
+            if any(path == other and None in (one.curve, curve) for other, curve in self._set.values()) or (
+                (path, one.curve) in self._set.values()
+            ):
+                raise SceneError(path, "is varied twice", "each number once")
+            key = f"v{len(self._set)}"
+            plain = f"exp({number})" if one.logarithmic else f"{float(one.scale)!r} * {number}"
+            self.parameters.add(key, expr=f"{float(ratio)!r} * {plain}")
+            self._set[key] = path, one.curve
+        self.found.append(one)
+
+    def sets(self, *paths: str) -> bool:
+        """Whether one of some paths is varied or tied, or a number of each curve's instrument free."""
+        return any(path in paths for path, _ in self._set.values())
 
     @property
     def start(self) -> Array:
         """First guess as the search sees it, shape (P,)."""
-        return np.array([one.plain(one.start) for one in self.parameters])
+        return np.array([one.plain(one.start) for one in self.found])
 
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Bounds as the search sees them, shape (P,) each."""
-        low = np.array([one.plain(one.low) for one in self.parameters])
-        return low, np.array([one.plain(one.high) for one in self.parameters])
+        low = np.array([one.plain(one.low) for one in self.found])
+        return low, np.array([one.plain(one.high) for one in self.found])
 
-    def values(self, plain: Array) -> dict[str, float]:
-        """Values by name."""
-        return {one.name: one.value(float(x)) for one, x in zip(self.parameters, plain, strict=True)}
+    def at(self, x: Array) -> Any:
+        """The parameters of lmfit with the numbers of a point."""
+        for index, value in enumerate(x.tolist()):
+            self.parameters[f"x{index}"].set(value=value)
+        self.parameters.update_constraints()
+        return self.parameters
 
-    def of_curve(self, plain: Array, curve: int) -> tuple[dict[str, float], dict[str, float]]:
-        """What holds for one curve: numbers of the scene by path, and those of the instrument."""
-        scene: dict[str, float] = {}
-        instrument = dict.fromkeys(INSTRUMENT, 0.0)
-        for one, x in zip(self.parameters, plain, strict=True):
-            if one.curve not in (None, curve):
-                continue
-            value = one.value(float(x))
-            if one.ratios:
-                scene |= {path: ratio * value for path, ratio in one.ratios.items()}
-            else:
-                instrument[one.kind] = value
-        return scene, instrument
+    def values(self, x: Array, curve: int | None = None) -> dict[str, float]:
+        """What a point sets by path: for a curve, or only what all curves share."""
+        values = self.at(x)
+        return {
+            path: float(values[key].value) for key, (path, of) in self._set.items() if of in (None, curve)
+        }
 
 
-def scene_parameter(
-    scene: Scene, entry: str, tied: Sequence[str] = (), curve: tuple[int, str] | None = None
-) -> FitParameter:
-    """A number of the scene as an unknown.
-
-    Parameters
-    ----------
-    scene : Scene
-    entry : str
-        ``PATH``, ``PATH=LOW:HIGH`` or, to search the number itself, ``PATH=LOW:HIGH:linear``.
-    tied : sequence of str
-        Paths that keep their ratio to it.
-    curve : (int, str), optional
-        Place and name of the curve it belongs to alone.
-
-    Returns
-    -------
-    FitParameter
+def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) -> Unknowns:
+    """All parameters of a fit with their first guesses: shared ones, then those of each curve.
 
     Raises
     ------
     SceneError
-        If there is no such number, or the bounds are none.
+        If a path names no number of the scene, or is tied to one that is not varied.
     """
+    shared = (*settings.vary, *settings.grid)
+    varied = [entry.partition("=")[0] for entry in (*shared, *settings.per_curve)]
+    tied: dict[str, list[str]] = {}
+    for entry in settings.tie:
+        path, _, other = entry.partition("=")
+        if not path or not other:
+            raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
+        if path == other:
+            raise SceneError("tie", f"{shown(path)} is tied to itself", "two numbers of the scene")
+        if other not in varied:
+            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
+        tied.setdefault(other, []).append(path)
+    for path in (*varied, *(one for ties in tied.values() for one in ties)):
+        _check_part(path, models)
+    found = Unknowns()
+    for entry in shared:
+        found.add(*_of_scene(scene, entry, tied))
+    for index, model in enumerate(models):
+        for entry in settings.per_curve:
+            found.add(*_of_scene(model.scene, entry, tied, (index, model.curve.name)))
+        for kind in dict.fromkeys(settings.free):
+            if kind not in BACKGROUND:
+                found.add(_of_instrument(model, index, kind), {kind: 1.0})
+    if not found.found:
+        raise SceneError("vary", "is empty", "at least one number of the scene")
+    return found
+
+
+def _check_part(path: str, models: Sequence[CurveModel]) -> None:
+    """Refuse a number of the scene that plays no part in the model of a curve."""
+    if path.startswith("loading.steps"):
+        problem = "plays no part: the measured motion takes the place of the loading steps"
+        raise SceneError(path, problem, "numbers of material, adhesion, indenter or machine")
+    for model in models:
+        if path in SPRING and model.scene.machine is None:
+            problem = "plays no part: the motion of the indenter is recorded, not that of a stage"
+            raise SceneError(path, problem, "curves with a column stage", model.curve.name)
+
+
+def _of_scene(
+    scene: Scene, entry: str, tied: Mapping[str, Sequence[str]], curve: tuple[int | None, str] = (None, "")
+) -> tuple[Unknown, dict[str, float]]:
+    """The unknown of ``PATH``, ``PATH=LOW:HIGH`` or ``PATH=LOW:HIGH:linear``, and the paths that it sets."""
     path, _, limits = entry.partition("=")
     start = value_at(scene, path)
     low, high, form = _limits(path, limits)
@@ -161,23 +279,18 @@ def scene_parameter(
     logarithmic = form != "linear" and start > 0.0 and path not in LIMITED and (low is None or low > 0.0)
     if form == "log" and not logarithmic:
         raise SceneError(path, "has no logarithm", "a value and bounds > 0")
-    if logarithmic:
-        low, high = start / RANGE if low is None else low, start * RANGE if high is None else high
-    else:
-        reach = RANGE * max(abs(start), 1e-3)
-        low, high = (
-            max(start - reach if low is None else low, least),
-            min(start + reach if high is None else high, most),
-        )
+    reach = RANGE * max(abs(start), 1e-3)
+    widest = (start / RANGE, start * RANGE) if logarithmic else (start - reach, start + reach)
+    low = max(widest[0] if low is None else low, least)
+    high = min(widest[1] if high is None else high, most)
     ratios = {path: 1.0}
-    for other in tied:
+    for other in tied.get(path, ()):
         if start == 0.0:
             raise SceneError(path, "is zero, and others are tied to it", "a value that ratios refer to")
         ratios[other] = value_at(scene, other) / start
-    name = path if curve is None else f"{path}@{curve[1]}"
-    scale = abs(start) or high - low
-    place = None if curve is None else curve[0]
-    return FitParameter(name, start, low, high, logarithmic, scale, ratios, place)
+    place, name = curve
+    name = path if place is None else f"{path}@{name}"
+    return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place), ratios
 
 
 def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
@@ -186,10 +299,22 @@ def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
     match = re.fullmatch(r"([^:]+):([^:]+)(?::(log|linear))?", text)
     if match is None:
         raise SceneError(path, f"got bounds {shown(text)}", "LOW:HIGH, LOW:HIGH:linear or LOW:HIGH:log")
-    ends = []
-    for part in match.groups()[:2]:
-        try:
-            ends.append(finite(float(part), path))
-        except ValueError:
-            raise SceneError(path, f"got bounds {shown(text)}", "two finite numbers, LOW:HIGH") from None
-    return ends[0], ends[1], match[3] or ""
+    try:
+        low, high = (finite(float(part), path) for part in match.groups()[:2])
+    except ValueError:
+        raise SceneError(path, f"got bounds {shown(text)}", "two finite numbers, LOW:HIGH") from None
+    return low, high, match[3] or ""
+
+
+def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
+    """Contact point or time offset of a curve, with its first guess from the record."""
+    curve, seen = model.curve, model.features
+    name = f"{kind}@{curve.name}"
+    if kind == TIME_OFFSET:
+        duration = float(np.ptp(curve.time))
+        return Unknown(name, 0.0, -TIME_SHARE * duration, TIME_SHARE * duration, False, duration, index)
+    reach, touch = float(np.ptp(curve.position)), 0.0
+    if 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
+        first_touch = float(curve.position[seen.first - 1 : seen.first + 1].mean())
+        touch = first_touch - model.scene.loading.penetration
+    return Unknown(name, touch, touch - reach, touch + reach, False, reach, index)

@@ -11,8 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from validation.fits.baseline import CONTACT, features, noise_of_differences
-from validation.fits.measured_curve import Array, MeasuredCurve
+from validation.fits.baseline import CONTACT, features
+from validation.fits.contact import white_noise
+from validation.fits.record import Array, MeasuredCurve
 
 FEWEST = 5
 """Rows at rest, and as many in motion beside them, from which a pace is read, at least."""
@@ -68,8 +69,8 @@ def _goes_on(time: Array, force: Array, position: Array, rest: int, most: int) -
     bool
     """
     mean = float(np.ptp(force) / np.ptp(time))
-    noise = noise_of_differences(force)
-    position_noise = max(noise_of_differences(position), _resolution(position))
+    noise = white_noise(force)
+    position_noise = max(white_noise(position), _resolution(position))
     rows = min(rest, most)
     while rows >= FEWEST:
         parts = slice(rest - rows, rest), slice(rest, rest + rows)

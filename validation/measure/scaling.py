@@ -49,6 +49,8 @@ _KINDS = {
 }
 """What is measured, force, length, time, energy or frequency, by the name of a scalar or column, or by its
 last word."""
+_POWERS = {"energy": "force length", "frequency": "time-1", "": "1"}
+"""Those that are no unit of their own, as products of powers of length, force and time."""
 
 
 def column_of(name: str) -> str:
@@ -65,6 +67,23 @@ def unit_of(name: str) -> str:
     """Name of the unit in which an observable is stated; empty in units of the scene."""
     kind = "jkr-force" if name == "pull_off_force" else kind_of(name)
     return kind if kind in SYMBOLS else ""
+
+
+def dimension_of(name: str) -> str:
+    """Unit of a scalar or of a column as a product of powers of length, force and time."""
+    kind = kind_of(name)
+    return _POWERS.get(kind, kind)
+
+
+def unit_name(scene: Scene, name: str) -> str:
+    """Unit of a scalar or of a column as the scene names it; "scene units" where it does not."""
+    units, dimension = scene.units, dimension_of(name)
+    return units.named(dimension) if units is not None and units.states(dimension) else "scene units"
+
+
+def drawn_sizes(scene: Scene) -> dict[str, float]:
+    """Size of the units of figures: those of :func:`unit_sizes`, or the scene's own where it names them."""
+    return unit_sizes(scene) if scene.units is None else {"": 1.0}
 
 
 def unit_sizes(scene: Scene) -> dict[str, float]:

@@ -2,13 +2,14 @@
 ``concurrent.futures`` executor; one that breaks down costs no other.
 
 What an earlier attempt has answered is taken over from a :class:`~validation.runs.store.Store`. However many
-tasks there are, an executor holds a bounded number of them at a time. Only :class:`WorkerProcesses` enforces
-time limits.
+tasks there are, an executor holds a bounded number of them at a time. Short ones travel in batches that last
+as long as its overhead asks for. Only :class:`WorkerProcesses` enforces time limits.
 """
 
 from __future__ import annotations
 
 import logging
+import math
 import multiprocessing
 import os
 import pickle
@@ -16,7 +17,7 @@ import signal
 import threading
 import time
 import traceback
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, replace
@@ -36,7 +37,7 @@ from validation import solvers
 from validation.cases import Case
 from validation.runs.process import deferred, interrupts_blocked, keep_freed
 from validation.runs.progress import time_left
-from validation.runs.provenance import fingerprint
+from validation.runs.provenance import fingerprint, version
 from validation.runs.run import Run, run
 from validation.runs.store import Store
 
@@ -53,11 +54,14 @@ and on a machine with ten times as many busy processes as cores no other task re
 LOCAL_CLUSTER = "local"
 """In place of the address of a Dask scheduler: a cluster of this command's own, on this machine."""
 BATCH_SECONDS = 0.25
-"""Processor time of a batch: more than a hundred times what a task costs the processes; what a kill can lose
-of runs that are done, for each worker."""
+"""Time of a batch of short tasks: more than a hundred times what a task costs the processes (measured by
+``python -m benchmarks.sweep_price``); what a kill can lose of tasks that are done, for each worker."""
 DASK_SECONDS = 1.0
 """The same by Dask, whose scheduler, client and worker spend 5 to 12 ms on a task: a hundredth, and a
 twentieth in the shorter batches at the end."""
+TAIL, SHORTEST = 2, 4
+"""The tasks left are divided into so many batches for each place of an executor, so that all workers end
+together, but into none shorter than that part of a full one."""
 CONNECT_SECONDS = 20.0
 """Seconds to wait for a Dask scheduler: what a cluster on its way up may take; Dask's own limit is 30."""
 TellProgress = Callable[[float, str, str], None]
@@ -109,6 +113,28 @@ class ExecutorGone(ConnectionError):
     """An executor has given up tasks that it was given: it will carry out no other."""
 
 
+class OtherVersion(RuntimeError):
+    """A worker has other sources of this program than the process that asks it."""
+
+
+@dataclass(frozen=True)
+class Engine:
+    """An executor (``None``: this process), the batches of tasks it holds at a time, and how long one lasts
+    (s; 0: every task travels alone)."""
+
+    executor: Executor | None = None
+    outstanding: int = OUTSTANDING
+    batch_seconds: float = 0.0
+
+    def batch_size(self, seconds: float, done: int, left: int) -> int:
+        """Tasks of the next batch, where ``done`` ones took so many seconds and others are left."""
+        if done == 0:  # what a task takes is not known yet
+            return 1
+        by_cost = round(self.batch_seconds / max(seconds / done, 1e-6))
+        tail = math.ceil(left / (TAIL * self.outstanding))
+        return max(1, min(by_cost, max(tail, by_cost // SHORTEST)))
+
+
 def run_tasks(
     tasks: Iterable[Task],
     executor: Executor | None = None,
@@ -145,7 +171,7 @@ def run_tasks(
     if results:
         tell("taken over from an earlier attempt")
     missing = [(index, task) for index, task in enumerate(tasks) if index not in results]
-    for index, result in completed_tasks(missing, executor):
+    for index, result in completed_tasks(missing, Engine(executor)):
         results[index] = result
         breakdown = result.failure or getattr(result.value, "breakdown", "")
         if not breakdown and result.task.answer is not None:
@@ -157,40 +183,56 @@ def run_tasks(
 
 
 def completed_tasks(
-    numbered: Iterable[tuple[int, Task]], executor: Executor | None = None, outstanding: int = OUTSTANDING
+    numbered: Iterable[tuple[int, Task]], engine: Engine = Engine(), total: int = 0
 ) -> Iterator[tuple[int, TaskResult]]:
     """Yield results as they come, each with the number of its task.
 
-    A task is taken from ``numbered`` when there is room for it among the ``outstanding`` ones that the
-    executor holds, so that what is known by then can shape it. Raises :class:`ExecutorGone`.
+    A task is taken from ``numbered`` when there is room for it among the batches that the engine holds.
+    ``total`` counts them, for batches that end together. Of a batch whose process has ended each task is
+    tried again by itself. Raises :class:`ExecutorGone`, ``SceneError`` where a worker has another version.
     """
-    if executor is None:
+    if engine.executor is None:
         for number, task in numbered:
             yield number, TaskResult(task, *execute(task.function, task.arguments))
         return
     done: SimpleQueue[Future[Any]] = SimpleQueue()
-    submitted: dict[Future[Any], tuple[int, Task]] = {}
-    coming = iter(numbered)
+    submitted: dict[Future[Any], Batch] = {}
+    coming, again = iter(numbered), list[tuple[int, Task]]()
+    seconds, ended, taken = 0.0, 0, 0
     try:
         while True:
-            for number, task in islice(coming, outstanding - len(submitted)):
-                future = _submit(executor, task)
-                submitted[future] = number, task
+            while len(submitted) < engine.outstanding:
+                size = engine.batch_size(seconds, ended, total - taken)
+                batch = [again.pop()] if again else list(islice(coming, size))
+                if not batch:
+                    break
+                taken += len(batch)
+                future = _submit(engine.executor, batch)
+                submitted[future] = batch
                 future.add_done_callback(done.put)
             if not submitted:
                 return
             future = done.get()
-            number, task = submitted.pop(future)
-            yield number, _collected(task, future)
+            batch = submitted.pop(future)
+            results = _collected(batch, future)
+            if len(batch) > 1 and results[0].ending is TaskEnding.DIED:
+                again += batch
+                taken -= len(batch)
+                continue
+            seconds, ended = seconds + sum(one.seconds for one in results), ended + len(results)
+            yield from ((number, one) for (number, _), one in zip(batch, results, strict=True))
     finally:
         for future in submitted:  # the reader of the results has gone
             future.cancel()
 
 
-def execute(
-    function: Callable[..., Any], arguments: tuple[Any, ...]
-) -> tuple[Any, str, str, float, bool, TaskEnding]:
-    """Call the function where the task is carried out: the fields of a result after its task."""
+Batch = list[tuple[int, Task]]
+Executed = tuple[Any, str, str, float, bool, TaskEnding]
+"""The fields of a result after its task."""
+
+
+def execute(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Executed:
+    """Call the function where the task is carried out."""
     began = time.perf_counter()
     try:
         value, failure, details, ending = function(*arguments), "", "", TaskEnding.ANSWERED
@@ -199,29 +241,42 @@ def execute(
     return value, failure, details, time.perf_counter() - began, False, ending
 
 
-def _submit(executor: Executor, task: Task) -> Future[Any]:
-    if task.time_limit is not None and isinstance(executor, WorkerProcesses):
-        return executor.schedule(task.time_limit, execute, task.function, task.arguments)
-    return executor.submit(execute, task.function, task.arguments)
+def execute_all(calls: Sequence[tuple[Any, tuple[Any, ...]]], sources: str = "") -> list[Executed]:
+    """Carry out tasks one after the other, in a worker; ``sources``: ``version()`` where they were made.
+
+    Raises :class:`OtherVersion` if this process has other sources than are stated: its answers would be kept
+    under a wrong fingerprint.
+    """
+    if sources not in ("", version()):
+        raise OtherVersion("a worker has another version of crosscontact, NumPy, SciPy or Python")
+    return [execute(*call) for call in calls]
 
 
-def _collected(task: Task, future: Future[Any]) -> TaskResult:
-    """The result of a task that an executor has done with; its process may have ended."""
+def _submit(executor: Executor, batch: Batch) -> Future[Any]:
+    calls = [(task.function, task.arguments) for _, task in batch]
+    if isinstance(executor, WorkerProcesses):  # of this installation
+        return executor.schedule(batch[0][1].time_limit, execute_all, calls)
+    return executor.submit(execute_all, calls, version())
+
+
+def _collected(batch: Batch, future: Future[Any]) -> list[TaskResult]:
+    """The results of tasks that an executor has done with; their process may have ended."""
+    tasks = [task for _, task in batch]
     try:
-        return TaskResult(task, *future.result())
+        return [TaskResult(task, *found) for task, found in zip(tasks, future.result(), strict=True)]
     except CancelledError:
         raise ExecutorGone("the executor has given up what it was given") from None
     except BrokenExecutor as error:
         raise ExecutorGone(f"{one_line(error)}: {GUARD}") from None
+    except OtherVersion as error:
+        raise SceneError("executor", str(error), "the same installation on every worker") from None
     except Exception as error:
-        exit_code = getattr(error, "exitcode", None)
+        exit_code, ending = getattr(error, "exitcode", None), TaskEnding.DIED
         if isinstance(error, TimeoutError) or exit_code == -getattr(signal, "SIGPROF", 0):
-            failure, ending = f"no answer within {task.time_limit:g} s; killed", TaskEnding.TIMED_OUT
-        elif exit_code is not None:
-            failure, ending = f"the process ended with code {exit_code}", TaskEnding.DIED
+            failure, ending = f"no answer within {tasks[0].time_limit:g} s; killed", TaskEnding.TIMED_OUT
         else:
-            failure, ending = one_line(error), TaskEnding.DIED
-        return TaskResult(task, failure=failure, ending=ending)
+            failure = one_line(error) if exit_code is None else f"the process ended with code {exit_code}"
+        return [TaskResult(task, failure=failure, ending=ending) for task in tasks]
 
 
 def run_task(
@@ -377,21 +432,12 @@ def processes(
     return WorkerProcesses(max(workers, 1), wall_per_processor_second, tasks_per_process)
 
 
-@dataclass(frozen=True)
-class Engine:
-    """An executor (``None``: this process), the batches it holds at a time, and how long one lasts (s)."""
-
-    executor: Executor | None = None
-    outstanding: int = 1
-    batch_seconds: float = BATCH_SECONDS
-
-
 def engine_of(executor: Executor) -> Engine:
     """A user's executor."""
     if not isinstance(executor, Executor):
         allowed = "an executor of concurrent.futures"
         raise SceneError("executor", f"got {type(executor).__name__}", allowed)
-    return Engine(executor, OUTSTANDING)
+    return Engine(executor, OUTSTANDING, BATCH_SECONDS)
 
 
 @contextmanager
@@ -404,7 +450,7 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
     """
     if address is None:
         with processes(jobs) as pool:
-            yield Engine(pool, 1 if pool is None else PER_WORKER * jobs)
+            yield Engine(pool, PER_WORKER * jobs, BATCH_SECONDS)
         return
     try:
         import distributed

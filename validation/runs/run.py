@@ -44,6 +44,7 @@ from validation.measure.observables import Observables, measure
 from validation.measure.warnings import fall_warnings, swing_warnings
 from validation.measure.windows import cycle_times
 from validation.runs.folder import from_json, move_whole, to_json, write_whole
+from validation.runs.process import peak_memory
 from validation.runs.store import checked
 
 
@@ -56,7 +57,8 @@ class Run:
     Run and processor time are those around the call, without imports and without an error estimate that is
     a run of its own, whose processor time is ``estimate_seconds``. ``measures`` are all scalars by name,
     ``errors`` relative error estimates by observable and column, ``warnings`` say where model or resolution
-    come to their limits, one line each.
+    come to their limits, one line each. ``peak_memory`` is the most bytes that the process held by then,
+    program included.
     """
 
     scene: str
@@ -71,6 +73,7 @@ class Run:
     measures: dict[str, float | None] = field(default_factory=dict)
     errors: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    peak_memory: int | None = None
 
     @property
     def curves(self) -> Trace | None:
@@ -122,13 +125,13 @@ def run(
     """Run one solver, as :func:`run_or_raise`; a refusal or a breakdown is part of the answer."""
     begin, spent = time.perf_counter(), time.process_time()
     try:
-        return run_or_raise(
+        found = run_or_raise(
             case, solver, resolution, progress, estimate, monitor=monitor, max_steps=max_steps
         )
     except SceneError as error:
-        return Run(case.name, solver, failure=str(error), refused=True)
+        found = Run(case.name, solver, failure=str(error), refused=True)
     except Exception as error:
-        return Run(
+        found = Run(
             case.name,
             solver,
             failure=str(error) if isinstance(error, NotFiniteError) else one_line(error),
@@ -136,6 +139,7 @@ def run(
             wall_seconds=time.perf_counter() - begin,
             cpu_seconds=time.process_time() - spent,
         )
+    return replace(found, peak_memory=peak_memory())
 
 
 def run_or_raise(

@@ -17,8 +17,8 @@ import sys
 import time
 import types
 import zlib
-from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from collections.abc import Mapping
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from pathlib import Path
@@ -26,7 +26,6 @@ from typing import Any, ClassVar, Self, Union, get_args, get_origin, get_type_hi
 from weakref import WeakValueDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError, shown
 from validation.runs import provenance
@@ -34,9 +33,6 @@ from validation.runs.folder import from_json
 
 UNFINISHED = ".unfinished.sqlite"
 """The file of a command that removes it when its results are written."""
-FILE = "runs.sqlite"
-"""The file of a sweep, which keeps it."""
-Columns = dict[str, NDArray[np.float64]]
 
 _TABLE = """
 PRAGMA locking_mode = EXCLUSIVE;
@@ -112,25 +108,15 @@ class Store:
 
     def put(self, fingerprint: str, answer: Any) -> None:
         """Store an answer."""
-        self.put_all([(fingerprint, answer, self.seconds)])
-
-    def put_all(self, answers: Iterable[tuple[str, Any, float]]) -> None:
-        """Store answers by fingerprint, each beside a time (s): all of them or none."""
         if self._connection is None and self._path is None:
             return
+        text = dumps(answer)
+        row = (fingerprint, _digest(fingerprint, text), text, self.seconds)
         try:
             with self._connect() as connection:
-                for fingerprint, answer, seconds in answers:
-                    text = dumps(answer)
-                    row = (fingerprint, _digest(fingerprint, text), text, seconds)
-                    connection.execute("INSERT OR REPLACE INTO answers VALUES (?, ?, ?, ?)", row)
+                connection.execute("INSERT OR REPLACE INTO answers VALUES (?, ?, ?, ?)", row)
         except _DAMAGED as error:
             raise self._unusable(error) from None
-
-    def seconds_of(self, fingerprint: str) -> float | None:
-        """The time (s) that stands beside an answer."""
-        row = self._ask(_ROW, fingerprint)
-        return row[2] if row is not None and isinstance(row[2], float) else None
 
     def clear(self) -> None:
         """Remove all answers."""
@@ -190,66 +176,6 @@ class Store:
             return OSError(errno.EIO, str(error), str(self._path))
         problem = f"{self._path} cannot be used: {error}"
         return SceneError("--out", problem, "runs that this program has stored, or --fresh")
-
-
-@dataclass(frozen=True)
-class RunRecord:
-    """What a sweep keeps of a run: measures and relative error estimates that apply, rows of its trace."""
-
-    outcome: str
-    reason: str
-    finished: bool = False
-    measures: dict[str, float] = field(default_factory=dict)
-    errors: dict[str, float] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
-    rows: int = 0
-
-
-@dataclass(frozen=True)
-class StoredRun:
-    """A run by the fingerprint of what was computed, its processor time (s), and its columns, if kept."""
-
-    fingerprint: str
-    record: RunRecord
-    seconds: float
-    columns: Columns | None = None
-
-
-class RunTable(Store):
-    """The runs of a sweep, in its folder or, without one, in memory: records, and traces beside them."""
-
-    def __init__(self, folder: Path | None = None, fresh: bool = False) -> None:
-        super().__init__(folder, fresh, FILE, folder is None)
-
-    def keep(self, runs: Iterable[StoredRun]) -> None:
-        """Store runs, all of them or none."""
-        rows: list[tuple[str, Any, float]] = []
-        for run in runs:
-            rows.append((run.fingerprint, run.record, run.seconds))
-            if run.columns is not None:
-                rows.append((_trace(run.fingerprint), run.columns, run.seconds))
-        self.put_all(rows)
-
-    def record(self, fingerprint: str) -> RunRecord | None:
-        """What is known about a run; ``None`` if it is not stored."""
-        found: RunRecord | None = self.get(fingerprint, RunRecord)
-        return found
-
-    def columns(self, fingerprint: str) -> Columns | None:
-        """The trace of a run; ``None`` if it is not kept."""
-        found: Columns | None = self.get(_trace(fingerprint), Columns)
-        return found
-
-    def holds(self, fingerprint: str, trace: bool = False) -> bool:
-        """Whether a run is stored, with its trace if that is asked for and the run has one."""
-        record = self.record(fingerprint)
-        if record is None:
-            return False
-        return not trace or record.rows == 0 or self.columns(fingerprint) is not None
-
-
-def _trace(fingerprint: str) -> str:
-    return f"{fingerprint} trace"
 
 
 def _digest(fingerprint: str, answer: str) -> str:

@@ -48,8 +48,7 @@ from validation.report.document import (
 from validation.report.tables import estimates
 from validation.runs.folder import to_json, write_whole
 from validation.runs.pool import TaskEnding, TellProgress, run_of, run_task, run_tasks
-from validation.runs.process import peak_memory
-from validation.runs.provenance import fingerprint, of_case
+from validation.runs.provenance import of_case
 from validation.runs.run import Run, run
 from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS, solvers
@@ -77,8 +76,7 @@ FULL, SURFACE = "full", "surface"
 class KnobRun:
     """One method (``label``) at one value of a knob, and the run it is subtracted from.
 
-    Without a ``run``, ``skipped`` says why. ``peak_memory`` is the most bytes of the process of this run
-    alone, program included; ``None`` if it had none of its own.
+    Without a ``run``, ``skipped`` says why. ``isolated``: it had a process of its own, whose memory counts.
     """
 
     value: float
@@ -87,7 +85,7 @@ class KnobRun:
     run: Run | None = None
     base: Run | None = None
     skipped: str = ""
-    peak_memory: int | None = None
+    isolated: bool = False
 
     def differences(self, names: Iterable[str]) -> dict[str, Difference]:
         """From the base, of the named observables and of the curves, as far as both runs have them."""
@@ -107,18 +105,10 @@ class KnobRun:
                 found["updates"] = counters.history_updates / counters.steps
         return found if self.peak_memory is None else found | {"megabytes": 1e-6 * self.peak_memory}
 
-
-@dataclass(frozen=True)
-class RunAndMemory:
-    """A run, and the most bytes that its process held by then."""
-
-    run: Run
-    peak_memory: int | None
-
     @property
-    def breakdown(self) -> str:
-        """Why there is no answer, where the next attempt may give one."""
-        return self.run.breakdown
+    def peak_memory(self) -> int | None:
+        """Most bytes of the process of this run alone, program included."""
+        return self.run.peak_memory if self.run is not None and self.isolated else None
 
 
 def write(knob: Zones | Poisson, case: Case, runs: Sequence[KnobRun], folder: Path) -> Path:
@@ -280,26 +270,11 @@ def _patiently(
     one: KnobRun, executor: Executor | None, store: Store | None, max_steps: int | None
 ) -> KnobRun:
     """The run, or that it took too long."""
-    plain_task = run_task(one.case, one.label, max_steps=max_steps)
-    task = replace(
-        plain_task,
-        key=fingerprint("memory", plain_task.key),
-        function=_with_memory,
-        arguments=(plain_task.function, *plain_task.arguments),
-        answer=RunAndMemory,
-        time_limit=PATIENCE,
-    )
+    task = replace(run_task(one.case, one.label, max_steps=max_steps), time_limit=PATIENCE)
     (answer,) = run_tasks([task], executor, store)
     if answer.ending is TaskEnding.TIMED_OUT:
         return replace(one, skipped=answer.failure)
-    found: RunAndMemory | None = answer.value
-    result = run_of(replace(answer, task=plain_task, value=found and found.run))
-    peak = None if executor is None or found is None else found.peak_memory
-    return replace(one, run=result, skipped="", peak_memory=peak)
-
-
-def _with_memory(function: Callable[..., Run], *arguments: Any) -> RunAndMemory:
-    return RunAndMemory(function(*arguments), peak_memory())
+    return replace(one, run=run_of(answer), isolated=executor is not None, skipped="")
 
 
 def with_bulk(material: Material, ratio: float) -> Material:

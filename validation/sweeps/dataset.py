@@ -8,11 +8,12 @@ run does not have is NaN.
 
 from __future__ import annotations
 
+import itertools
 import os
 import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,9 +22,9 @@ import numpy as np
 import tomli_w
 
 from contact_scene.errors import SceneError
-from validation.measure.scaling import kind_of
+from contact_scene.trace import Array
+from validation.measure.scaling import dimension_of
 from validation.runs.folder import move_whole, write_whole
-from validation.runs.store import Columns
 from validation.sweeps.plan import Coordinate, SweepPlan
 from validation.sweeps.run_plan import SweepRuns
 
@@ -41,8 +42,8 @@ HEAD = ("measure", "unit", "runs", "least", "median", "largest", "largest error"
 _STAGE = ".sweep."
 _PACKAGES = {"hdf5": "h5py", "parquet": "pyarrow"}
 _WORDS = {"outcome": "how the run ended", "reason": "why it ended", "warnings": "warnings"}
-_POWERS = {"energy": "force length", "frequency": "time-1", "": "1"}
-"""Kinds of measures that are no unit of their own."""
+_NOT_REPEATABLE = ("wall_seconds",)
+"""Measures that differ from one attempt to the next."""
 
 
 def check_writable(plan: SweepPlan | None = None) -> None:
@@ -88,17 +89,17 @@ def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
 
 def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, np.ndarray]:
     """One-dimensional, in the order of the plan: numbers by name, then the words."""
-    records = [runs.record(key) for key in runs.keys]
-    numbers = {name: np.full(len(records), np.nan) for name in plan.measures}
-    for index, record in enumerate(records):
-        for ending, found in (("", record.measures), (ERROR, record.errors)):
-            for name in found.keys() & (plan.measures or found.keys()):
-                numbers.setdefault(name + ending, np.full(len(records), np.nan))[index] = found[name]
-    return dict(sorted(numbers.items())) | {
-        "outcome": np.array([record.outcome for record in records]),
-        "reason": np.array([record.reason for record in records]),
-        "warnings": np.array(["; ".join(record.warnings) for record in records]),
-    }
+    numbers = {name: np.full(plan.count, np.nan) for name in plan.measures}
+    words: dict[str, list[str]] = {name: [] for name in _WORDS}
+    for index, run in enumerate(runs):
+        for ending, found in (("", run.measures), (ERROR, run.errors)):
+            for name, value in found.items():
+                wanted = name in plan.measures if plan.measures else name not in _NOT_REPEATABLE
+                if wanted and value is not None and np.isfinite(value):
+                    numbers.setdefault(name + ending, np.full(plan.count, np.nan))[index] = value
+        for name, said in zip(_WORDS, (run.outcome, run.reason, "; ".join(run.warnings)), strict=True):
+            words[name].append(said)
+    return dict(sorted(numbers.items())) | {name: np.array(said) for name, said in words.items()}
 
 
 def _about(name: str, plan: SweepPlan) -> dict[str, str]:
@@ -116,12 +117,6 @@ def _about_coordinate(one: Coordinate, plan: SweepPlan) -> dict[str, str]:
         "keys": ", ".join(one.paths),
         "scale": "log" if one.logarithmic else "linear",
     }
-
-
-def dimension_of(measure: str) -> str:
-    """Unit of a measure as a product of powers of length, force and time."""
-    kind = kind_of(measure)
-    return _POWERS.get(kind, kind)
 
 
 def _plain(name: str) -> str:
@@ -192,24 +187,29 @@ def _write_traces(plan: SweepPlan, runs: SweepRuns, out: Path) -> None:
     """Write all traces, where the plan keeps them, in place of those of an earlier plan."""
     if plan.traces is None:
         return
-    stage, keys = out / f".{TRACES}.part", runs.keys
+    stage, traces = out / f".{TRACES}.part", _traces(plan, runs)
     shutil.rmtree(stage, ignore_errors=True)
     stage.mkdir()
-    labels = [{c.name: row[0] for c, row in zip(plan.coordinates, rows, strict=True)} for rows in plan.rows()]
-    for first in range(0, len(keys), RUNS_PER_FILE):
-        last = min(first + RUNS_PER_FILE, len(keys)) - 1
-        found = ((at, labels[at], runs.columns(keys[at])) for at in range(first, last + 1))
-        write = _hdf5 if plan.traces == "hdf5" else _parquet
-        write(stage / f"runs-{first:07d}-{last:07d}", [(at, of, one) for at, of, one in found if one])
+    write = _hdf5 if plan.traces == "hdf5" else _parquet
+    for first in range(0, plan.count, RUNS_PER_FILE):
+        last = min(first + RUNS_PER_FILE, plan.count) - 1
+        found = [one for one in itertools.islice(traces, last + 1 - first) if one[2]]
+        write(stage / f"runs-{first:07d}-{last:07d}", found)
     shutil.rmtree(out / TRACES, ignore_errors=True)
     stage.rename(out / TRACES)
 
 
-Labelled = Iterable[tuple[int, dict[str, Any], Columns]]
-"""Traces with the number of the run and its coordinates."""
+Labelled = tuple[int, dict[str, Any], dict[str, Array]]
+"""The number of a run, its coordinates, and the columns of its trace."""
 
 
-def _hdf5(path: Path, traces: Labelled) -> None:
+def _traces(plan: SweepPlan, runs: SweepRuns) -> Iterator[Labelled]:
+    for number, (run, rows) in enumerate(zip(runs, plan.rows(), strict=True)):
+        labels = {one.name: row[0] for one, row in zip(plan.coordinates, rows, strict=True)}
+        yield number, labels, {} if run.trace is None else run.trace.columns()
+
+
+def _hdf5(path: Path, traces: Iterable[Labelled]) -> None:
     """A group for each run, named by its number, with the columns and the coordinates as attributes."""
     import h5py
 
@@ -221,7 +221,7 @@ def _hdf5(path: Path, traces: Labelled) -> None:
             group.attrs.update(labels)
 
 
-def _parquet(path: Path, traces: Labelled) -> None:
+def _parquet(path: Path, traces: Iterable[Labelled]) -> None:
     """One table, with the columns ``run`` and those of the coordinates in front."""
     import pyarrow
     from pyarrow import parquet

@@ -41,6 +41,7 @@ from contact_scene import (
     OutcomeKind,
     Scene,
     Trace,
+    Units,
     read_scene,
     scene_from_dict,
 )
@@ -66,6 +67,7 @@ DRAWN = ("pull_off_force", "pull_off_penetration", "dissipated_energy")
 """Measures that are drawn unless the plan names others."""
 WAYS = ("values", "linspace", "geomspace", "range")
 """Keys by one of which a coordinate states its values."""
+UNNAMED = Units()
 Row = tuple[Any, ...]
 """Values of the keys of a coordinate; the first one labels it."""
 
@@ -236,21 +238,6 @@ class Coordinate(Checked):
 
 
 @dataclass(frozen=True)
-class Units(Checked):
-    """Names of the units of a scene, which is in any consistent system; numbers are not converted."""
-
-    length: Annotated[str, Key("unit of length")] = "length"
-    force: Annotated[str, Key("unit of force")] = "force"
-    time: Annotated[str, Key("unit of time")] = "time"
-
-    def named(self, dimension: str) -> str:
-        """A product of powers of length, force and time by these names."""
-        for kind, name in vars(self).items():
-            dimension = dimension.replace(kind, name)
-        return dimension
-
-
-@dataclass(frozen=True)
 class SweepPlan(Checked):
     """What is to be run."""
 
@@ -270,7 +257,7 @@ class SweepPlan(Checked):
     measures: Annotated[tuple[str, ...], Key("those that the data set holds; by default all")] = ()
     traces: Annotated[Literal["hdf5", "parquet"] | None, Key("files of the time series")] = None
     drawn: Annotated[tuple[str, ...], Key("measures of the figures")] = DRAWN
-    units: Annotated[Units, Key("names of the scene's units")] = Units()
+    units: Annotated[Units, Key("names of the scene's units; by default as it states them")] = UNNAMED
 
     def rules(self) -> None:
         one_of(self.solver, "solver", tuple(solvers.SOLVERS))
@@ -288,7 +275,10 @@ class SweepPlan(Checked):
                 problem = "no range" if coordinate.range is None else "got range"
                 allowed = "for a sample range; for a grid or points values, linspace or geomspace"
                 raise SceneError(f"coordinates[{index}]", problem, allowed)
-        known = measure_names(self.scene.with_values({}))
+        unvaried = self.scene.with_values({})
+        if self.units == UNNAMED and unvaried.units is not None:
+            object.__setattr__(self, "units", unvaried.units)
+        known = measure_names(unvaried)
         names = [coordinate.name for coordinate in self.coordinates]
         keys = [".".join(parts(path)) for coordinate in self.coordinates for path in coordinate.paths]
         for what, listed in (("name", names), ("key", keys)):

@@ -5,46 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from support.faults.injection import registry
+from support.faults.injection import by, changed, constant, gives, rest, table, takes, times
 
 from fem_solver.prony import Increment, Prony
 
-FAULTS, fault = registry("fem", "fem_solver")
-SHORT = ("pdms-retraction-100nm",)
+SHORT = "pdms-retraction-100nm"
 """Where the mesh follows the edge and steps pass over many process zones."""
+PUNCH, GLASSY, RELAXED = "punch-programme", "elastic-glassy", "elastic-relaxed"
 
 
-@fault("the half of the closure dropped", "release:ContactProblem.closure")
-def _(true):
-    return lambda *given: 2.0 * true(*given)
-
-
-@fault("tension and compression swapped", "surface:SurfaceOperator.last_forces")
-def _(true):
-    return lambda *given: -true(*given)
-
-
-@fault("pressure and tension at the edge swapped", "release:ContactProblem._intensity")
-def _(true):
-    return lambda *given: -true(*given)
-
-
-@fault("1 + nu lost from the shear modulus", "setup:moduli")
-def _(true):
-    def moduli(material):
-        found = true(material)
-        return replace(found, shear=found.shear.scaled(1.0 + material.poisson))
-
-    return moduli
-
-
-@fault("1 - nu lost from the contact radius", "setup:Moduli.unit_plane_modulus")
-def _(true):
-    return lambda self: 2.0
-
-
-@fault("relaxation times taken for retardation times", "setup:moduli")
-def _(true):
+def _relaxation_for_retardation(true):
     def moduli(material):
         found = true(material)
         shear = found.shear
@@ -54,16 +24,7 @@ def _(true):
     return moduli
 
 
-@fault("a branch dropped", "setup:moduli")
-def _(true):
-    def moduli(material):
-        return true(replace(material, branches=material.branches[1:]))
-
-    return moduli
-
-
-@fault("internal variables one step late", "prony:Increment.advance")
-def _(true):
+def _one_step_late(true):
     last: dict[tuple[int, ...], object] = {}
 
     def advance(self, branches, dx):
@@ -74,69 +35,25 @@ def _(true):
     return advance
 
 
-@fault("backward Euler in place of the exact update", "prony:Prony.increment")
-def _(true):
-    def increment(self, dt):
-        left = 1.0 / (1.0 + dt / self.times)
-        gain = self.moduli * left
-        return Increment(self.relaxed + float(gain.sum()), left, gain)
+def _updated(left, gain):
+    """Increments of branches that keep ``left`` and gain ``gain`` of their moduli, by step over time."""
+    return lambda true: (
+        lambda self, dt: Increment(
+            self.relaxed + float((self.moduli * gain(dt / self.times)).sum()),
+            left(dt / self.times),
+            self.moduli * gain(dt / self.times),
+        )
+    )
 
-    return increment
 
-
-@fault("energy without a branch", "condensed:CondensedHistory.stored_energy")
-def _(true):
+def _energy_without_a_branch(true):
     def stored(self):
         return true(self) - 0.5 * float((self.state.forms[:1] / self.shear.moduli[:1]).sum())
 
     return stored
 
 
-@fault("dissipation without its cross term", "prony:Prony.loss_weights", ("punch-programme",))
-def _(true):
-    return lambda self, dt: true(self, dt) * np.array([[1.0], [0.0], [1.0]])
-
-
-@fault("2 pi missing from the stiffness", "forms:deviatoric_stiffness")
-def _(true):
-    return lambda basis: true(basis) / (2.0 * np.pi)
-
-
-@fault("hoop strain missing", "forms:strain")
-def _(true):
-    return lambda u, radius: true(u, radius) * np.array([1.0, 1.0, 0.0, 1.0])[:, None, None]
-
-
-@fault("hoop strain missing from the volume strain", "forms:dilatation")
-def _(true):
-    return lambda u, radius: u.grad[0, 0] + u.grad[1, 1]
-
-
-@fault("shear strain counted once", "forms:strain")
-def _(true):
-    return lambda u, radius: true(u, radius) * np.sqrt([1.0, 1.0, 1.0, 0.5])[:, None, None]
-
-
-@fault("far field of the wrong sign", "halfspace:boussinesq_shapes")
-def _(true):
-    return lambda points: tuple(-shape for shape in true(points))
-
-
-@fault("far boundary held", "halfspace:Factorisation.compliance")
-def _(true):
-    def compliance(self, weights=None):
-        return true(self, np.zeros(self.count))
-
-    return compliance
-
-
-@fault("incompressible taken as nu = 0.45", "halfspace:HalfSpace.factorise")
-def _(true):
-    return lambda self, ratio, count: true(self, max(ratio, 0.103), count)
-
-
-@fault("process zone measured from the wrong side", "process_zone:ZoneShift.__init__")
-def _(true):
+def _zone_from_the_wrong_side(true):
     def shift(self, radii, zone):
         true(self, radii, -zone)
         self.zone = zone
@@ -144,12 +61,7 @@ def _(true):
     return shift
 
 
-@fault(
-    "gap beyond a vertex read from mid-side nodes, and the other way round",
-    "process_zone:ZoneShift.__init__",
-    ("elastic-relaxed",),
-)
-def _(true):
+def _gap_from_the_other_kind_of_nodes(true):
     def shift(self, radii, zone):
         true(self, radii, zone)
         for kind in (0, 1):
@@ -164,8 +76,7 @@ def _(true):
     return shift
 
 
-@fault("gap read one node short of the shifted point", "process_zone:ZoneShift.__init__")
-def _(true):
+def _one_node_short(true):
     def shift(self, radii, zone):
         true(self, radii, zone)
         self.low, self.high = np.maximum(self.low - 1, 0), self.high - 1
@@ -173,13 +84,7 @@ def _(true):
     return shift
 
 
-@fault("force without 2 pi", "release:ContactProblem.force")
-def _(true):
-    return lambda self, s: true(self, s) / (2.0 * np.pi)
-
-
-@fault("surface energy of the wrong sign in the balance", "recorder:SurfaceRecorder.add")
-def _(true):
+def _surface_energy_of_the_wrong_sign(true):
     def add(self, state):
         self.work_of_adhesion = -abs(self.work_of_adhesion)
         true(self, state)
@@ -187,102 +92,80 @@ def _(true):
     return add
 
 
-@fault("closure 0.5 % too large", "release:ContactProblem.closure", ("elastic-relaxed", "elastic-glassy"))
-def _(true):
-    return lambda *given: 1.005 * true(*given)
+def _bulk_twice_as_fast(found):
+    if found.bulk is None:
+        return found
+    return replace(found, bulk=Prony(found.bulk.relaxed, found.bulk.moduli, 0.5 * found.bulk.times))
 
 
-@fault(
-    "glassy state with the relaxed ratio of the moduli", "setup:Moduli.instantaneous_ratio", ("bulk-start",)
-)
-def _(true):
-    return lambda self: self.ratio
-
-
-@fault("bulk relaxes like shear", "setup:moduli", ("bulk-punch",))
-def _(true):
-    def moduli(material):
-        return true(replace(material, bulk=None) if material.bulk is not None else material)
-
-    return moduli
-
-
-@fault("relaxation of bulk twice as fast", "setup:moduli", ("bulk-punch",))
-def _(true):
-    def moduli(material):
-        found = true(material)
-        if found.bulk is None or material.bulk is None:
-            return found
-        return replace(found, bulk=Prony(found.bulk.relaxed, found.bulk.moduli, 0.5 * found.bulk.times))
-
-    return moduli
-
-
-@fault("trapezoidal rule in place of the exact update", "prony:Prony.increment", ("punch-programme",))
-def _(true):
-    def increment(self, dt):
-        left = (1.0 - 0.5 * dt / self.times) / (1.0 + 0.5 * dt / self.times)
-        gain = self.moduli / (1.0 + 0.5 * dt / self.times)
-        return Increment(self.relaxed + float(gain.sum()), left, gain)
-
-    return increment
-
-
-@fault("2 pi 0.3 % too large", "forms:deviatoric_stiffness", ("punch-programme", "elastic-glassy"))
-def _(true):
-    return lambda *given: 1.003 * true(*given)
-
-
-@fault("the stage taken for the indenter", "release:ContactProblem.penetration", ("spring-elastic",))
-def _(true):
-    return lambda self, s: self.value if self.control == "stage" else true(self, s)
-
-
-@fault("the edge 2 % too fast for its law", "release:EdgeOrigin.opening_speed", ("rated-edge-si",))
-def _(true):
-    return lambda *given: 1.02 * true(*given)
-
-
-@fault("the edge spends 1 % more", "irreversible_edge:energy_spent", ("hysteresis-si",))
-def _(true):
-    return lambda *given: 1.01 * true(*given)
-
-
-@fault("branches dissipate 2 % too much", "prony:Prony.loss_weights", ("adhesionless-cycle",))
-def _(true):
-    return lambda *given: 1.02 * true(*given)
-
-
-@fault("nodes of a step over zones released too early", "following.path:EdgePolynomial.passed", SHORT)
-def _(true):
-    return lambda self, radii: true(self, radii) ** 1.2
-
-
-@fault(
-    "wake of earlier steps over zones recovers half as fast",
-    "following.components:Components.recovered",
-    SHORT,
-)
-def _(true):
-    return lambda self, branches, time: true(self, branches, 0.5 * time)
-
-
-@fault(
-    "closure over short zones told by a punch 3 % too soft", "following.elastic_scales:punch_closure", SHORT
-)
-def _(true):
-    return lambda *given: 1.03 * true(*given)
-
-
-@fault("heights over short zones 0.5 % too far out", "following.elastic_scales:height_stretch", SHORT)
-def _(true):
-    return lambda *given: 1.005 * true(*given)
-
-
-@fault("surface 0.5 % narrower than its mesh", "halfspace:HalfSpace._order_surface", ("relaxed-equilibrium",))
-def _(true):
+def _narrower_surface(true):
     def ordered(self, *given):
         true(self, *given)
         self.radii = self.radii / 1.005
 
     return ordered
+
+
+def _weighted(*weights):
+    """Strains with factors on their components."""
+    return gives(lambda strain: strain * np.array(weights)[:, None, None])
+
+
+FAULTS = table("fem", "fem_solver", [
+    ("the half of the closure dropped", "release:ContactProblem.closure", times(2.0)),
+    ("tension and compression swapped", "surface:SurfaceOperator.last_forces", times(-1.0)),
+    ("pressure and tension at the edge swapped", "release:ContactProblem._intensity", times(-1.0)),
+    ("1 + nu lost from the shear modulus", "setup:moduli",
+     lambda true: lambda material: changed(shear=lambda g: g.scaled(1.0 + material.poisson))(true(material))),
+    ("1 - nu lost from the contact radius", "setup:Moduli.unit_plane_modulus", constant(2.0)),
+    ("relaxation times taken for retardation times", "setup:moduli", _relaxation_for_retardation),
+    ("a branch dropped", "setup:moduli", takes(material=changed(branches=rest))),
+    ("internal variables one step late", "prony:Increment.advance", _one_step_late),
+    ("backward Euler in place of the exact update", "prony:Prony.increment",
+     _updated(lambda y: 1.0 / (1.0 + y), lambda y: 1.0 / (1.0 + y))),
+    ("energy without a branch", "condensed:CondensedHistory.stored_energy", _energy_without_a_branch),
+    ("dissipation without its cross term", "prony:Prony.loss_weights",
+     gives(lambda weights: weights * np.array([[1.0], [0.0], [1.0]])), PUNCH),
+    ("2 pi missing from the stiffness", "forms:deviatoric_stiffness", times(0.5 / np.pi)),
+    ("hoop strain missing", "forms:strain", _weighted(1.0, 1.0, 0.0, 1.0)),
+    ("hoop strain missing from the volume strain", "forms:dilatation",
+     lambda true: lambda u, radius: u.grad[0, 0] + u.grad[1, 1]),
+    ("shear strain counted once", "forms:strain", _weighted(1.0, 1.0, 1.0, np.sqrt(0.5))),
+    ("far field of the wrong sign", "halfspace:boussinesq_shapes",
+     gives(lambda shapes: tuple(-shape for shape in shapes))),
+    ("far boundary held", "halfspace:Factorisation.compliance",
+     lambda true: lambda self, weights=None: true(self, np.zeros(self.count))),
+    ("incompressible taken as nu = 0.45", "halfspace:HalfSpace.factorise",
+     takes(ratio=lambda ratio: max(ratio, 0.103))),
+    ("process zone measured from the wrong side", "process_zone:ZoneShift.__init__",
+     _zone_from_the_wrong_side),
+    ("gap beyond a vertex read from mid-side nodes, and the other way round",
+     "process_zone:ZoneShift.__init__", _gap_from_the_other_kind_of_nodes, RELAXED),
+    ("gap read one node short of the shifted point", "process_zone:ZoneShift.__init__", _one_node_short),
+    ("force without 2 pi", "release:ContactProblem.force", times(0.5 / np.pi)),
+    ("surface energy of the wrong sign in the balance", "recorder:SurfaceRecorder.add",
+     _surface_energy_of_the_wrong_sign),
+    ("closure 0.5 % too large", "release:ContactProblem.closure", times(1.005), RELAXED, GLASSY),
+    ("glassy state with the relaxed ratio of the moduli", "setup:Moduli.instantaneous_ratio",
+     lambda true: lambda self: self.ratio, "bulk-start"),
+    ("bulk relaxes like shear", "setup:moduli", takes(material=changed(bulk=lambda _: None)), "bulk-punch"),
+    ("relaxation of bulk twice as fast", "setup:moduli", gives(_bulk_twice_as_fast), "bulk-punch"),
+    ("trapezoidal rule in place of the exact update", "prony:Prony.increment",
+     _updated(lambda y: (1.0 - 0.5 * y) / (1.0 + 0.5 * y), lambda y: 1.0 / (1.0 + 0.5 * y)), PUNCH),
+    ("2 pi 0.3 % too large", "forms:deviatoric_stiffness", times(1.003), PUNCH, GLASSY),
+    ("the stage taken for the indenter", "release:ContactProblem.penetration",
+     lambda true: lambda self, s: self.value if self.control == "stage" else true(self, s), "spring-elastic"),
+    ("the edge 2 % too fast for its law", "release:EdgeOrigin.opening_speed", times(1.02), "rated-edge-si"),
+    ("the edge spends 1 % more", "irreversible_edge:energy_spent", times(1.01), "hysteresis-si"),
+    ("branches dissipate 2 % too much", "prony:Prony.loss_weights", times(1.02), "adhesionless-cycle"),
+    ("nodes of a step over zones released too early", "following.path:EdgePolynomial.passed",
+     gives(lambda share: share**1.2), SHORT),
+    ("wake of earlier steps over zones recovers half as fast", "following.components:Components.recovered",
+     takes(dt=by(0.5)), SHORT),
+    ("closure over short zones told by a punch 3 % too soft", "following.elastic_scales:punch_closure",
+     times(1.03), SHORT),
+    ("heights over short zones 0.5 % too far out", "following.elastic_scales:height_stretch", times(1.005),
+     SHORT),
+    ("surface 0.5 % narrower than its mesh", "halfspace:HalfSpace._order_surface", _narrower_surface,
+     "relaxed-equilibrium"),
+])  # fmt: skip

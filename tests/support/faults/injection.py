@@ -9,7 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
 
@@ -19,30 +19,22 @@ import pytest
 PACKAGES = ("contact_scene", "bem_solver", "fem_solver", "meshes", "validation")
 
 
+Broken = Callable[[Callable[..., Any]], Callable[..., Any]]
+"""From a true function to a wrong one."""
+
+
 @dataclass(frozen=True)
 class Fault:
-    """A wrong version of one function.
+    """A wrong version of one function, of a ``solver`` or, ``shared``, of what all share and one shows.
 
-    Parameters
-    ----------
-    solver : str
-        Which solver suffers; of what all solvers share, the one it is shown with.
-    name : str
-        What is wrong, in words.
-    target : str
-        ``module:function`` or ``module:Class.method``; properties, class and static methods too.
-    broken : callable
-        From the true function to the wrong one.
-    scenes : tuple of str
-        Built-in scenes that have to show it, the cheapest first; none: those every fault is tried on.
-    shared : bool
-        Whether it sits in what all solvers share, so that none of them can serve as a reference.
+    ``target`` is ``module:function`` or ``module:Class.method``; properties, class and static methods too.
+    ``scenes`` are built-in ones that have to show it, the cheapest first; none: those tried with every fault.
     """
 
     solver: str
     name: str
     target: str
-    broken: Callable[[Callable[..., Any]], Callable[..., Any]]
+    broken: Broken
     scenes: tuple[str, ...] = ()
     shared: bool = False
 
@@ -52,41 +44,61 @@ class Fault:
         return f"{'shared' if self.shared else self.solver}: {self.name}"
 
 
-def registry(
-    solver: str, package: str, faults: list[Fault] | None = None, shared: bool = False
-) -> tuple[list[Fault], Callable[..., Any]]:
-    """The faults of a solver, empty at first, and the decorator that adds one.
+def table(solver: str, package: str, rows: Iterable[tuple[Any, ...]], shared: bool = False) -> list[Fault]:
+    """Faults of a package from rows of name, target within it, wrong version, and names of scenes."""
+    return [
+        Fault(solver, name, f"{package}.{target}", broken, tuple(scenes), shared)
+        for name, target, broken, *scenes in rows
+    ]
 
-    ``@fault(name, target, scenes)`` of a function from the true function to the wrong one; ``target`` is
-    relative to ``package``, as in ``module:Class.method``; ``scenes`` may be left out.
 
-    Parameters
-    ----------
-    solver : str
-        Which solver suffers, or shows what all share.
-    package : str
-        Where its functions are.
-    faults : list of Fault, optional
-        To be added to.
-    shared : bool
-        Whether all solvers share the function.
+def gives(change: Callable[[Any], Any]) -> Broken:
+    """What the function gives is changed."""
+    return lambda true: lambda *given, **named: change(true(*given, **named))
 
-    Returns
-    -------
-    faults : list of Fault
-    fault : callable
-        The decorator.
-    """
-    faults = [] if faults is None else faults
 
-    def fault(name: str, target: str, scenes: tuple[str, ...] = ()) -> Callable[..., Any]:
-        def register(broken: Callable[..., Any]) -> Callable[..., Any]:
-            faults.append(Fault(solver, name, f"{package}.{target}", broken, scenes, shared))
-            return broken
+def times(factor: float) -> Broken:
+    """The function gives so many times as much."""
+    return gives(lambda found: factor * found)
 
-        return register
 
-    return faults, fault
+def constant(value: Any) -> Broken:
+    """The function gives the same whatever it is asked."""
+    return lambda true: lambda *given, **named: value
+
+
+def takes(**changes: Callable[[Any], Any]) -> Broken:
+    """Arguments of the function, by name, are changed before it gets them."""
+
+    def broken(true: Callable[..., Any]) -> Callable[..., Any]:
+        signature = inspect.signature(true)
+        if not changes.keys() <= signature.parameters.keys():
+            raise TypeError(f"no arguments {', '.join(changes)}")
+
+        def wrong(*given: Any, **named: Any) -> Any:
+            asked = signature.bind(*given, **named)
+            asked.apply_defaults()
+            asked.arguments |= {name: change(asked.arguments[name]) for name, change in changes.items()}
+            return true(*asked.args, **asked.kwargs)
+
+        return wrong
+
+    return broken
+
+
+def changed(**changes: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """The same dataclass with some of its fields changed."""
+    return lambda one: replace(one, **{name: change(getattr(one, name)) for name, change in changes.items()})
+
+
+def by(factor: float) -> Callable[[Any], Any]:
+    """So many times a number."""
+    return lambda number: factor * number
+
+
+def rest(branches: Any) -> Any:
+    """All branches but the first."""
+    return branches[1:]
 
 
 def located(target: str) -> tuple[Any, str]:

@@ -5,18 +5,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from support.faults.injection import Fault
+from support.faults.injection import by, changed, table, takes, times
 
 from bem_solver.trigger import Located
-
-PATH, SHIFT = "validation.reference.path", "contact_scene.temperature_shift"
-
-
-def _other_side(true):
-    """The spring on the wrong side: ``X = D - F/k``."""
-    return lambda self, step, time, penetration, force: true(self, step, time, penetration, -force)
 
 
 def _without_stage_work(true):
@@ -26,36 +17,32 @@ def _without_stage_work(true):
     return columns
 
 
-def _steeper(true):
-    return lambda self, at_rest, speed: true(replace(self, exponent=1.1 * self.exponent), at_rest, speed)
-
-
-FAULTS = [
-    Fault("reference", "spring of the wrong sign", "contact_scene.loading:Loading.segment",
-          _other_side, ("stage",)),
-    Fault("reference", "work of the stage forgotten", "contact_scene.machine:machine_columns",
-          _without_stage_work, ("work",)),
-    Fault("reference", "a step ends at 1.001 of its level", "contact_scene.loading:Trigger.excess",
-          lambda true: lambda self, *state: true(self, *state) - 1e-3 * self.level, ("level",)),
-    Fault("reference", "closes at what it opens at", "contact_scene.adhesion:Adhesion.closing",
-          lambda true: lambda self: self.work, ("hysteresis",)),
-    Fault("reference", "opens at what it closes at", "contact_scene.adhesion:Adhesion.opening",
-          lambda true: lambda self, speed: self.closing, ("hysteresis",)),
-    Fault("reference", "exponent of the rate a tenth too large", "contact_scene.adhesion:PowerRate.work",
-          _steeper, ("rate",)),
-    Fault("reference", "zone of fixed stress twice as long", "contact_scene.adhesion:Adhesion.zone_for",
-          lambda true: lambda self, squared: 2.0 * true(self, squared), ("stress",)),
-    Fault("reference", "shift factor upside down (WLF)", f"{SHIFT}:WLF.log_factor",
-          lambda true: lambda self, temperature: -true(self, temperature), ("temperature",)),
-    Fault("reference", "shift factor upside down (Arrhenius)", f"{SHIFT}:Arrhenius.log_factor",
-          lambda true: lambda self, temperature: -true(self, temperature), ("temperature",)),
-    Fault("bem", "the step that passes a level is taken whole", "bem_solver.trigger:to_level",
-          lambda true: lambda step, trigger, candidate: Located(
-              candidate, true(step, trigger, candidate).reached), ("level",)),
-    Fault("fem", "the step that passes a level is taken whole", "fem_solver.trigger:step_to_level",
-          lambda true: lambda run, segment, trigger, dt, contact: (
-              contact if true(run, segment, trigger, dt, contact) is not None else None), ("level",)),
-    Fault("reference", "the step that passes a level is taken whole",
-          f"{PATH}.events:to_level",
-          lambda true: lambda tracker, planned, whole: (true(tracker, planned, whole), whole)[1], ("level",)),
-]  # fmt: skip
+WHOLE = "the step that passes a level is taken whole"
+FAULTS = table("reference", "contact_scene", [
+    ("spring of the wrong sign", "loading:Loading.segment", takes(force=by(-1.0)), "stage"),
+    ("work of the stage forgotten", "machine:machine_columns", _without_stage_work, "work"),
+    ("a step ends at 1.001 of its level", "loading:Trigger.excess",
+     lambda true: lambda self, *state: true(self, *state) - 1e-3 * self.level, "level"),
+    ("closes at what it opens at", "adhesion:Adhesion.closing", lambda true: lambda self: self.work,
+     "hysteresis"),
+    ("opens at what it closes at", "adhesion:Adhesion.opening", lambda true: lambda self, speed: self.closing,
+     "hysteresis"),
+    ("exponent of the rate a tenth too large", "adhesion:PowerRate.work",
+     takes(self=changed(exponent=by(1.1))), "rate"),
+    ("zone of fixed stress twice as long", "adhesion:Adhesion.zone_for", times(2.0), "stress"),
+    ("shift factor upside down (WLF)", "temperature_shift:WLF.log_factor", times(-1.0), "temperature"),
+    ("shift factor upside down (Arrhenius)", "temperature_shift:Arrhenius.log_factor", times(-1.0),
+     "temperature"),
+])  # fmt: skip
+FAULTS += table("bem", "bem_solver", [
+    (WHOLE, "trigger:to_level", lambda true: lambda step, trigger, candidate: Located(
+        candidate, true(step, trigger, candidate).reached), "level"),
+])  # fmt: skip
+FAULTS += table("fem", "fem_solver", [
+    (WHOLE, "trigger:step_to_level", lambda true: lambda run, segment, trigger, dt, contact: (
+        contact if true(run, segment, trigger, dt, contact) is not None else None), "level"),
+])  # fmt: skip
+FAULTS += table("reference", "validation.reference.tracking", [
+    (WHOLE, "step_to_level:step_to_level", lambda true: lambda trigger, state, passing, _: (passing, True),
+     "level"),
+])  # fmt: skip

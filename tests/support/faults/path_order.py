@@ -10,36 +10,37 @@ but takes minutes; the same test sees them at once.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
-from support.faults.injection import Fault
-
-PATH, FOLLOWING = "validation.reference.path", "fem_solver.following"
+from support.faults.injection import gives, table, takes, times
 
 
-def _fewer_rows(count):
-    return lambda true: lambda self, s, a, *_: true(self, s, a, count)
+def _rows(count):
+    """Through so many rows only."""
+    return takes(rows=lambda rows: replace(rows, times=rows.times[:count], values=rows.values[:count]))
 
 
-FAULTS = [
-    Fault("bem", "straight path", "bem_solver.bent_path:BentPath.through",
-          lambda true: lambda cls, rows, edge, duration, end, *_: cls.straight(edge, end)),
-    Fault("bem", "path through one row less", "bem_solver.bent_path:BentPath.through",
-          lambda true: lambda cls, rows, *given: true(cls, rows[:1], *given)),
-    Fault("fem", "straight path", f"{FOLLOWING}.path:EdgePolynomial.through",
-          lambda true: lambda cls, start, end, dt, before: true(cls, start, end, dt, ())),
-    Fault("fem", "path through one row less", f"{FOLLOWING}.path:EdgePolynomial.through",
-          lambda true: lambda cls, start, end, dt, before: true(cls, start, end, dt, before[:1])),
-    Fault("fem", "one row less kept for the path", f"{FOLLOWING}.state:FollowingState.rows_and_this",
-          lambda true: lambda self, dt: true(self, dt)[:1]),
-    Fault("bem", "points passed a tenth too early", "bem_solver.bent_path:BentPath.left",
-          lambda true: lambda self, radius: 1.1 * true(self, radius)),
-    Fault("fem", "nodes passed at the end of the step", f"{FOLLOWING}.path:EdgePolynomial.passed",
-          lambda true: lambda self, radii: np.where(true(self, radii) > 0.0, 1.0, 0.0)),
-    Fault("fem", "nodes passed 1 % too early", f"{FOLLOWING}.path:EdgePolynomial.passed",
-          lambda true: lambda self, radii: 0.99 * true(self, radii)),
-    Fault("reference", "points passed 1 % too early", f"{PATH}.polynomials:inverse",
-          lambda true: lambda way, rise: 0.99 * true(way, rise)),
-    Fault("reference", "path through one row less", f"{PATH}.path:Rows.segment", _fewer_rows(3)),
-    Fault("reference", "parabolic path", f"{PATH}.path:Rows.segment", _fewer_rows(2)),
-    Fault("reference", "straight path", f"{PATH}.path:Rows.segment", _fewer_rows(1)),
-]  # fmt: skip
+ONE_LESS, ONE_KEPT = "path through one row less", "one row less kept for the path"
+FAULTS = table("bem", "bem_solver", [
+    ("straight path", "bent_path:BentPath.through",
+     lambda true: lambda cls, rows, edge, duration, end, *_: cls.straight(edge, end)),
+    (ONE_LESS, "bent_path:BentPath.through", takes(rows=lambda rows: rows[:1])),
+    ("points passed a tenth too early", "bent_path:BentPath.left", times(1.1)),
+])  # fmt: skip
+FAULTS += table("fem", "fem_solver.following", [
+    ("straight path", "path:EdgePolynomial.through", takes(before=lambda _: ())),
+    (ONE_LESS, "path:EdgePolynomial.through", takes(before=lambda rows: rows[:1])),
+    (ONE_KEPT, "state:FollowingState.rows_and_this", gives(lambda rows: rows[:1])),
+    ("nodes passed at the end of the step", "path:EdgePolynomial.passed",
+     gives(lambda share: np.where(share > 0.0, 1.0, 0.0))),
+    ("nodes passed 1 % too early", "path:EdgePolynomial.passed", times(0.99)),
+])  # fmt: skip
+FAULTS += table("reference", "validation.reference.tracking", [
+    ("points passed 1 % too early", "edge_path:PolynomialPath.passing", times(0.99)),
+    (ONE_LESS, "edge_path:path_family", _rows(-1)),
+    ("parabolic path", "edge_path:path_family", _rows(2)),
+    ("straight path", "edge_path:path_family", _rows(1)),
+    (ONE_KEPT, "step_history:StepHistory.extrapolation",
+     takes(self=lambda history: replace(history, rows=history.rows[-3:]))),
+])  # fmt: skip

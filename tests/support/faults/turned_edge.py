@@ -7,16 +7,10 @@ of the branches where an edge meets its place of turning again: :mod:`bem.test_b
 
 from __future__ import annotations
 
-from support.faults.injection import registry
+from support.faults.injection import constant, gives, table
 
-FAULTS, fault = registry("bem", "bem_solver")
-
-
-@fault("no kink where the edge turned", "history:updated_kinks")
-def _(true):
-    return lambda *given: ((), *true(*given)[1:])
-
-
-@fault("square root at the edge left out of the outer history", "surface:ContactSurface.root_strength")
-def _(true):
-    return lambda self, reach: 0.0
+FAULTS = table("bem", "bem_solver", [
+    ("no kink where the edge turned", "history:updated_kinks", gives(lambda found: ((), *found[1:]))),
+    ("square root at the edge left out of the outer history", "surface:ContactSurface.root_strength",
+     constant(0.0)),
+])  # fmt: skip

@@ -8,53 +8,32 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from support.faults.injection import Fault
-
-NORMS, COMPARE = "validation.measure.curves", "validation.compare"
-MOVEMENT = "validation.measure.curves"
-
-
-def _squared(true):
-    def distance(*given):
-        found = true(*given)
-        return replace(found, rms=found.rms**2)
-
-    return distance
+from support.faults.injection import by, changed, gives, table, takes, times
 
 
 def _next_row(true):
     def worst(grid, apart, values, spans, *given):
-        step = grid[1] - grid[0]
-        return true(grid, apart, values, spans + step, *given)
+        return true(grid, apart, values, spans + grid[1] - grid[0], *given)
 
     return worst
 
 
-FAULTS = [
-    Fault("reference", "RMS without its root", f"{NORMS}:distance", _squared, ("rms",), True),
-    Fault("reference", "mean of a difference with its sign", f"{NORMS}:_mean_magnitude",
-          lambda true: lambda apart: 0.5 * (apart[0] + apart[-1]), ("mean",), True),
-    Fault("reference", "windows one row late", f"{MOVEMENT}:_worst_window", _next_row, ("window",), True),
-    Fault("reference", "mean of a window left in", f"{MOVEMENT}:_worst_window",
-          lambda true: lambda grid, apart, values, spans, *_: true(grid, apart, values, spans, 0.0),
-          ("window",), True),
-    Fault("reference", "sign of a difference dropped", "validation.measure.difference:relative",
-          lambda true: lambda *given: abs(true(*given)), ("sign",), True),
-    Fault("reference", "verdict of one side", "validation.measure.difference:disagreement",
-          lambda true: lambda difference, *limits: true(difference and max(difference, 0.0), *limits),
-          ("sides",), True),
-    Fault("reference", "check values of one side", f"{COMPARE}.checks:_stated",
-          lambda true: lambda *given: replace(true(*given), passed=true(*given).difference < 0.01),
-          ("sides",), True),
-    Fault("reference", "estimates three times too generous", "validation.measure.difference:agreement_limit",
-          lambda true: lambda tolerance, *errors: true(tolerance, *(e and 3.0 * e for e in errors)),
-          ("limit",), True),
-    Fault("fem", "grading 1 % too steep", "meshes.surface:graded",
-          lambda true: lambda start, stop, size, grading: true(start, stop, size, 1.01 * grading),
-          ("grading",)),
-    Fault("fem", "sizes 1 % too large", "meshes.surface:graded",
-          lambda true: lambda start, stop, size, grading: true(start, stop, 1.01 * size, grading),
-          ("grading",)),
-    Fault("fem", "fine strip of the followed edge 1 % off", "meshes.around_edge:EdgeMeshes.scale",
-          lambda true: lambda self, place: 1.01 * true(self, place), ("place",)),
-]  # fmt: skip
+FAULTS = table("reference", "validation", [
+    ("RMS without its root", "measure.curves:distance", gives(changed(rms=lambda rms: rms**2)), "rms"),
+    ("mean of a difference with its sign", "measure.curves:_mean_magnitude",
+     lambda true: lambda apart: 0.5 * (apart[0] + apart[-1]), "mean"),
+    ("windows one row late", "measure.curves:_worst_window", _next_row, "window"),
+    ("mean of a window left in", "measure.curves:_worst_window", takes(centred=by(0.0)), "window"),
+    ("sign of a difference dropped", "measure.difference:relative", gives(abs), "sign"),
+    ("verdict of one side", "measure.difference:disagreement",
+     takes(difference=lambda size: size and max(size, 0.0)), "sides"),
+    ("check values of one side", "compare.checks:_stated",
+     gives(lambda check: replace(check, passed=check.difference < 0.01)), "sides"),
+    ("estimates three times too generous", "measure.difference:agreement_limit",
+     lambda true: lambda tolerance, *errors: true(tolerance, *(e and 3.0 * e for e in errors)), "limit"),
+], shared=True)  # fmt: skip
+FAULTS += table("fem", "meshes", [
+    ("grading 1 % too steep", "surface:graded", takes(grading=by(1.01)), "grading"),
+    ("sizes 1 % too large", "surface:graded", takes(size=by(1.01)), "grading"),
+    ("fine strip of the followed edge 1 % off", "around_edge:EdgeMeshes.scale", times(1.01), "place"),
+])  # fmt: skip

@@ -24,7 +24,7 @@ from contact_scene import (
     SurfaceProfile,
     Trace,
 )
-from contact_scene.loading import straight
+from contact_scene.loading import pieces
 from contact_scene.machine import machine_columns
 from contact_scene.run_control import (
     LoadingCursor,
@@ -218,9 +218,8 @@ class Run:
         if force < 0.0 or (force == 0.0 and rate < 0.0):
             self._end(OutcomeKind.DETACHED, "pulled without contact")
         elif force == rate == 0.0:
-            return straight(
-                "penetration", segment.start, segment.end, state.depth, state.depth, segment.trigger
-            )
+            ends, depths = (segment.start, segment.end), (state.depth, state.depth)
+            return pieces("penetration", ends, depths, segment.trigger)
         elif state.depth != 0.0:
             self.tracker.state = replace(state, depth=0.0)
             self.recorder.put(self.tracker.state)

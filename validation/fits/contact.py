@@ -1,0 +1,259 @@
+r"""Contact point of an approach: a scan in which everything else is linear.
+
+Rows up to the largest force, at most ``MOST_ROWS`` means of neighbours. With the stage :math:`z`, the spring
+:math:`k` and the tip :math:`x = z - (F - b - c z)/k`
+
+.. math:: F = b + c z + [a \cos q z + a' \sin q z] + [D/(1 + (x_0 - x)_+/h_0)] + K (x - x_0)_+^p ,
+
+level and tilt of the background, a wave on it (interference of the laser), the hydrodynamic drag near the
+wall :math:`6 \pi \eta R^2 v/(h + h_0)` (Alcaraz et al. 2002), and a Hertzian contact. For each contact point
+:math:`x_0` the rest is linear least squares, with rows weighted by :math:`1/(1 + F'(x)/k)`: the noise of the
+force is in :math:`x` too, and these are the weights of the implicit model to first order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+EXPONENT = 1.5
+"""p, of a sphere or a paraboloid."""
+MOST_ROWS = 1500
+"""Rows of a scan, which resolve a contact of a thousandth of the travel."""
+EVEN, DENSE = 160, 60
+"""Contact points tried: evenly over the travel, and ever closer towards its end, where contact may be
+short. Of them a quarter will do for each of the lengths of a drag, whose contact is near that without
+it."""
+REWEIGHTED = 4
+"""Repetitions with the weights and the line of the last: a spring as soft as the contact needs three."""
+SHRINKINGS = 24
+"""Of five points about the best, each by 0.6: to 5e-6 of the gap between the points tried."""
+LEAST_GAIN, LEAST_HEIGHT, LEAST_ROWS = 40.0, 4.0, 5
+"""There is a contact if it lowers the sum of squares by 40 residual variances (by chance, with all places
+tried, once in 10^6 records), is four deviations high, and has five rows."""
+BETTER = 0.85
+"""Misfit with a further term over that without, at most: a drag or a wave that explains less is
+not told from the creep of the drive."""
+NEAR, HALVED = (0.5, 0.25, 0.125), 0.5
+"""Shares of the largest force up to which the power law is tried, as long as the misfit is halved: deep in a
+layered or a soft sample it does not hold."""
+WAVES = 400
+"""Lengths tried for the wave, from a 25th of the free travel to all of it."""
+ROUGH, SHARE = 1.5, 0.5
+"""A wave is looked for if the free rows are rougher than white noise, and taken if it is half of their
+variance."""
+_THIRD_DIFFERENCE = np.sqrt(20.0)  # standard deviation of 1, -3, 3, -1 times independent noise
+_NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard normal number
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What an approach shows; in SI units.
+
+    ``place``: of the stage where indenter and surface touch without force; ``stiffness``: K; ``level`` and
+    ``tilt``: of the background, about the stage at ``origin``; ``wave``: length, and amplitudes of cosine and
+    sine; ``wall``: length h0 and force D at the wall; ``snap_in``: force of a jump into contact.
+    """
+
+    place: float
+    error: float
+    stiffness: float
+    depth: float
+    misfit: float
+    level: float
+    tilt: float
+    origin: float
+    wave: tuple[float, float, float] | None = None
+    wall: tuple[float, float] | None = None
+    snap_in: float | None = None
+
+    def line(self, stage: Array) -> Array:
+        """Level and tilt at some positions of the stage."""
+        return self.level + self.tilt * (stage - self.origin)
+
+    def tip(self, stage: Array, force: Array, spring: float) -> Array:
+        """Position of the indenter, of the force over its background."""
+        return stage - (force - self.line(stage)) / spring
+
+
+class Placed(NamedTuple):
+    """A contact point with the rest as fitted: sum of squares, coefficients, and the indentation of each
+    row."""
+
+    cost: float
+    coefficients: Array
+    depth: Array
+
+    @property
+    def allowed(self) -> float:
+        """The cost where indenter and sample repel and the drag resists, else infinite."""
+        return self.cost if self.coefficients[2] > 0.0 else np.inf
+
+
+@dataclass(frozen=True)
+class Scan:
+    """Rows of an approach and the terms that explain them."""
+
+    stage: Array
+    force: Array
+    spring: float
+    wave: float | None = None
+    wall: float | None = None
+    even: int = EVEN
+
+    def contact(self) -> Contact | None:
+        """The contact, or ``None`` where there is none."""
+        span = float(np.ptp(self.stage))
+        level = float(np.median(self.force[: max(3, self.force.size // 20)]))
+        last = float((self.stage - (self.force - level) / self.spring).max())
+        even = np.linspace(self.stage.min() + 0.02 * span, last - 1e-3 * span, self.even)
+        places = np.unique(np.concatenate([even, last - span * np.geomspace(2e-4, 0.3, DENSE)]))
+        costs = np.array([self.trial(place, level).allowed for place in places])
+        if not np.isfinite(costs).any():
+            return None
+        best = int(np.argmin(costs))
+        centre, step = float(places[best]), float(np.diff(places)[max(best - 1, 0) : best + 1].max())
+        for _ in range(SHRINKINGS):
+            tried = centre + step * np.array([-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 1.0])
+            centre = float(tried[np.argmin([self.trial(place, level).allowed for place in tried])])
+            step *= 0.6
+        found = self.trial(centre, level)
+        variance = found.cost / max(self.stage.size - 5, 1)
+        height = found.coefficients[2] * found.depth.max() ** EXPONENT
+        gain = self._without_contact() - found.cost
+        seen = int((found.depth > 0.0).sum()) >= LEAST_ROWS and height > LEAST_HEIGHT * np.sqrt(variance)
+        if not seen or gain < LEAST_GAIN * variance:
+            return None
+        aside = 3e-3 * max(float(found.depth.max()), 1e-4 * span)
+        curvature = (
+            sum(self.trial(centre + way * aside, level).cost - found.cost for way in (-1.0, 1.0)) / aside**2
+        )
+        error = np.sqrt(2.0 * variance / curvature) if curvature > 0.0 else span
+        level, tilt, stiffness, *rest = found.coefficients.tolist()
+        near = (self.wall, rest.pop(0)) if self.wall else None
+        return Contact(
+            centre,
+            float(error),
+            stiffness,
+            float(found.depth.max()),
+            float(np.sqrt(variance)),
+            level,
+            tilt / span,
+            float(self.stage[0]),
+            (self.wave, rest[0], rest[1]) if self.wave else None,
+            near,
+        )
+
+    def trial(self, place: float, level: float) -> Placed:
+        """Linear least squares with one contact point; a level tells the tip to begin with."""
+        span = float(np.ptp(self.stage))
+        along = (self.stage - self.stage[0]) / span
+        background, stiffness = np.full(along.size, level), 0.0
+        for _ in range(1 + REWEIGHTED):
+            tip = self.stage - (self.force - background) / self.spring
+            depth = np.maximum(tip - place, 0.0) / span
+            root = depth ** (EXPONENT - 1.0)
+            slope = stiffness / span * EXPONENT * root
+            columns = [np.ones_like(along), along, depth * root]
+            if self.wall:
+                columns.append(1.0 / (1.0 + np.maximum(place - tip, 0.0) / self.wall))
+            found, left = _least_squares(
+                [*columns, *self._waves()], self.force, 1.0 / (1.0 + slope / self.spring)
+            )
+            background, stiffness = found[0] + found[1] * along, max(float(found[2]), 0.0)
+        found[2] /= span**EXPONENT
+        return Placed(float(left @ left), found, span * depth)
+
+    def _without_contact(self) -> float:
+        along = (self.stage - self.stage[0]) / np.ptp(self.stage)
+        _, left = _least_squares(
+            [np.ones_like(along), along, *self._waves()], self.force, np.ones_like(along)
+        )
+        return float(left @ left)
+
+    def _waves(self) -> list[Array]:
+        return wave_columns(self.stage, self.wave)
+
+
+def find_contact(stage: Array, force: Array, spring: float) -> tuple[Contact, Scan] | None:
+    """The contact, with the wave that explains more, from the rows that explain it; with the scan of all."""
+    end = int(np.argmax(force)) + 1
+    rows = slice(end if end > 0.3 * force.size else None)
+    place, seen = means(MOST_ROWS, stage[rows], force[rows])
+    scan = Scan(place, seen, spring)
+    found = scan.contact()
+    if found is None:
+        return None
+    free = found.tip(scan.stage, scan.force, spring) < found.place
+    length = wave_length(scan.stage[free], (scan.force - found.line(scan.stage))[free])
+    if length:
+        waved = replace(scan, wave=length)
+        better = waved.contact()
+        if better and better.misfit < BETTER * found.misfit:
+            found, scan = better, waved
+    for share in NEAR:
+        over = scan.force - found.line(scan.stage)
+        end = int(np.argmax(over > share * over.max()))
+        better = replace(scan, stage=scan.stage[:end], force=scan.force[:end]).contact()
+        if better is None or better.misfit > HALVED * found.misfit:
+            break
+        depth = float((better.tip(scan.stage, scan.force, spring) - better.place).max())
+        found = replace(better, depth=depth)
+    return found, scan
+
+
+def with_wall(scan: Scan, found: Contact) -> Contact | None:
+    """The contact behind a drag that grows towards the wall, if any; what is white noise alone hides none."""
+    if white_noise(scan.force) > BETTER * found.misfit:
+        return None
+    best = found
+    for length in np.geomspace(0.002, 0.2, 7) * np.ptp(scan.stage):
+        better = replace(scan, wall=float(length), even=EVEN // 4).contact()
+        if better and better.wall and better.wall[1] > 0.0 and better.misfit < best.misfit:
+            best = better
+    return best if best.misfit < BETTER * found.misfit else None
+
+
+def wave_length(stage: Array, left: Array) -> float | None:
+    """Length of the sine that takes most of what is left on free rows, if they are no white noise."""
+    if stage.size < 60 or np.std(left) <= ROUGH * white_noise(left):
+        return None
+    span, total = float(np.ptp(stage)), float(np.var(left) * left.size)
+    shares = {}
+    for wave in np.linspace(1.2 / span, 25.0 / span, WAVES):
+        columns = [np.ones_like(stage), stage - stage.mean(), *wave_columns(stage, 1.0 / wave)]
+        _, rest = _least_squares(columns, left, np.ones_like(stage))
+        shares[1.0 / wave] = 1.0 - float(rest @ rest) / total
+    length = max(shares, key=shares.__getitem__)
+    return float(length) if shares[length] > SHARE else None
+
+
+def wave_columns(stage: Array, length: float | None) -> list[Array]:
+    """Cosine and sine of a length along the stage."""
+    return [] if not length else [np.cos(2.0 * np.pi * stage / length), np.sin(2.0 * np.pi * stage / length)]
+
+
+def means(most: int, *columns: Array) -> list[Array]:
+    """Means of neighbouring rows, at most so many."""
+    if columns[0].size <= most:
+        return list(columns)
+    edges = np.linspace(0, columns[0].size, most + 1).astype(int)
+    return [np.add.reduceat(column, edges[:-1]) / np.diff(edges) for column in columns]
+
+
+def white_noise(values: Array) -> float:
+    """Standard deviation of independent noise on a smooth curve, from third differences, outliers aside."""
+    third = np.abs(np.diff(values, 3))
+    return float(np.median(third) / _NORMAL_MEDIAN / _THIRD_DIFFERENCE)
+
+
+def _least_squares(columns: list[Array], values: Array, weights: Array) -> tuple[Array, Array]:
+    """Coefficients of columns of about one, and what is left of each row times its weight."""
+    matrix, weighted = np.array(columns) * weights, values * weights
+    found = np.linalg.lstsq(matrix @ matrix.T, matrix @ weighted, rcond=None)[0]
+    return np.asarray(found, float), weighted - found @ matrix

@@ -1,0 +1,151 @@
+"""What a record shows of itself, as a table, a row of a file, and a picture."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.drawing.axes import format_axes, label_axes
+from validation.drawing.styles import GREY, INK, SERIES, VERMILION
+from validation.fits.features import Features
+from validation.fits.record import KINDS, Array, MeasuredCurve
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH, HEIGHT = 11.0, 3.4  # inches of three pairs of axes
+COLOURS = dict(zip(KINDS, (SERIES[0], SERIES[2], SERIES[1]), strict=True))
+"""Of the segments of a curve, by what the drive does."""
+_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+QUANTITIES = {
+    "contact": ("contact point of the stage", "m"),
+    "contact_error": ("its standard deviation", "m"),
+    "depth": ("largest indentation", "m"),
+    "modulus": ("Young's modulus, elastic guess", "Pa"),
+    "stiffness": ("K of the force K depth^1.5", "N/m^1.5"),
+    "snap_in": ("snap-in force", "N"),
+    "pull_off": ("pull-off force", "N"),
+    "lost": ("contact lost at", "m"),
+    "drop": ("force lost at once", "N"),
+    "work": ("work of separation", "J"),
+    "hysteresis": ("hysteresis", "J"),
+    "noise": ("noise, white", "N"),
+    "rough": ("free rows over their background", "N"),
+}
+"""Numbers of a curve in the order of their table, in words, and their units."""
+PARTS = {"level": "N", "tilt": "N/m", "drag": "N s/m", "drift": "N/s"}
+
+
+def prefixed(value: float, unit: str, digits: int = 4) -> str:
+    """A number in SI units with the prefix that leaves one to three digits before the point."""
+    power = 3 * math.floor(math.log10(abs(value)) / 3.0 + 1e-9) if value and math.isfinite(value) else 0
+    power = min(max(power, -15), 9) if len(unit) <= 2 else 0
+    return f"{value / float(f'1e{power}'):.{digits}g} {_PREFIXES[power]}{unit}"
+
+
+def rows(curve: MeasuredCurve, told: Features) -> list[tuple[str, str]]:
+    """The table of a curve: what was found, in words, and how much it is."""
+    segments = ", ".join(f"{one.kind} {one.last - one.first}" for one in curve.segments)
+    spring = "indenter prescribed" if curve.stiffness is None else prefixed(curve.stiffness, "N/m")
+    found = [("rows", segments), ("spring constant", spring)]
+    if told.contact is None:
+        found.append(("contact", "no contact"))
+    first = curve.position[0]
+    for key, (words, unit) in QUANTITIES.items():
+        value = getattr(told, key)
+        if value is not None:
+            place = (
+                f"  ({prefixed(value - first, unit)} from the first row)"
+                if key in ("contact", "lost")
+                else ""
+            )
+            found.append((words, prefixed(value, unit) + place))
+    return found + [(f"background: {key}", text) for key, text in _parts(told)]
+
+
+def _parts(told: Features) -> Iterable[tuple[str, str]]:
+    known: dict[str, Any] = told.background
+    for key, unit in PARTS.items():
+        if key in known:
+            yield key, prefixed(known[key], unit)
+    if "wave" in known:
+        length, amplitude = known["wave"]
+        yield "wave", f"{prefixed(amplitude, 'N')}, of length {prefixed(length, 'm')}"
+    if "wall" in known:
+        length, near = known["wall"]
+        share = f"{known['wall/water']:.2g} times 6 pi eta R^2 v of water"
+        yield "drag near the wall", f"{prefixed(near, 'N')} at it, over {prefixed(length, 'm')}: {share}"
+
+
+def written(curves: Iterable[tuple[MeasuredCurve, Features]]) -> str:
+    """All curves as CSV, a row each, with all digits in SI units; empty where a curve does not show
+    something."""
+    stream = io.StringIO()
+    out = csv.writer(stream, lineterminator="\n")
+    units = [f"{key} [{unit}]" for key, (_, unit) in QUANTITIES.items()]
+    parts = [f"{key} [{unit}]" for key, unit in PARTS.items()]
+    walls = ["wave [m]", "wave [N]", "wall [m]", "wall [N]", "wall/water"]
+    out.writerow(["curve", *units, *parts, *walls, "warnings"])
+    for curve, told in curves:
+        known: dict[str, Any] = told.background
+        numbers = [getattr(told, key) for key in QUANTITIES] + [known.get(key) for key in PARTS]
+        numbers += [
+            *known.get("wave", (None, None)),
+            *known.get("wall", (None, None)),
+            known.get("wall/water"),
+        ]
+        cells = ["" if one is None else repr(float(one)) for one in numbers]
+        out.writerow([curve.name, *cells, "; ".join(told.warnings)])
+    return stream.getvalue()
+
+
+def draw_curve(curve: MeasuredCurve, told: Features) -> Figure:
+    """Force over its background: over the stage, over the indentation, and over time; free rows grey."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
+    over, around, along = figure.subplots(1, 3)
+    draw_over_stage(over, curve, told)
+    stage = curve.position
+    tip = stage if curve.stiffness is None else stage - told.force / curve.stiffness
+    if told.contact is not None:
+        _lines(around, curve, tip - told.contact, told, "indentation (m)")
+        near = max(told.depth or 0.0, 1e-3 * float(np.ptp(stage)))
+        around.set_xlim(-2.0 * near, 1.15 * near)
+    else:
+        _lines(around, curve, tip - tip[0], told, "tip (m)")
+    _lines(along, curve, curve.time - curve.time[0], told, "time (s)")
+    over.set_title(curve.name, fontsize="medium")
+    over.legend(frameon=False, fontsize="small", labelcolor=INK)
+    return figure
+
+
+def draw_over_stage(axes: Axes, curve: MeasuredCurve, told: Features) -> None:
+    """Force over its background, over the stage, with the places of contact and its loss."""
+    first = curve.position[0]
+    _lines(axes, curve, curve.position - first, told, "stage (m)")
+    if told.contact is not None:
+        axes.axvline(told.contact - first, color=INK, linewidth=0.8, label="contact")
+    if told.lost is not None:
+        axes.axvline(told.lost - first, color=VERMILION, linewidth=0.8, linestyle="--", label="lost")
+
+
+def _lines(axes: Axes, curve: MeasuredCurve, place: Array, told: Features, name: str) -> None:
+    """Segments in their colours, above the free rows in grey."""
+    bare: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 1.5}
+    axes.plot(place[told.free], told.force[told.free], color=GREY, rasterized=True, **bare)
+    known = set()
+    for one in curve.segments:
+        label = None if one.kind in known else one.kind
+        known.add(one.kind)
+        look: dict[str, Any] = {"color": COLOURS[one.kind], "linewidth": 0.8, "label": label}
+        axes.plot(place[one.rows], told.force[one.rows], rasterized=True, **look)
+    format_axes(axes)
+    label_axes(axes, name, "force (N)")
+    axes.locator_params(axis="x", nbins=4)

@@ -1,0 +1,220 @@
+"""What a solver says a record should have been: the scene under the measured motion, at the measured times.
+
+The loading of the scene gives way to the measured motion; its start and the penetration it starts from stay:
+contact begins where the motion first comes to that penetration (``jump-in``), or with the first row
+(``relaxed``, or a record that begins in contact). Before, and after contact is lost, the force is zero.
+
+A record of the stage drives the stage of a machine with the record's spring: the force follows from contact
+and spring, and contact is lost at the limit point of the stage. Before contact no force bends the spring, so
+that contact is made at constant stage (``snap-in``). The noise of the force is nowhere in the motion. Only a
+``relaxed`` start, which prescribes the indenter, drives the indenter by stage and measured force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Machine, OutcomeKind, Scene, SceneError, Sphere, Table
+from contact_scene.errors import one_line
+from contact_scene.scene import with_values
+from validation import solvers
+from validation.fits.baseline import CurveFeatures, features
+from validation.fits.jumps import Jump
+from validation.fits.path import straight_lines
+from validation.fits.record import Array, MeasuredCurve
+from validation.measure.curves import RowCurve
+
+PATH_SHARE = 0.3
+"""Force that a deviation of the straight lines from the motion may cost, over the noise of the force:
+together with the noise it is 4 % more than the noise alone."""
+CORNER = 0.1
+"""Change of the rate over the largest from which curves are not taken as smooth across it."""
+ON_TIME = 1e-9
+"""Distance of a row from the corner it was stepped onto, over the duration, at most: round-off of times."""
+
+
+@dataclass(frozen=True)
+class FitRun:
+    """The part of a run that a fit compares: its rows, when contact was ``lost``, why it did not reach its
+    end (``failure``; its rows up to there count), and whether the solver does not take the scene at all."""
+
+    time: Array
+    force: Array
+    contact_radius: Array
+    penetration: Array
+    lost: float | None = None
+    failure: str = ""
+    refused: bool = False
+
+
+NO_CONTACT = FitRun(*(np.empty(0),) * 4)
+
+
+def run_of(
+    scene: Scene,
+    solver: str,
+    resolution: int | None,
+    tolerance: float | None = None,
+    max_steps: int | None = None,
+) -> FitRun:
+    """Solve a scene; what goes wrong is part of the answer."""
+    method = solvers.solver(solver)
+    method.load()
+    try:
+        trace = method.solve(scene, resolution, step_tolerance=tolerance, max_steps=max_steps)
+    except SceneError as error:
+        return replace(NO_CONTACT, failure=str(error), refused=True)
+    except Exception as error:
+        if tolerance is not None:  # steps as coarse as a fit can do with may be too coarse for this scene
+            return run_of(scene, solver, resolution, None, max_steps)
+        return replace(NO_CONTACT, failure=one_line(error))
+    columns = trace.time, trace.force, trace.contact_radius, trace.penetration
+    if not np.isfinite(columns).all():
+        return replace(NO_CONTACT, failure="the run is not finite")
+    ended = trace.outcome.finished and trace.outcome.kind is not OutcomeKind.COMPLETED
+    failure = "" if trace.outcome.finished else f"{trace.outcome.kind}: {trace.outcome.reason}"
+    return FitRun(*columns, float(trace.time[-1]) if ended else None, failure)
+
+
+def corners_of(time: Array, position: Array) -> Array:
+    """Times at which the rate of a motion of straight lines changes by much."""
+    rates = np.diff(position) / np.diff(time)
+    return time[1:-1][np.abs(np.diff(rates)) > CORNER * float(np.abs(rates).max())]
+
+
+def sampled(time: Array, value: Array, corners: Array, at: Array) -> Array:
+    """A column of a run at times between its rows, each stretch between corners of the loading for itself."""
+    places = np.searchsorted(time, corners[(corners > time[0]) & (corners < time[-1])] - ON_TIME * time[-1])
+    ends = np.unique(np.concatenate([[0], places, [time.size - 1]]))
+    result = np.empty(at.size)
+    for first, last in pairwise(ends.tolist()):
+        rows = slice(first, last + 1)
+        inside = (at >= time[first]) & (at <= time[last])
+        if inside.any():
+            result[inside] = RowCurve(time[rows], value[rows]).values(at[inside])
+    return result
+
+
+@dataclass(frozen=True)
+class CurvePrediction:
+    """A run at the rows of a curve, shape (N,) each, and when contact begins and is lost in its time."""
+
+    force: Array
+    contact_radius: Array
+    touching: NDArray[np.bool_]
+    first_contact: float | None
+    lost: float | None
+    failure: str = ""
+
+
+@dataclass(frozen=True)
+class CurveModel:
+    """A curve, the scene that is to explain it, and the measured motion as straight lines; ``within`` is the
+    share of the range of the force, and of the time of contact, that the model may miss beside the noise."""
+
+    curve: MeasuredCurve
+    scene: Scene
+    features: CurveFeatures
+    knots: Array
+    heights: Array
+    within: float = 0.0
+
+    @classmethod
+    def of(cls, curve: MeasuredCurve, scene: Scene, within: float = 0.0) -> CurveModel:
+        """Prepare a curve.
+
+        Raises
+        ------
+        SceneError
+            If it cannot be compared with the scene, one line.
+        """
+        seen = features(curve)
+        if curve.indenter_radius is not None:
+            if not isinstance(scene.indenter, Sphere):
+                allowed = "a scene with a sphere, or a file without a radius"
+                problem = f"stated for a {scene.indenter.shape}"
+                raise SceneError("indenter_radius", problem, allowed, curve.name)
+            scene = replace(scene, indenter=Sphere(curve.indenter_radius))
+        scene, motion = _driven(curve, scene, seen)
+        reach = float(np.ptp(curve.position))
+        if reach == 0.0:
+            column = "penetration" if curve.stage is None else "stage"
+            raise SceneError(column, "does not move", "an approach or a retraction", curve.name)
+        slope = float(np.ptp(curve.force)) / reach
+        missed = float(np.hypot(seen.noise, within * np.ptp(curve.force)))
+        tolerance = PATH_SHARE * missed / slope if slope > 0.0 else reach
+        try:
+            return cls(curve, scene, seen, *straight_lines(curve.time, motion, tolerance), within)
+        except SceneError as error:
+            raise error.in_file(curve.name) from None
+
+    @property
+    def allowed(self) -> float:
+        """Standard deviation of a residual of the force: the noise, and what the model may miss."""
+        return float(np.hypot(self.features.noise, self.within * np.ptp(self.curve.force)))
+
+    def allowed_moment(self, jump: Jump) -> float:
+        """Standard deviation of the moment of a jump: its place between two rows, and what the model may
+        miss."""
+        seen, time = self.features, self.curve.time
+        duration = float(time[min(seen.last, time.size - 1)] - time[seen.first])
+        return float(np.hypot(jump.deviation, self.within * duration))
+
+    def scene_of(self, values: Mapping[str, float], contact_point: float = 0.0) -> tuple[Scene, float] | None:
+        """The scene to solve with these numbers by path, and the time its clock starts at.
+
+        ``contact_point`` is the measured position at which the penetration is zero; ``None`` comes back if
+        the motion never comes to contact.
+
+        Raises
+        ------
+        SceneError
+            If the scene does not take the values.
+        """
+        scene = with_values(self.scene, values)
+        heights = self.heights - contact_point
+        first = scene.loading.penetration
+        begin = float(self.knots[0])
+        if scene.loading.start == "relaxed" or heights[0] >= first:
+            first = float(heights[0])
+        else:
+            above = np.flatnonzero(heights >= first)
+            if not above.size:
+                return None
+            ends = slice(int(above[0]) - 1, int(above[0]) + 1)
+            begin = float(np.interp(first, heights[ends], self.knots[ends]))
+        later = self.knots > begin
+        table = Table((begin, *self.knots[later].tolist()), (first, *heights[later].tolist()))
+        return replace(scene, loading=replace(scene.loading, penetration=first, steps=(table,))), begin
+
+    def prediction(self, run: FitRun, begin: float | None, time_offset: float = 0.0) -> CurvePrediction:
+        """A run whose clock starts at ``begin``, at the rows of the curve; the force is recorded later than
+        the motion by ``time_offset``."""
+        nothing = np.zeros(self.curve.time.size)
+        if begin is None or run.time.size < 2:
+            return CurvePrediction(nothing, nothing, nothing > 0.0, None, None, run.failure)
+        at = self.curve.time - time_offset - begin
+        touching = (at >= 0.0) & (at <= run.time[-1] if run.lost is not None or run.failure else True)
+        inside = np.clip(at, 0.0, run.time[-1])
+        corners = corners_of(self.knots, self.heights) - begin
+        force = np.where(touching, sampled(run.time, run.force, corners, inside), 0.0)
+        radius = np.where(touching, sampled(run.time, run.contact_radius, corners, inside), 0.0)
+        lost = None if run.lost is None else begin + run.lost + time_offset
+        return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
+
+
+def _driven(curve: MeasuredCurve, scene: Scene, seen: CurveFeatures) -> tuple[Scene, Array]:
+    """The scene with the machine and the start of a record, and the motion that drives it, shape (N,)."""
+    loading = replace(scene.loading, machine=None)
+    if curve.stage is None or curve.stiffness is None:
+        return replace(scene, loading=loading), curve.motion
+    if loading.start == "relaxed":
+        level = seen.baseline + seen.drift * (curve.time - curve.time[0])
+        return replace(scene, loading=loading), curve.motion + level / curve.stiffness
+    loading = replace(loading, start="snap-in", machine=Machine(curve.stiffness))
+    return replace(scene, loading=loading), curve.stage

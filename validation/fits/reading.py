@@ -1,0 +1,99 @@
+"""What a file may leave open and its user states, and how raw columns become a curve in SI units.
+
+Positions grow into the sample. A file without times has rows at a sampling rate, or at a speed of the stage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene.errors import SceneError
+from contact_scene.value_checks import LARGEST
+from validation.fits.record import Array, MeasuredCurve, moved_segments
+
+MOST_DROPPED = 0.05
+"""Share of rows without numbers, or at whose time one has been recorded before, above which there is no
+record: a clock that is read twice between two ticks doubles a few."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """Stated by the user, in SI units: it goes before what the file says.
+
+    ``columns``: of a table, by what they hold: name or number (from 1) of the column, and a factor.
+    """
+
+    spring_constant: float | None = None
+    sensitivity: float | None = None
+    sampling_rate: float | None = None
+    speed: float | None = None
+    columns: Mapping[str, tuple[str | int, float]] = field(default_factory=dict)
+
+    def overrides(self) -> dict[str, float]:
+        """The first two as ``afmformats`` takes them."""
+        stated = {"spring constant": self.spring_constant, "sensitivity": self.sensitivity}
+        return {key: value for key, value in stated.items() if value is not None}
+
+    def spring(self, stated: Any, file: Path) -> float:
+        """The spring constant, given or stated."""
+        value = self.spring_constant if self.spring_constant is not None else stated
+        if value is None or not 0.0 < float(value) < LARGEST:
+            raise missing(["spring constant"], file)
+        return float(value)
+
+    def times(self, stage: Array, rate: float | None, file: Path) -> Array:
+        """Times of rows that have none: at the rate given, at the speed given, or at the rate stated."""
+        rate = self.sampling_rate or (None if self.speed else rate)
+        if rate:
+            return np.asarray(np.arange(stage.size) / rate)
+        if self.speed is None:
+            raise SceneError("", "states no times", "--sampling-rate or --speed with it", str(file))
+        steps = np.abs(np.diff(stage)) / self.speed
+        return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-9 * steps.max(initial=0.0)))])
+
+    def curve(
+        self,
+        file: Path,
+        name: str,
+        columns: Mapping[str, Array],
+        stiffness: float | None,
+        numbers: NDArray[Any] | None = None,
+        rate: float | None = None,
+        kinds: Sequence[str] = (),
+        **more: Any,
+    ) -> MeasuredCurve:
+        """A curve of columns as recorded, whose segments bear numbers.
+
+        ``rate``: rows a second, if stated; ``kinds``: what the drive does in each row, if stated.
+        Left out are rows that are not numbers, and those whose time does not rise.
+        """
+        kept = {key: np.asarray(column, float) for key, column in columns.items()}
+        if "time" not in kept:
+            kept["time"] = self.times(kept.get("stage", kept.get("penetration")), rate, file)  # type: ignore[arg-type]
+        good = np.all([np.abs(column) <= LARGEST for column in kept.values()], axis=0)
+        latest = np.maximum.accumulate(np.where(good, kept["time"], -np.inf))
+        good[1:] &= latest[1:] > latest[:-1]
+        if good.size and good.mean() < 1.0 - MOST_DROPPED:
+            problem = f"{int((~good).sum())} of {good.size} rows hold no numbers, or times that do not rise"
+            raise SceneError("", problem, "a record row by row; are two columns swapped?", str(file))
+        kept = {key: column[good] for key, column in kept.items()}
+        driven = "stage" if "stage" in kept else "penetration"
+        if numbers is not None and good.any():
+            told = [kind for kind, left in zip(kinds, good, strict=True) if left] if kinds else ()
+            more["segments"] = moved_segments(kept[driven], numbers[good], told)
+        try:
+            return MeasuredCurve(**(more | kept), stiffness=stiffness, name=name)
+        except SceneError as error:
+            raise SceneError(error.key, error.problem, error.allowed, str(file)) from None
+
+
+def missing(keys: list[str], file: Path) -> SceneError:
+    """The error of a file that does not state something, with the options that do."""
+    options = ", ".join(f"--{key.replace(' ', '-')}" for key in keys)
+    return SceneError("", f"states no {' and no '.join(keys)}", f"{options} with it", str(file))

@@ -1,0 +1,262 @@
+"""A recorded curve: force over time and over the motion of the indenter or of the stage that carries it.
+
+Signs are the scene's: penetration and stage positive towards the body, force positive in compression. Units
+are SI in a curve of an instrument's file, and those of the scene in one that is fitted to it. The zero of
+penetration and force need not be known. Segments are the stretches of rows in which the drive approaches,
+pauses or retracts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact_scene.errors import SceneError, shown
+from contact_scene.value_checks import LARGEST, SMALLEST, a_string, as_tuple, column, finite, number, positive
+from validation.fits.contact import Array
+from validation.fits.features import Features, features
+
+FEWEST_ROWS = 20
+"""Rows of a curve, at least: fewer hardly outnumber the parameters of a fit and those of its baseline."""
+COLUMNS = ("time", "penetration", "stage", "force", "contact_radius")
+KINDS = ("approach", "pause", "retract")
+"""What the drive does in a segment."""
+FEWEST_OF_SPEED = 6
+"""Rows of a segment from which it has a speed."""
+AT_REST = 0.02
+"""Share of the travel of the record below which the net motion of a segment is none: what creep and noise of
+a closed-loop stage leave of a pause."""
+PLATEAU = 0.005, 0.1
+"""A record whose segments nobody tells has a pause at its apex if more than a tenth of its rows lie within
+half a percent of the travel: those of a triangle are one percent, of a sine four and a half."""
+
+
+class CurveSegment(NamedTuple):
+    """Rows ``first`` to ``last - 1``, in which the drive does ``kind``, one of ``KINDS``."""
+
+    kind: str
+    first: int
+    last: int
+
+    @property
+    def rows(self) -> slice:
+        """To take them out of a column."""
+        return slice(self.first, self.last)
+
+
+@dataclass(frozen=True)
+class MeasuredCurve:
+    """One record of an instrument.
+
+    Parameters
+    ----------
+    time : array_like, shape (N,)
+        Rising.
+    force : array_like, shape (N,)
+    penetration, stage : array_like, shape (N,), optional
+        Exactly one of them: the position of the indenter, or of the stage that drives it through a spring.
+    contact_radius : array_like, shape (N,), optional
+    stiffness : float, optional
+        Spring constant between stage and indenter; needed with ``stage``.
+    indenter_radius : float, optional
+        Of this curve's indenter, where it is not the scene's.
+    noise : float, optional
+        Standard deviation of the force; by default estimated from the baseline.
+    name : str
+    segments : sequence of (str, int, int), optional
+        Kind (``approach``, ``pause``, ``retract``), first row and the row after the last of each stretch, in
+        their order; by default told from the apex of the position.
+
+    Raises
+    ------
+    SceneError
+        One line, if the columns are no record of a curve.
+    """
+
+    time: Array
+    force: Array
+    penetration: Array | None = None
+    stage: Array | None = None
+    contact_radius: Array | None = None
+    stiffness: float | None = None
+    indenter_radius: float | None = None
+    noise: float | None = None
+    name: str = "curve"
+    segments: Sequence[CurveSegment] = ()
+
+    def __post_init__(self) -> None:
+        a_string(self.name, "name")
+        for name in COLUMNS:
+            given = getattr(self, name)
+            if given is not None or name in ("time", "force"):
+                object.__setattr__(self, name, self._checked(given, name))
+        if self.time.size < FEWEST_ROWS:
+            raise self._error("", f"{self.time.size} rows", f"at least {FEWEST_ROWS}")
+        stuck = np.flatnonzero(np.diff(self.time) <= 0.0)
+        if stuck.size:
+            row = int(stuck[0])
+            problem = f"does not advance from row {row + 1} to {row + 2}"
+            raise self._error("time", problem, "strictly rising times; are two columns swapped?")
+        if (self.penetration is None) == (self.stage is None):
+            raise self._error("", "needs penetration or stage, and not both", "one of the two columns")
+        if self.stage is not None and self.stiffness is None:
+            allowed = "the spring constant between stage and indenter"
+            raise self._error("stiffness", "is missing beside stage", allowed)
+        for key in ("stiffness", "indenter_radius", "noise"):
+            if getattr(self, key) is not None:
+                try:
+                    object.__setattr__(self, key, positive(getattr(self, key), key))
+                except SceneError as error:
+                    raise error.in_file(self.name) from None
+        object.__setattr__(self, "segments", self._checked_segments())
+
+    def _checked_segments(self) -> tuple[CurveSegment, ...]:
+        allowed = f"(kind, first row, row after the last), one behind the other; kind: {', '.join(KINDS)}"
+        try:
+            given = as_tuple(self.segments, "segments", allowed)
+            segments = tuple(CurveSegment(str(k), int(a), int(b)) for k, a, b in given)
+        except SceneError as error:
+            raise error.in_file(self.name) from None
+        except (TypeError, ValueError):
+            raise self._error("segments", f"got {shown(self.segments)}", allowed) from None
+        for one, end in zip(segments, (0, *(one.last for one in segments)), strict=False):
+            if one.kind not in KINDS or not end <= one.first < one.last <= self.time.size:
+                raise self._error("segments", f"got {shown(tuple(one))}", allowed)
+        return segments or apex_segments(self.position)
+
+    def _checked(self, given: ArrayLike, name: str) -> Array:
+        try:
+            values = column(given, name)
+        except SceneError as error:
+            raise error.in_file(self.name) from None
+        if name != "time" and values.shape != self.time.shape:
+            raise self._error(name, f"has shape {values.shape}", "one number for each time")
+        broken = np.flatnonzero(~(np.abs(values) <= LARGEST))
+        if broken.size:
+            row = int(broken[0])
+            raise self._error(
+                name,
+                f"{values[row]} in row {row + 1}",
+                "finite numbers" if not np.isfinite(values[row]) else finite.words,
+            )
+        if values.size and 0.0 < np.ptp(values) < SMALLEST:
+            raise self._error(name, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")
+        return values
+
+    def _error(self, key: str, problem: str, allowed: str) -> SceneError:
+        return SceneError(key, problem, allowed, self.name)
+
+    @property
+    def position(self) -> Array:
+        """What the instrument prescribed, shape (N,): the position of the stage, or else of the indenter."""
+        driven = self.penetration if self.stage is None else self.stage
+        assert driven is not None
+        return driven
+
+    @property
+    def motion(self) -> Array:
+        """Measured position of the indenter, shape (N,): the stage less the extension of the spring."""
+        if self.penetration is not None:
+            return self.penetration
+        assert self.stage is not None
+        assert self.stiffness is not None
+        return self.stage - self.force / self.stiffness
+
+    @property
+    def sampling(self) -> float:
+        """Time between two rows, the median."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def speed(self) -> Array:
+        """Of the drive, shape (N,): one in each segment, as noise of the height is none; 0 in a pause."""
+        speed = np.zeros(self.time.size)
+        for one in self.segments:
+            if one.kind != "pause" and one.last - one.first >= FEWEST_OF_SPEED:
+                speed[one.rows] = np.polyfit(self.time[one.rows], self.position[one.rows], 1)[0]
+        return speed
+
+    def rows(self, *kinds: str) -> NDArray[np.bool_]:
+        """Which rows belong to segments of some kinds, shape (N,)."""
+        chosen = np.zeros(self.time.size, bool)
+        for one in self.segments:
+            chosen[one.rows] |= one.kind in kinds
+        return chosen
+
+    def between(self, first: int, last: int) -> Self:
+        """The rows from ``first`` to ``last - 1`` as a curve of their own."""
+        cut = [CurveSegment(k, max(a, first) - first, min(b, last) - first) for k, a, b in self.segments]
+        columns = {name: values[first:last] for name, values in self._columns().items()}
+        return replace(self, **columns, segments=tuple(one for one in cut if one.first < one.last))
+
+    def features(self, radius: float | None = None, poisson: float = 0.5) -> Features:
+        """What the curve shows without any solver, in SI units: contact, pull-off, background, warnings.
+
+        Parameters
+        ----------
+        radius : float, optional
+            Of a spherical indenter, in m; by default ``indenter_radius``. Without it there is no modulus,
+            and a drag near the wall is told, not taken away.
+        poisson : float
+
+        Returns
+        -------
+        Features
+        """
+        radius = self.indenter_radius if radius is None else positive(radius, "radius")
+        return features(self, radius, number(poisson, "poisson", "from -1 to 0.5", low=-1.0, high=0.5))
+
+    def means(self, most: int) -> tuple[Self, int]:
+        """The curve with at most ``most`` rows, and how many of its rows each one is the mean of.
+
+        The noise of the rows is taken to be independent: a stated one falls with the root of their number.
+        Rows at the end that fill no mean are left out.
+        """
+        together = -(-self.time.size // most)
+        if together == 1:
+            return self, 1
+        whole = self.time.size // together * together
+        means: dict[str, Any] = {
+            name: values[:whole].reshape(-1, together).mean(axis=1)
+            for name, values in self._columns().items()
+        }
+        means["noise"] = None if self.noise is None else self.noise / float(np.sqrt(together))
+        ends = [(k, a // together, min(b, whole) // together) for k, a, b in self.segments]
+        return replace(
+            self, **means, segments=tuple(CurveSegment(*one) for one in ends if one[1] < one[2])
+        ), together
+
+    def _columns(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in COLUMNS if getattr(self, name) is not None}
+
+
+def apex_segments(position: Array) -> tuple[CurveSegment, ...]:
+    """Approach to the apex of a position, a pause there if it stays, and the retraction behind it."""
+    share, rows = PLATEAU
+    near = position >= position.max() - share * np.ptp(position)
+    first, last = int(np.argmax(near)), near.size - int(np.argmax(near[::-1]))
+    if last - first <= rows * near.size:
+        first = last = int(np.argmax(position)) + 1
+    bounds = zip(KINDS, (0, first, last), (first, last, near.size), strict=True)
+    return tuple(CurveSegment(*one) for one in bounds if one[1] < one[2])
+
+
+def moved_segments(
+    position: Array, numbers: NDArray[Any], kinds: Sequence[str] = ()
+) -> tuple[CurveSegment, ...]:
+    """Segments of rows that an instrument numbers, of the kind of their first row, or of their net motion."""
+    bounds = [0, *(np.flatnonzero(np.diff(numbers)) + 1).tolist(), numbers.size]
+    if len(bounds) == 2:
+        return apex_segments(position)
+    found = []
+    for first, last in pairwise(bounds):
+        net = position[last - 1] - position[first]
+        still = abs(net) < AT_REST * np.ptp(position)
+        moved = "pause" if still else "approach" if net > 0.0 else "retract"
+        found.append(CurveSegment(kinds[first] if kinds else moved, first, last))
+    return tuple(found)
