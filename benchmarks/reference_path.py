@@ -1,9 +1,9 @@
-"""Built-in scenes by the reference and by the path of the edge, side by side.
+"""Scenes by the reference of this checkout and by that of another one, side by side.
 
-    python -m benchmarks.reference_path --oracle FILE [--tolerance 1e-5] [SCENE ...] [FAMILY:FIRST-LAST ...]
+    python -m benchmarks.reference_path CHECKOUT --oracle FILE [SCENE ...] [FAMILY:FROM-TO ...]
 
-A random scene is compared with the default of the reference. FILE keeps what the reference says at resolution
-32 and what its default costs; made where it lacks a scene.
+CHECKOUT has its environment in ``.venv``. FILE keeps what its reference says at resolution 32 (a random
+scene: at its default) and what its default costs; made where it lacks a scene.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from __future__ import annotations
 import argparse
 import json
 import signal
+import subprocess
 import time
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,6 @@ import numpy as np
 from benchmarks.random_scenes import random_scene
 from contact_scene import Scene, Trace
 from validation.cases import load
-from validation.reference import tracking
 from validation.reference.path.options import DEFAULT_TOLERANCE, Options
 from validation.reference.path.solver import solve
 from validation.scenes import names
@@ -33,20 +32,46 @@ LONGEST = 60.0
 MEASURES = ("pull_off", "time", "radius", "largest", "work")
 
 
-def measures(trace: Trace) -> dict[str, Any]:
+COLUMNS = ("time", "force", "contact_radius", "external_work")
+ELSEWHERE = """
+import json, sys, time
+from benchmarks.random_scenes import random_scene
+from validation.cases import load
+from validation.solvers import SOLVERS
+
+name, resolution = sys.argv[1], json.loads(sys.argv[2])
+family, _, seed = name.partition(":")
+scene = random_scene(family, int(seed)).scene if seed else load(name).scene
+began = time.process_time()
+trace = SOLVERS["reference"].solve(scene, resolution)
+row = {column: getattr(trace, column).tolist() for column in sys.argv[3:]}
+row |= {"outcome": str(trace.outcome.kind), "steps": trace.counters.steps}
+print(json.dumps(row | {"seconds": time.process_time() - began}))
+"""
+"""What the other checkout runs: name of the scene, resolution, columns; prints them."""
+
+
+def of_trace(trace: Trace) -> dict[str, Any]:
+    """What is measured of a trace of this checkout."""
+    row: dict[str, Any] = {column: getattr(trace, column) for column in COLUMNS}
+    return row | {"outcome": str(trace.outcome.kind), "steps": trace.counters.steps}
+
+
+def measures(row: dict[str, Any]) -> dict[str, Any]:
     """Scalars of a trace, at the last row in contact; at the last of all where nothing pulls."""
-    pulls = float(trace.force.min()) < -1e-12 * float(trace.force.max())
-    touching = np.flatnonzero(trace.contact_radius > (0.0 if pulls else -1.0))
+    time_, force, radius, work = (np.asarray(row[column]) for column in COLUMNS)
+    pulls = float(force.min()) < -1e-12 * float(force.max())
+    touching = np.flatnonzero(radius > (0.0 if pulls else -1.0))
     last = int(touching[-1]) if touching.size else 0
     return {
-        "pull_off": max(-float(trace.force.min()), 0.0) if pulls else 0.0,
-        "time": float(trace.time[last]),
-        "radius": float(trace.contact_radius[last]),
-        "largest": float(trace.contact_radius.max()),
-        "work": float(trace.external_work[last]),
-        "most_work": float(np.abs(trace.external_work).max()),
-        "outcome": str(trace.outcome.kind),
-        "steps": trace.counters.steps,
+        "pull_off": max(-float(force.min()), 0.0) if pulls else 0.0,
+        "time": float(time_[last]),
+        "radius": float(radius[last]),
+        "largest": float(radius.max()),
+        "work": float(work[last]),
+        "most_work": float(np.abs(work).max()),
+        "outcome": row["outcome"],
+        "steps": row["steps"],
     }
 
 
@@ -77,25 +102,25 @@ def scene_of(name: str) -> Scene | None:
     return drawn.scene if drawn else None
 
 
-def oracle_of(name: str, scene: Scene) -> dict[str, dict[str, Any]]:
-    """The reference, fine and as it comes."""
-    answers = {}
-    for fineness, resolution in (("fine", FINE), ("default", None)):
-        if (":" in name or name.startswith(("sweep", "oscillation"))) and resolution:
-            continue  # minutes
-        began = time.process_time()
-        answers[fineness] = measures(
-            within(LONGEST, partial(tracking.solve, scene, tracking.Options(resolution)))
-        )
-        answers[fineness]["seconds"] = time.process_time() - began
-    answers.setdefault("fine", answers["default"])
-    return answers
+def elsewhere(checkout: Path, name: str, resolution: float | None) -> dict[str, Any]:
+    """What the reference of another checkout says, and its processor time."""
+    command = [".venv/bin/python", "-c", ELSEWHERE, name, json.dumps(resolution), *COLUMNS]
+    done = subprocess.run(command, cwd=checkout, capture_output=True, text=True, timeout=LONGEST, check=True)
+    row = json.loads(done.stdout.splitlines()[-1])
+    return measures(row) | {"seconds": row["seconds"]}
+
+
+def oracle_of(checkout: Path, name: str) -> dict[str, dict[str, Any]]:
+    """The other reference, fine and as it comes."""
+    default = elsewhere(checkout, name, None)
+    slow = ":" in name or name.startswith(("sweep", "oscillation"))  # minutes at the fine resolution
+    return {"default": default, "fine": default if slow else elsewhere(checkout, name, FINE)}
 
 
 def compared(
-    name: str, scene: Scene, oracle: dict[str, dict[str, Any]], tolerance: float, in_turn: bool = False
+    name: str, scene: Scene, oracle: dict[str, dict[str, Any]], tolerance: float, checkout: Path | None
 ) -> str:
-    """One line: relative differences from the fine run, the work, and the times of both."""
+    """One line: relative differences from the fine run, the work, and the times of both (in turn: of now)."""
     fine, default = oracle["fine"], oracle["default"]
     began = time.process_time()
     try:
@@ -103,13 +128,11 @@ def compared(
     except Exception as error:
         return f"{name:22s} FAILED {type(error).__name__}: {str(error)[:80]} | {fine['outcome']}"
     seconds = time.process_time() - began
-    mine, counters = measures(trace), trace.counters
+    mine, counters = measures(of_trace(trace)), trace.counters
     sizes = {key: abs(fine[key]) for key in MEASURES} | {"work": fine["most_work"]}
     apart = [abs(mine[key] - fine[key]) / (sizes[key] or 1.0) for key in MEASURES]
-    if in_turn:
-        began = time.process_time()
-        tracking.solve(scene)
-        default["seconds"] = time.process_time() - began
+    if checkout is not None:
+        default["seconds"] = elsewhere(checkout, name, None)["seconds"]
     return (
         f"{name:22s} "
         + " ".join(f"{key} {value:.0e}" for key, value in zip(MEASURES, apart, strict=True))
@@ -134,11 +157,12 @@ def spread(given: list[str]) -> list[str]:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("checkout", type=Path)
     parser.add_argument("--oracle", type=Path, required=True)
     parser.add_argument("--tolerance", type=float, default=DEFAULT_TOLERANCE)
-    parser.add_argument("--in-turn", action="store_true", help="time today's default beside each run")
+    parser.add_argument("--in-turn", action="store_true", help="time the other default beside each run")
     parser.add_argument("scenes", nargs="*")
-    given = parser.parse_args()
+    given = parser.parse_intermixed_args()
     known = json.loads(given.oracle.read_text()) if given.oracle.exists() else {}
     for name in spread(given.scenes) or names():
         scene = scene_of(name)
@@ -146,12 +170,13 @@ def main() -> None:
             continue
         if name not in known:
             try:
-                known[name] = oracle_of(name, scene)
+                known[name] = oracle_of(given.checkout, name)
             except Exception as error:
                 print(name, "has no oracle:", error)
                 continue
             given.oracle.write_text(json.dumps(known))
-        print(compared(name, scene, known[name], given.tolerance, given.in_turn), flush=True)
+        beside = given.checkout if given.in_turn else None
+        print(compared(name, scene, known[name], given.tolerance, beside), flush=True)
 
 
 if __name__ == "__main__":
