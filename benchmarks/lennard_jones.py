@@ -1,7 +1,7 @@
 """A process zone of fixed stress against Lennard-Jones tractions: pull-off force over speed, ``python -m``.
 
 ``python -m benchmarks.lennard_jones`` withdraws a sphere from rest on a standard linear solid, by
-Lennard-Jones tractions (:mod:`validation.reference.lennard_jones`), by the reference with ``stress = s``, the
+Lennard-Jones tractions (:mod:`benchmarks.lennard_jones_sphere`), by the reference with ``stress = s``, the
 largest tension of that law, and by the reference with a zone of the fixed length it has at rest. The process
 zone is a model of the traction: the differences are of the models.
 """
@@ -16,8 +16,8 @@ from itertools import product
 
 import numpy as np
 
+from benchmarks.lennard_jones_sphere import LennardJonesSphere
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
-from validation.reference.lennard_jones import LennardJonesSphere
 from validation.solvers import REFERENCE, SOLVERS
 
 WORK, DEPTH, RATIO = 5.026548e-4, 0.032, 10.0

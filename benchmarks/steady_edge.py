@@ -3,7 +3,7 @@
 ``python -m benchmarks.steady_edge`` runs the scenes ``steady-rate-si`` and ``steady-stress-si``. The
 energy release rate at a row is that of the relaxed contact without a zone at the row's force and radius; the
 speed of the edge is the slope of the radius there. Against it stands the law of
-:mod:`validation.reference.steady_edge` at that speed.
+:mod:`validation.reference.rated_edge` at that speed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from contact_scene import Scene, Trace
 from validation.cases import load
 from validation.reference.jkr import JKR
-from validation.reference.steady_edge import SteadyEdge
+from validation.reference.rated_edge import SteadyEdge
 from validation.solvers import SOLVERS
 
 Array = NDArray[np.float64]

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from support.closed_forms.adhesion_hysteresis import AdhesionHysteresis
+from support.closed_forms.fixed_stress import FixedStressContact
 
 from validation.cases import load
 from validation.measure.scaling import unit_sizes
-from validation.reference.adhesion_hysteresis import AdhesionHysteresis
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.fixed_stress import FixedStressContact
 from validation.reference.rated_edge import RatedEdge
 
 RADIUS, MODULUS, WORK, CLOSING, ZONE = 1e-3, 1e6, 0.5, 0.2, 1.3e-5

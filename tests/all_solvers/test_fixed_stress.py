@@ -6,6 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.closed_forms import fixed_stress, greenwood, persson_brener, schapery
+from support.closed_forms.fixed_stress import FixedStressContact
+from support.closed_forms.maugis_dugdale import MaugisDugdale
 from support.paper_scenes import ONE, WORK
 
 from contact_scene import (
@@ -21,10 +24,8 @@ from contact_scene import (
     SceneError,
     Sphere,
 )
-from validation.reference import fixed_stress, greenwood, persson_brener, schapery, steady_crack
-from validation.reference.fixed_stress import FixedStressContact
+from validation.reference import steady_crack
 from validation.reference.jkr import JKR
-from validation.reference.maugis_dugdale import MaugisDugdale
 from validation.reference.spring import SpringContact
 from validation.solvers import SOLVERS
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.closed_forms.adhesion_hysteresis import AdhesionHysteresis
 
 import bem_solver
 from contact_scene import (
@@ -26,7 +27,6 @@ from contact_scene import (
     Sphere,
     UnsupportedScene,
 )
-from validation.reference.adhesion_hysteresis import AdhesionHysteresis
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 from validation.reference.rated_edge import RatedEdge, opening_speed

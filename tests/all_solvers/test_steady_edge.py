@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.closed_forms import fixed_stress
 
 import bem_solver
 from benchmarks.steady_edge import relaxed_contact, steady_edge, steady_rows
@@ -26,7 +27,7 @@ from contact_scene import (
 )
 from validation.cases import load
 from validation.measure.scaling import unit_sizes
-from validation.reference import fixed_stress, steady_crack
+from validation.reference import steady_crack
 from validation.reference.rated_edge import RatedEdge
 from validation.solvers import SOLVERS
 

@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import cumulative_trapezoid
 from support.bem_runs import STIFFNESS, bem, front, observed_order
+from support.closed_forms import hertz
 from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, WORK, ZONE, cycle, scene
 
 from bem_solver.creep import Chain
@@ -13,7 +14,6 @@ from bem_solver.external_work import external_work
 from bem_solver.recorder import rest_ends
 from bem_solver.work_increment import WorkIncrement
 from contact_scene import Adhesion, Branch, FlatPunch, Force, Hold, Material, Oscillate, Ramp, Table
-from validation.reference import hertz
 from validation.reference.finite_zone import FiniteZone
 
 RUNS = {

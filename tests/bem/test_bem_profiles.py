@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import bem, front
+from support.closed_forms import hertz
 from support.paper_scenes import ELASTIC, ONE, SPHERE, cycle, scene
 
 from bem_solver import Options, solve
 from contact_scene import Branch, Force, ForceRamp, Hold, Material, Ramp
-from validation.reference import hertz
 from validation.reference import path as reference
 
 TIMES = (0.0, 0.3, 0.7, 1.6, 2.0, 2.4)

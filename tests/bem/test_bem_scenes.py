@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import at_times, bem, front
+from support.closed_forms import punch
+from support.closed_forms.lee_radok import radius_under_force_ramp, radius_under_force_step
 from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, THREE, WORK, cycle, scene
 
 from bem_solver import Options, solve
@@ -25,8 +27,7 @@ from contact_scene import (
     TabulatedProfile,
 )
 from validation.measure.observables import observe
-from validation.reference import punch, punch_oscillation
-from validation.reference.lee_radok import radius_under_force_ramp, radius_under_force_step
+from validation.reference import punch_oscillation
 from validation.reference.ting import Ting
 
 GRID = np.linspace(0.0, 1.0, 41)

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.closed_forms.maugis_dugdale import MaugisDugdale
 from support.exam_answers import SCENE, case, hertz, hertz_run, put, text
 from support.unlaid_figures import without_layout
 
@@ -16,7 +17,6 @@ from validation.exam import grading, judge
 from validation.exam.answer import Answer, Header, read_folder
 from validation.exam.grading import Grade, balance_error, decade, grade
 from validation.measure.difference import Difference
-from validation.reference.maugis_dugdale import MaugisDugdale
 
 BASE = hertz_run()
 

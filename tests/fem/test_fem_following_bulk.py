@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from support.closed_forms.separate_bulk import equivalent_material
 from support.fitted_meshes import edge_meshes, mesh_for
 from support.paper_scenes import WORK
 
@@ -18,7 +19,6 @@ from contact_scene.errors import UnsupportedScene
 from fem_solver.moduli import moduli
 from fem_solver.prony import Prony, RelaxingField
 from fem_solver.series_modulus import OneModulus, SeriesModulus
-from validation.reference.separate_bulk import equivalent_material
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.front_tracking import FrontTracking
 

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from support.closed_forms import punch
 from support.paper_scenes import ONE, PULL, WORK, ZONE
 
 from contact_scene import Cone, FlatPunch, Material, PowerLaw, Sphere, TabulatedProfile
-from validation.reference import jkr, punch, sneddon
+from validation.reference import jkr, sneddon
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from support.closed_forms.hertz import force as hertz_force
+from support.closed_forms.maugis_dugdale import MaugisDugdale
 
 from contact_scene import Sphere
-from validation.reference.hertz import force as hertz_force
 from validation.reference.jkr import JKR
-from validation.reference.maugis_dugdale import MaugisDugdale
 
 R, MODULUS, WORK = 1.3, 0.8, 4e-3
 

@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
+from support.closed_forms.lee_radok import radius_under_force_ramp
+from support.closed_forms.maugis_dugdale import MaugisDugdale
 from support.paper_scenes import ONE as MATERIAL
 
 from contact_scene import Sphere, TabulatedProfile
 from validation.reference import jkr, sneddon
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-from validation.reference.lee_radok import radius_under_force_ramp
-from validation.reference.maugis_dugdale import MaugisDugdale
 
 WORK = 5e-4  # times the unit of length, as a work over a modulus is
 

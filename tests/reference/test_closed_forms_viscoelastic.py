@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad, solve_ivp
+from support.closed_forms import hertz, lee_radok
 from support.paper_scenes import ONE
 
 from contact_scene import (
@@ -19,7 +20,7 @@ from contact_scene import (
     TabulatedProfile,
     UnsupportedScene,
 )
-from validation.reference import hertz, lee_radok, prony_integrals, punch_oscillation, sneddon
+from validation.reference import prony_integrals, punch_oscillation, sneddon
 from validation.reference.ting import Ting
 
 WIDE = Material(

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from support.closed_forms import lee_radok
+from support.closed_forms.force_of_history import force_of_history
 from support.paper_scenes import ONE, PULL, STICKY, THREE
 
 from contact_scene import (
@@ -19,8 +21,7 @@ from contact_scene import (
     Sphere,
     Trace,
 )
-from validation.reference import lee_radok, prony_integrals, sneddon
-from validation.reference.force_of_history import force_of_history
+from validation.reference import prony_integrals, sneddon
 from validation.reference.path import Options, solve
 from validation.reference.ting import Ting
 

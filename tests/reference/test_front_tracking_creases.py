@@ -7,8 +7,8 @@ import pytest
 from support.paper_scenes import ONE
 
 from contact_scene import Adhesion, Branch, Force, Loading, Material, Scene, Sphere, Table, TabulatedProfile
-from validation.reference.path.abel import transform
 from validation.reference.path.rheology import Body, rheology
+from validation.reference.sneddon import transform
 from validation.reference.tracking import Options, hermite, solve
 from validation.reference.tracking.coarsening import coarsened
 from validation.reference.tracking.edge_path import ParabolicPath

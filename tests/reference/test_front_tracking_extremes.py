@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.closed_forms.force_of_history import force_of_history
 from support.paper_scenes import ELASTIC, ONE, STICKY, WORK
 
 from contact_scene import (
@@ -36,7 +37,6 @@ from contact_scene.errors import SceneError
 from validation.cases import load
 from validation.reference import prony_integrals, sneddon
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.force_of_history import force_of_history
 from validation.reference.path.options import Options
 from validation.reference.path.solver import solve
 from validation.reference.ting import Ting

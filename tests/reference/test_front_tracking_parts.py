@@ -11,8 +11,8 @@ from scipy.linalg import expm
 
 from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import pieces
-from validation.reference.path.abel import transform
 from validation.reference.path.rheology import Body, rheology
+from validation.reference.sneddon import transform
 from validation.reference.tracking import hermite
 from validation.reference.tracking.closure import EdgeFields, closure_integral
 from validation.reference.tracking.control import freedom

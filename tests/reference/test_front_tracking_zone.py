@@ -8,10 +8,10 @@ from contact_scene import Adhesion, Loading, OutcomeKind, Ramp, Scene, Sphere, T
 from contact_scene.loading import Step
 from contact_scene.material import Material
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.path.abel import transform
 from validation.reference.path.closure import closure
 from validation.reference.path.options import Options
 from validation.reference.path.solver import solve
+from validation.reference.sneddon import transform
 
 LONG_ZONE = 0.2
 """Of the sphere's radius: longer than the contact at the limit point under prescribed penetration."""

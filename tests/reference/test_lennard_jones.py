@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from benchmarks.lennard_jones import WORK, compared
+from benchmarks.lennard_jones_sphere import LennardJonesSphere, UniformRings
 from contact_scene import Material
-from validation.reference.lennard_jones import LennardJonesSphere, UniformRings
 
 ELASTIC = Material(0.75, 0.5)
 

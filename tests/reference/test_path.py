@@ -12,7 +12,6 @@ from benchmarks.reference_path import measures, scene_of
 from contact_scene import Adhesion, Branch, OutcomeKind, Table, Trace
 from validation.cases import load
 from validation.reference import tracking
-from validation.reference.path.abel import PowerTransform, transform
 from validation.reference.path.closure import closure
 from validation.reference.path.equilibrium import elastic_start
 from validation.reference.path.fields import NODES, WEIGHTS
@@ -23,6 +22,7 @@ from validation.reference.path.polynomials import inverse
 from validation.reference.path.rheology import Body, rheology
 from validation.reference.path.solver import Run, solve
 from validation.reference.path.trial import Trial
+from validation.reference.sneddon import PowerTransform, transform
 from validation.reference.tracking.closure import EdgeFields, closure_integral
 from validation.reference.tracking.equilibrium import start_surface
 from validation.reference.tracking.law import Griffith, NoTension

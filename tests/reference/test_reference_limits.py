@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
+from support.closed_forms import hertz, lee_radok, punch
+from support.closed_forms.maugis_dugdale import MaugisDugdale
 from support.paper_scenes import ELASTIC, ONE, PULL, STICKY, THREE, WORK, ZONE
 
 import bem_solver
@@ -26,11 +28,10 @@ from contact_scene import (
     Sphere,
     TabulatedProfile,
 )
-from validation.reference import hertz, jkr, lee_radok, punch, punch_oscillation, sneddon
+from validation.reference import jkr, punch_oscillation, sneddon
 from validation.reference import tracking as reference
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-from validation.reference.maugis_dugdale import MaugisDugdale
 from validation.reference.ting import Ting
 
 GRID = np.linspace(0.0, 1.0, 21)

@@ -9,11 +9,12 @@ Both carry the bias of a finite zone, which an elastic contact has too and at ze
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.closed_forms import greenwood, persson_brener, schapery
 from support.paper_scenes import ONE, THREE, WORK
 
 import bem_solver
 from contact_scene import Adhesion, Loading, Ramp, Scene, Sphere
-from validation.reference import greenwood, persson_brener, schapery, steady_crack
+from validation.reference import steady_crack
 from validation.reference import tracking as reference
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR

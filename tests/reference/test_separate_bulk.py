@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from support.closed_forms.separate_bulk import equivalent_material, plane_relaxation, plane_spectrum
 
 from contact_scene import Branch, BulkRelaxation, Material, UnsupportedScene
 from validation.reference import prony_integrals
-from validation.reference.separate_bulk import equivalent_material, plane_relaxation, plane_spectrum
 
 APART = Material(0.75, 0.4, (Branch(3.0, 0.1), Branch(3.75, 1.0)), "elastic")
 SOFT = Material(1e6, 0.3, (Branch(9e6, 0.5),), BulkRelaxation(5e5))

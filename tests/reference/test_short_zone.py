@@ -12,6 +12,9 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar
+from support.closed_forms.separate_bulk import equivalent_material
+from support.closed_forms.short_zone import ShortZone, ShortZoneRun
+from support.closed_forms.short_zone_dead_load import DeadLoad, dead_load
 
 from contact_scene import Scene, Trace
 from validation.cases import load
@@ -19,9 +22,6 @@ from validation.measure.observables import observe
 from validation.measure.scaling import unit_sizes
 from validation.reference.jkr import JKR
 from validation.reference.prony_integrals import relaxation_integral
-from validation.reference.separate_bulk import equivalent_material
-from validation.reference.short_zone import ShortZone, ShortZoneRun
-from validation.reference.short_zone_dead_load import DeadLoad, dead_load
 from validation.reference.tracking import Options, solve
 
 SLOW = pytest.mark.slow

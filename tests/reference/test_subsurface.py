@@ -6,9 +6,10 @@ from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 from scipy.special import j0, j1
+from support.closed_forms import hertz, punch
 
 from contact_scene import Cone, FlatPunch, PowerLaw, Sphere
-from validation.reference import hertz, jkr, punch, sneddon, subsurface
+from validation.reference import jkr, sneddon
 from validation.reference.subsurface import contact
 
 A, R, MODULUS, WORK = 0.3, 0.7, 3.0, 2e-3
@@ -27,6 +28,14 @@ POISSON = [0.0, 0.3, 0.5]
 def at(name, r, z, poisson=0.3):
     indenter, depth = CONTACTS[name]
     return contact(r, z, indenter, A, depth, MODULUS, poisson)
+
+
+def sphere_field(r, z, poisson=0.3):
+    return contact(r, z, Sphere(R), A, A**2 / R, MODULUS, poisson)
+
+
+def punch_field(r, z, penetration, poisson):
+    return contact(r, z, FlatPunch(A), A, penetration, MODULUS, poisson)
 
 
 def total_force(name):
@@ -98,7 +107,7 @@ def test_surface_carries_the_pressure_and_has_the_shape_of_the_indenter(poisson)
         assert_allclose(away.stress[0], -away.stress[2], atol=1e-9 * PEAK)
         expected = (1.0 - 2.0 * poisson) * total_force(name) / (2.0 * np.pi * outside**2)
         assert_allclose(away.stress[0], expected, atol=1e-9 * PEAK)
-    sphere = subsurface.hertz(outside, 0.0, A, R, MODULUS, poisson)
+    sphere = sphere_field(outside, 0.0, poisson)
     assert_allclose(sphere.displacement[1], -hertz.displacement(outside, A, R), rtol=1e-10)
 
 
@@ -106,12 +115,12 @@ def test_surface_carries_the_pressure_and_has_the_shape_of_the_indenter(poisson)
 def test_axis_has_the_forms_of_huber_and_sneddon(poisson):
     s = np.array([0.0, 0.02, 0.2, 0.6, 3.0])
     x = s / A
-    sphere = subsurface.hertz(0.0, -s, A, R, MODULUS, poisson).stress
+    sphere = sphere_field(0.0, -s, poisson).stress
     assert_allclose(sphere[1], -PEAK / (1 + x**2), rtol=1e-11)
     angle = np.arctan2(1.0, x)
     hoop = -(1 + poisson) * (1 - x * angle) + 0.5 / (1 + x**2)
     assert_allclose(sphere[0], PEAK * hoop, atol=1e-10 * PEAK)
-    flat = subsurface.flat_punch(0.0, -s, A, 0.1, MODULUS, poisson).stress
+    flat = punch_field(0.0, -s, 0.1, poisson).stress
     force = punch.force(0.1, A, MODULUS)
     assert_allclose(flat[1], -force / (2 * np.pi) * (A**2 + 3 * s**2) / (A**2 + s**2) ** 2, rtol=1e-10)
     for stress in (sphere, flat):
@@ -121,22 +130,22 @@ def test_axis_has_the_forms_of_huber_and_sneddon(poisson):
 
 def test_largest_shear_under_a_sphere_is_0_31_p0_at_0_48_a():
     def shear(x):
-        return -float(max_shear(subsurface.hertz(0.0, -x * A, A, R, MODULUS, 0.3).stress))
+        return -float(max_shear(sphere_field(0.0, -x * A, 0.3).stress))
 
     found = minimize_scalar(shear, bounds=(0.1, 1.5), method="bounded")
     assert_allclose(-found.fun / PEAK, 0.310, atol=5e-4)
     assert_allclose(found.x, 0.481, atol=1e-3)
     r, z = np.meshgrid(np.linspace(0.0, 1.5 * A, 91), -np.linspace(0.0, 1.5 * A, 91))
-    stress = subsurface.hertz(r, z, A, R, MODULUS, 0.3).stress
+    stress = sphere_field(r, z, 0.3).stress
     assert max_shear(stress).max() <= -found.fun * (1.0 + 1e-12)
 
 
 def test_jkr_is_hertz_minus_a_punch():
     r, z = np.meshgrid([0.0, 0.2, 0.3, 0.5], [-0.01, -0.3])
-    whole = subsurface.jkr(r, z, A, Sphere(R), WORK, MODULUS, 0.4)
+    whole = at("jkr", r, z, 0.4)
     lack = np.sqrt(2 * np.pi * A * WORK / MODULUS)
-    base = subsurface.hertz(r, z, A, R, MODULUS, 0.4)
-    pulled = subsurface.flat_punch(r, z, A, -lack, MODULUS, 0.4)
+    base = sphere_field(r, z, 0.4)
+    pulled = punch_field(r, z, -lack, 0.4)
     assert_allclose(whole.stress, base.stress + pulled.stress, atol=1e-12 * PEAK)
     assert_allclose(whole.displacement, base.displacement + pulled.displacement, atol=1e-13)
 
@@ -176,7 +185,7 @@ def test_far_away_only_the_force_is_felt():
 
 def test_interpolated_shapes_agree_with_exact_ones():
     r, z = np.meshgrid([0.0, 0.15, 0.29, 0.4], [0.0, -0.003, -0.1, -1.0])
-    exact = subsurface.hertz(r, z, A, R, MODULUS, 0.3)
+    exact = sphere_field(r, z, 0.3)
     near = contact(r, z, PowerLaw(2.0, 0.5 / R), A, A**2 / R, MODULUS, 0.3)
     assert_allclose(near.stress, exact.stress, atol=1e-9 * PEAK)
     # a cubic is not made of parabolas: its axis stress by quadrature of q'(x) x/(s^2 + x^2)

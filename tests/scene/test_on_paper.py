@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from support.closed_forms.separate_bulk import equivalent_material
 
 from contact_scene import (
     Branch,
@@ -29,7 +30,6 @@ from contact_scene.adhesion import Adhesion
 from validation.measure.observables import observe
 from validation.measure.scaling import unit_sizes
 from validation.measure.windows import cycle_times
-from validation.reference.separate_bulk import equivalent_material
 from validation.solvers import SOLVERS
 
 E = math.e

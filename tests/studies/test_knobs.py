@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.closed_forms.separate_bulk import equivalent_material
 from support.synthetic_traces import DETACHED, by_hand
 
 from contact_scene import Branch, Counters, Material, SceneError
@@ -13,7 +14,6 @@ from crosscontact.cli import main
 from validation import cases
 from validation.measure.curves import CURVES
 from validation.measure.observables import measure
-from validation.reference.separate_bulk import equivalent_material
 from validation.runs import pool
 from validation.runs.pool import TaskEnding, TaskResult
 from validation.runs.run import Run

@@ -60,7 +60,7 @@ class FrozenRetraction:
             If there is no relaxed contact at ``D_B``.
         """
         law = JKR(self.indenter, self.material.relaxed_plane_modulus, self.work)
-        if sneddon.power_law(self.indenter) is not None:
+        if self.indenter.power is not None:
             return law.at_penetration(self.start)
         radius = self.indenter.radius if isinstance(self.indenter, FlatPunch) else self._outermost(law)
         force = self.material.relaxed_plane_modulus * sneddon.unit_force(self.indenter, radius, self.start)
@@ -92,7 +92,7 @@ class FrozenRetraction:
     def pull_off(self) -> State:
         """The state of largest tension; its force is negative."""
         radius = self.relaxed.contact_radius
-        if sneddon.power_law(self.indenter) is not None:
+        if self.indenter.power is not None:
             ratio = self.material.glassy_modulus / self.material.modulus
             plateau = JKR(self.indenter, self.material.relaxed_plane_modulus, self.work * ratio)
             best = min(radius, plateau.pull_off_force_control().contact_radius)

@@ -121,7 +121,7 @@ class JKR:
 
     def _limit(self, multiple: float) -> float:
         """``a`` with ``a G'(a) = multiple * S(a)``."""
-        law = sneddon.power_law(self.indenter)
+        law = self.indenter.power
         if law is None:
             raise UnsupportedScene(
                 "indenter.shape", f"no closed form for a {self.indenter.shape}", "sphere, cone or power-law"

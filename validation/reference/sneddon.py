@@ -1,39 +1,32 @@
 """Sneddon (1965): any axisymmetric indenter ``f(r)`` on an elastic half-space, without adhesion.
 
-I.N. Sneddon, Int. J. Engng Sci. 3, 47: the contact follows from one transform of the profile,
+I.N. Sneddon, Int. J. Engng Sci. 3, 47: the contact follows from the Abel transform of the profile,
 
-    G(x) = x int_0^x f'(r)/sqrt(x^2 - r^2) dr = x int_0^(pi/2) f'(x sin b) db,
+    G(x) = x int_0^x f'(r)/sqrt(x^2 - r^2) dr,
     H(a) = int_0^a G(x) dx = int_0^a f'(r) sqrt(a^2 - r^2) dr.
 
 A punch held at contact radius ``a`` and penetration ``D`` carries ``q(x) = E* (D - G(x))`` for ``x < a`` and
 the force ``F = 2 int_0^a q dx = 2 E* (a D - H(a))``; without adhesion ``q(a) = 0``, so ``D = G(a)``.
-For ``f = c r^n``: ``G = c k_n x^n`` with ``k_n = (sqrt(pi)/2) n Gamma(n/2)/Gamma((n+1)/2)``:
-sphere ``x^2/R``, cone ``(pi/2) x cot(alpha)``. Signs: ``D``, ``F``, pressure positive when pressed in.
+For ``f = c r^n``: ``G = c k_n x^n`` with ``k_n = (sqrt(pi)/2) n Gamma(n/2)/Gamma((n+1)/2)``: sphere
+``x^2/R``, cone ``(pi/2) x cot(alpha)``, flat punch 0. Between the points of a table the slope is a parabola,
+for which both integrals are elementary. Signs: ``D``, ``F``, pressure positive when pressed in.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
+from contact_scene import FlatPunch, Indenter, Sphere, TabulatedProfile
 
 Array = NDArray[np.float64]
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
-
-
-def power_law(indenter: Indenter) -> tuple[float, float] | None:
-    """``(n, c)`` of ``f = c r^n`` for sphere, cone and power law; ``None`` for any other shape."""
-    if isinstance(indenter, Sphere):
-        return 2.0, 0.5 / indenter.radius
-    if isinstance(indenter, Cone):
-        return 1.0, indenter.cotangent
-    if isinstance(indenter, PowerLaw):
-        return indenter.exponent, indenter.coefficient
-    return None
 
 
 def shape_factor(exponent: float) -> float:
@@ -42,46 +35,131 @@ def shape_factor(exponent: float) -> float:
     return 0.5 * math.sqrt(math.pi) * exponent * gammas
 
 
+class Transform(Protocol):
+    """``G`` for arrays of any shape, its integral from 0, and the radii (m,) at which it has kinks."""
+
+    @property
+    def knots(self) -> Array:
+        """Where the profile has kinks."""
+        ...
+
+    def __call__(self, x: Array) -> Array:
+        """``G(x)``."""
+        ...
+
+    def integral(self, x: float) -> float:
+        """``int_0^x G = int_0^x f'(r) sqrt(x^2 - r^2) dr``."""
+        ...
+
+
+@dataclass(frozen=True)
+class PowerTransform:
+    """``G = coefficient x^exponent``."""
+
+    coefficient: float
+    exponent: float
+    knots: ClassVar[Array] = np.zeros(0)
+
+    def __call__(self, x: Array) -> Array:
+        if self.exponent == 2.0:
+            return self.coefficient * x * x
+        return self.coefficient * x**self.exponent
+
+    def integral(self, x: float) -> float:
+        return self.coefficient * x ** (self.exponent + 1.0) / (self.exponent + 1.0)
+
+
+@dataclass(frozen=True)
+class PiecewiseTransform:
+    """Transform of a slope ``c0 + c1 r + c2 r^2``, whose coefficients change at each of the knots.
+
+    ``knots`` has shape (m,) and rises from 0, ``changes`` (3, m). Both transforms are sums over the knots
+    within ``x`` of what a change from there on contributes.
+    """
+
+    knots: Array
+    changes: Array
+
+    def __call__(self, x: Array) -> Array:
+        at = np.asarray(x, float)
+        safe = np.where(at > 0.0, at, 1.0)
+        within = int(np.searchsorted(self.knots, safe.max(initial=0.0)))
+        knots, (c0, c1, c2) = self.knots[:within], self.changes[:, :within]
+        r = np.minimum(knots, safe[..., None])
+        angle, root = self._beyond(r, safe[..., None])
+        total = angle @ c0 + root @ (c1 + 0.5 * c2 * knots) + 0.5 * safe**2 * (angle @ c2)
+        return np.where(at > 0.0, at * total, 0.0)
+
+    def integral(self, x: float) -> float:
+        if x <= 0.0:
+            return 0.0
+        r = np.minimum(self.knots, x)
+        angle, root = self._beyond(r, x)
+        c0, c1, c2 = self.changes
+        total = 0.5 * c0 @ (x * x * angle - r * root) + c1 @ root**3 / 3.0
+        return float(total + 0.125 * c2 @ (x**4 * angle - r * (2.0 * r * r - x * x) * root))
+
+    @staticmethod
+    def _beyond(r: Array, x: Array | float) -> tuple[Array, Array]:
+        """Integrals of ``1/sqrt(x^2 - r^2)`` and of r times it from ``r`` to ``x``."""
+        return np.arccos(r / x), np.sqrt((x - r) * (x + r))
+
+
+@lru_cache(maxsize=64)
+def transform(indenter: Indenter) -> Transform:
+    """``G`` of any indenter a scene can hold."""
+    if isinstance(indenter, Sphere):  # exactly
+        return PowerTransform(1.0 / indenter.radius, 2.0)
+    if (law := indenter.power) is not None:
+        return PowerTransform(law[1] * shape_factor(law[0]), law[0])
+    if isinstance(indenter, FlatPunch):
+        return PowerTransform(0.0, 1.0)
+    if isinstance(indenter, TabulatedProfile):
+        return _tabulated(indenter)
+    raise TypeError(f"no transform for {type(indenter).__name__}")
+
+
+def _tabulated(indenter: TabulatedProfile) -> PiecewiseTransform:
+    """The slope is a parabola between table points: read it off at both ends and in the middle."""
+    left = np.array(indenter.radii[:-1])
+    right = np.array(indenter.radii[1:])
+    first, last = indenter.slope(left), indenter.slope(right)
+    middle = indenter.slope(0.5 * (left + right))
+    h = right - left
+    c2 = 2.0 * (first - 2.0 * middle + last) / h**2
+    c1 = (last - first) / h
+    parabola = np.array(
+        [first - c1 * left + c2 * left * right, c1 - c2 * (left + right), c2]
+    )  # Newton's form about left and right, in powers of r
+    beyond = np.array([[float(indenter.slope(right[-1]))], [0.0], [0.0]])
+    before = np.hstack((np.zeros((3, 1)), parabola))
+    return PiecewiseTransform(np.array(indenter.radii), np.hstack((parabola, beyond)) - before)
+
+
 def depth(indenter: Indenter, x: ArrayLike) -> Array:
     """``G(x)``, the penetration at which an adhesionless contact has radius ``x``; same shape as ``x``.
 
     Infinite where a power law is beyond floating point; so are :func:`depth_integral` and :func:`force`.
     """
-    x = np.asarray(x, float)
-    if (law := power_law(indenter)) is not None:
-        with np.errstate(over="ignore"):
-            return np.asarray(law[1] * shape_factor(law[0]) * x ** law[0])
-    if isinstance(indenter, FlatPunch):
-        return np.zeros_like(x)
-    return np.vectorize(lambda at: at * _angular(indenter, at, 0), otypes=[float])(x)
+    with np.errstate(over="ignore"):
+        return np.asarray(transform(indenter)(np.asarray(x, float)))
 
 
 def depth_integral(indenter: Indenter, contact_radius: ArrayLike) -> Array:
     """``H(a) = int_0^a G(x) dx``; same shape as ``contact_radius``."""
-    a = np.asarray(contact_radius, float)
-    if (law := power_law(indenter)) is not None:
+    if (law := indenter.power) is not None:
         with np.errstate(over="ignore"):
-            return np.asarray(a * depth(indenter, a) / (law[0] + 1.0))
-    if isinstance(indenter, FlatPunch):
-        return np.zeros_like(a)
-    return np.vectorize(lambda at: at**2 * _angular(indenter, at, 2), otypes=[float])(a)
-
-
-def _angular(indenter: Indenter, x: float, power: int) -> float:
-    """``int_0^(pi/2) f'(x sin b) cos(b)^power db``, Gauss-Legendre between the knots of a table."""
-    knots = indenter.radii if isinstance(indenter, TabulatedProfile) else ()
-    ends = np.arcsin([0.0, *(r / x for r in knots if 0.0 < r < x), 1.0])
-    half = 0.5 * np.diff(ends)[:, None]
-    angle = ends[:-1, None] + half * (1.0 + _NODES)
-    values = indenter.slope(x * np.sin(angle)) * np.cos(angle) ** power
-    return float(np.sum(half * _WEIGHTS * values))
+            return np.asarray(
+                np.asarray(contact_radius, float) * depth(indenter, contact_radius) / (law[0] + 1.0)
+            )
+    return np.vectorize(transform(indenter).integral, otypes=[float])(contact_radius)
 
 
 def contact_radius(indenter: Indenter, penetration: float) -> float:
     """The ``a`` with ``G(a) = D`` for ``penetration >= 0`` (a flat punch is always in full contact)."""
     if penetration < 0.0:
         raise ValueError(f"no adhesionless contact at penetration {penetration:g}")
-    if (law := power_law(indenter)) is not None:
+    if (law := indenter.power) is not None:
         return float((penetration / (law[1] * shape_factor(law[0]))) ** (1.0 / law[0]))
     if isinstance(indenter, FlatPunch):
         return indenter.radius
@@ -130,7 +208,7 @@ def force(indenter: Indenter, contact_radius: ArrayLike, plane_modulus: float) -
     ndarray
         Force, of the shape of ``contact_radius``.
     """
-    if (law := power_law(indenter)) is not None:
+    if (law := indenter.power) is not None:
         with np.errstate(over="ignore"):
             return np.asarray(2.0 * plane_modulus * law[0] * depth_integral(indenter, contact_radius))
     return plane_modulus * unit_force(indenter, contact_radius, depth(indenter, contact_radius))
@@ -187,7 +265,7 @@ def pressure(indenter: Indenter, r: ArrayLike, contact_radius: float, plane_modu
     """
     from scipy.special import hyp2f1
 
-    law = power_law(indenter)
+    law = indenter.power
     if law is None:
         raise ValueError(f"no closed form for the pressure under a {indenter.shape}")
     n, c = law

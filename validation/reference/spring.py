@@ -91,7 +91,7 @@ class SpringContact:
         """``a X'(a) k/(k + 2 E* a)``, of the vanishing zone."""
         law, k = self.law, self.stiffness
         assert isinstance(law, JKR)
-        exponent, coefficient = sneddon.power_law(law.indenter) or (np.nan, np.nan)
+        exponent, coefficient = law.indenter.power or (np.nan, np.nan)
         along = exponent * coefficient * sneddon.shape_factor(exponent) * radius**exponent
         stretch = np.sqrt(2.0 * np.pi * radius * law.work / law.plane_modulus)
         soft = 2.0 * law.plane_modulus * radius

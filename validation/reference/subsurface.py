@@ -12,8 +12,18 @@ All are one formula here. A frictionless load ``p(r) = int P(k) J0(k r) k dk`` o
 With the Abel density ``q`` of the load (``E* (D - G(x))`` in ``x < a``; :mod:`validation.reference.sneddon`),
 ``P(k) = (1/pi) int_0^a q(x) cos(k x) dx``: each x adds a harmonic function of complex depth ``s + i x``, e.g.
 
-    B0 = (1/pi) Re int_0^a q(x)/sqrt(r^2 + (s + i x)^2) dx.
+    B0 = (1/pi) Re int_0^a q(x)/sqrt(r^2 + Z^2) dx,    Z = s + i x.
 
+With ``R^2 = r^2 + Z^2``, ``Re R > 0``, the Laplace transforms of the Bessel functions form two ladders,
+
+    T_n = int_0^inf k^-n exp(-k Z) J0(k r) dk,    S_n = int_0^inf k^-n exp(-k Z) J1(k r) dk,
+
+    T_-1 = Z/R^3,  T_0 = 1/R,  T_1 = -L,  T_2 = Z L - R,  T_3 = 3 Z R/4 - (Z^2/2 - r^2/4) L,
+    S_-1/r = 1/R^3,  S_0/r = 1/(R (R + Z)),  S_1/r = 1/(R + Z),  S_2/r = -[L + Z/(R + Z)]/2,
+    S_3/r = [Z L - R + (R^2 + R Z + Z^2)/(3 (R + Z))]/2,    L = log(R + Z).
+
+From ``n = 1`` (``n = 2``) on the integrals diverge at ``k = 0``; the functions given are the ones with
+``dT_n/dZ = -T_(n-1)``, ``dS_n/dZ = -S_(n-1)``, and what they leave open drops out between two ends of a load.
 For a ``q`` made of parabolas this is done by parts, as only jumps of ``q, q', q''`` (left minus right) count:
 
     int q T_n dx = sum over jumps of  i [q] T_(n+1) + [q'] T_(n+2) - i [q''] T_(n+3),    likewise for S.
@@ -31,11 +41,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene import Cone, FlatPunch, Indenter, Sphere
-from validation.reference import jkr as adhesive
 from validation.reference import sneddon
-from validation.reference.harmonic_integrals import ladders
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 
 _SHALLOWEST = 1e-12
 """Least depth of a point, in contact radii: the stress at the edge of a punch stays finite."""
@@ -120,7 +129,7 @@ class Density:
             if not jump.any():
                 continue
             weights = jump * (1j, 1.0, -1j) / np.pi
-            even, odd = ladders(r, s, float(knot))
+            even, odd = _ladders(r, s, float(knot))
             for order, weight in enumerate(weights):
                 if weight != 0.0:  # an absent jump must not meet its singularity
                     for row in range(3):
@@ -193,71 +202,25 @@ def contact(
     return held.field(r, z, plane_modulus, poisson)
 
 
-def flat_punch(
-    r: ArrayLike, z: ArrayLike, radius: float, penetration: float, plane_modulus: float, poisson: float
-) -> Field:
-    """Sneddon's flat punch, ``p = (E* D/pi)/sqrt(a^2 - r^2)``.
-
-    Parameters
-    ----------
-    r, z, penetration, plane_modulus, poisson
-        As of :func:`contact`.
-    radius : float
-        Of the punch.
-
-    Returns
-    -------
-    Field
-        Of the broadcast shape of ``r`` and ``z``.
-    """
-    return contact(r, z, FlatPunch(radius), radius, penetration, plane_modulus, poisson)
-
-
-def hertz(
-    r: ArrayLike, z: ArrayLike, contact_radius: float, radius: float, plane_modulus: float, poisson: float
-) -> Field:
-    """Huber's field under a sphere of ``radius``, ``p = (2 E*/(pi R)) sqrt(a^2 - r^2)``.
-
-    Parameters
-    ----------
-    r, z, contact_radius, plane_modulus, poisson
-        As of :func:`contact`.
-    radius : float
-        Of the sphere.
-
-    Returns
-    -------
-    Field
-        Of the broadcast shape of ``r`` and ``z``.
-    """
-    depth = contact_radius**2 / radius
-    return contact(r, z, Sphere(radius), contact_radius, depth, plane_modulus, poisson)
-
-
-def jkr(
-    r: ArrayLike,
-    z: ArrayLike,
-    contact_radius: float,
-    indenter: Indenter,
-    work: float,
-    plane_modulus: float,
-    poisson: float,
-) -> Field:
-    """Johnson's superposition: the adhesionless field of the same ``a`` minus a punch of ``S(a)``.
-
-    ``D = G(a) - S(a)``, ``S = sqrt(2 pi a dg/E*)`` (:mod:`validation.reference.jkr`).
-
-    Parameters
-    ----------
-    r, z, contact_radius, indenter, plane_modulus, poisson
-        As of :func:`contact`.
-    work : float
-        Work of adhesion.
-
-    Returns
-    -------
-    Field
-        Of the broadcast shape of ``r`` and ``z``.
-    """
-    depth = float(adhesive.JKR(indenter, plane_modulus, work).penetration(contact_radius))
-    return contact(r, z, indenter, contact_radius, depth, plane_modulus, poisson)
+def _ladders(r: Array, depth: Array, x: float) -> tuple[list[Complex], list[Complex]]:
+    """``[T_-1 .. T_3]`` and ``[S_-1/r .. S_3/r]`` at ``depth + i x``."""
+    z = depth + 1j * x
+    # not r^2 + Z^2, which loses the distance from the circle r = x
+    root = np.sqrt((r - x) * (r + x) + depth**2 + 2j * depth * x)
+    total = root + z
+    log = np.log(total)
+    even = [
+        z / root**3,
+        1.0 / root,
+        -log,
+        z * log - root,
+        0.75 * z * root - (0.5 * z**2 - 0.25 * r**2) * log,
+    ]
+    odd = [
+        1.0 / root**3,
+        1.0 / (root * total),
+        1.0 / total,
+        -0.5 * (log + z / total),
+        0.5 * (z * log - root + (root**2 + root * z + z**2) / (3.0 * total)),
+    ]
+    return even, odd

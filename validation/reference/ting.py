@@ -17,15 +17,46 @@ one rising function of ``t - t1``: one root. Contact is lost where ``t1 = 0`` (f
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import quad
 from scipy.optimize import brentq
+from scipy.special import hyp1f1
 
-from contact_scene import Indenter, Material
-from validation.reference import lee_radok, prony_integrals, sneddon
+from contact_scene import FlatPunch, Indenter, Material, TabulatedProfile
+from validation.reference import prony_integrals, sneddon
 
 Array = NDArray[np.float64]
+
+
+def ramp_integral(material: Material, indenter: Indenter, rate: float, covered: float, time: float) -> float:
+    """``int_0^a I(t - t_x) dx`` over the points a ramp of speed ``rate`` covered until ``covered <= time``.
+
+    By parts it is ``int_0^covered E*(t - s) a(s) ds + a I(t - covered)``. With ``a = alpha s^(1/n)`` and
+    ``p = 1 + 1/n`` each branch gives Kummer's function,
+    ``int_0^c exp(-(t-s)/tau) s^(p-1) ds = exp(-(t-c)/tau) (c^p/p) 1F1(1; 1+p; -c/tau)``.
+    """
+    radius = sneddon.contact_radius(indenter, rate * covered)
+    if isinstance(indenter, FlatPunch):
+        return radius * float(prony_integrals.relaxation_integral(material, time))
+    law = indenter.power
+    if law is not None:
+        p = 1.0 + 1.0 / law[0]
+        moduli, times = material.spectrum
+        memory = np.exp(-(time - covered) / times) * hyp1f1(1.0, 1.0 + p, -covered / times)
+        swept = radius * covered / p * prony_integrals.plane_factor(material)
+        late = radius * float(prony_integrals.relaxation_integral(material, time - covered))
+        return swept * (material.modulus + float(memory @ moduli)) + late
+
+    def carried(x: float) -> float:
+        age = max(time - float(sneddon.depth(indenter, x)) / rate, 0.0)
+        return float(prony_integrals.relaxation_integral(material, age))
+
+    knots = indenter.radii if isinstance(indenter, TabulatedProfile) else ()
+    ends = [0.0, *(r for r in knots if 0.0 < r < radius), radius]
+    return float(sum(quad(carried, a, b, epsabs=0.0, epsrel=1e-11, limit=400)[0] for a, b in pairwise(ends)))
 
 
 @dataclass(frozen=True)
@@ -102,7 +133,7 @@ class Ting:
         if first <= 0.0:
             return 0.0
         radius = sneddon.contact_radius(self.indenter, self.rise * first)
-        swept = lee_radok.ramp_integral(self.material, self.indenter, self.rise, first, time)
+        swept = ramp_integral(self.material, self.indenter, self.rise, first, time)
         since = self.rise * self._integral(time - self.peak) + self.fall * self._integral(
             time - self.peak - self.hold
         )

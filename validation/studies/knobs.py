@@ -9,9 +9,9 @@ for shorter zones.
 
 **Poisson**: how good a constant Poisson's ratio is. For every ratio ``K/G`` of the relaxed solid the scene
 keeps its shear relaxation and gets an elastic bulk. ``full`` is nu(t) from separate bulk and shear, by the
-finite elements. The base, ``surface``, is the reference with the plane modulus ``E*(t)`` that the surface
-feels (see ``reference.separate_bulk``): the same problem by another method, so the two must agree within
-their error estimates, which is checked. Three assumptions of a constant ratio, by the reference: ``shear``
+finite elements. The base, ``surface``, is the reference, which knows the bulk by the plane modulus
+``E*(t)`` that the surface feels: the same problem by another method, so the two must agree within their error
+estimates, which is checked. Three assumptions of a constant ratio, by the reference: ``shear``
 and ``tension``, the relaxed ratio with the modulus measured in shear or in tension, and ``incompressible``,
 the paper's 0.5. What an assumption costs is its difference from the base, beside the estimates.
 """
@@ -33,7 +33,6 @@ from validation.drawing.styles import curve_style
 from validation.measure.curves import CURVES
 from validation.measure.difference import Difference, of_curves, of_numbers
 from validation.reference.creep_compliance import creep_compliance
-from validation.reference.separate_bulk import equivalent_material
 from validation.report import markdown
 from validation.report.document import (
     ABSENT,
@@ -351,7 +350,7 @@ takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if meas
         asked, tasks = [], []
         for ratio in values:
             separate = with_bulk(case.scene.material, ratio)
-            materials = {FULL: separate, SURFACE: equivalent_material(separate)}
+            materials = {FULL: separate, SURFACE: separate}
             materials |= {name: assume(separate) for name, assume in ASSUMPTIONS.items()}
             for name, material in materials.items():
                 turned = replace(case, scene=replace(case.scene, material=material))

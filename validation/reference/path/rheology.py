@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from contact_scene import BulkRelaxation, Material
 from validation.reference.creep_compliance import creep_spectrum, relaxation_spectrum
-from validation.reference.path.abel import Transform
+from validation.reference.sneddon import Transform
 
 Array = NDArray[np.float64]
 

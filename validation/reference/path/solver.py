@@ -35,7 +35,6 @@ from contact_scene.run_control import (
     single_threaded,
 )
 from validation.reference.path import events
-from validation.reference.path.abel import transform
 from validation.reference.path.continuation import Continuation
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import elastic_start
@@ -50,6 +49,7 @@ from validation.reference.path.state import State, start_state
 from validation.reference.path.step import Kind
 from validation.reference.path.tracker import SMALL_PART
 from validation.reference.path.trial import Arrival, Trial
+from validation.reference.sneddon import transform
 
 Array = NDArray[np.float64]
 NAME = "reference"

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.abel import Transform
 from validation.reference.path.closure import NEAR_AXIS, kernel_slope
+from validation.reference.sneddon import Transform
 from validation.reference.tracking import hermite
 from validation.reference.tracking.short_contact import short_contact_integral
 

@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.abel import Transform
+from validation.reference.sneddon import Transform
 from validation.reference.tracking import hermite
 from validation.reference.tracking.closure import EdgeFields
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact_scene import Scene, Segment
-from validation.reference.path.abel import transform
 from validation.reference.path.rheology import Body, rheology
+from validation.reference.sneddon import transform
 from validation.reference.tracking.control import freedom
 from validation.reference.tracking.equilibrium import pressed_radius, staged_radius, touching_radius
 from validation.reference.tracking.law import EdgeCondition, Griffith, NoTension

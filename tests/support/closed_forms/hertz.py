@@ -19,75 +19,22 @@ def penetration(contact_radius: ArrayLike, radius: float) -> Array:
 
 
 def force(contact_radius: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``F = 4 E* a^3/(3 R)``.
-
-    Parameters
-    ----------
-    contact_radius : array_like
-    radius : float
-        Radius of the indenter.
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-
-    Returns
-    -------
-    ndarray
-        Force, of the shape of ``contact_radius``.
-    """
+    """``F = 4 E* a^3/(3 R)``."""
     return 4.0 * plane_modulus * np.asarray(contact_radius, float) ** 3 / (3.0 * radius)
 
 
 def contact_radius(force: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``a = (3 F R/(4 E*))^(1/3)`` for ``force >= 0``.
-
-    Parameters
-    ----------
-    force : array_like
-    radius, plane_modulus
-        As of :func:`force`.
-
-    Returns
-    -------
-    ndarray
-        Length, of the shape of ``force``.
-    """
+    """``a = (3 F R/(4 E*))^(1/3)`` for ``force >= 0``."""
     return np.cbrt(3.0 * np.asarray(force, float) * radius / (4.0 * plane_modulus))
 
 
 def stored_energy(contact_radius: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``U = 8 E* a^5/(15 R^2)``, the work ``int F dD`` of loading.
-
-    Parameters
-    ----------
-    contact_radius, radius, plane_modulus
-        As of :func:`force`.
-
-    Returns
-    -------
-    ndarray
-        Energy, of the shape of ``contact_radius``.
-    """
+    """``U = 8 E* a^5/(15 R^2)``, the work ``int F dD`` of loading."""
     return 8.0 * plane_modulus * np.asarray(contact_radius, float) ** 5 / (15.0 * radius**2)
 
 
 def pressure(r: ArrayLike, contact_radius: float, radius: float, plane_modulus: float) -> Array:
-    """``p(r) = (2 E*/(pi R)) sqrt(a^2 - r^2)`` inside, zero outside; same shape as ``r``.
-
-    Parameters
-    ----------
-    r : ndarray
-        Radius of the points.
-    contact_radius : float
-    radius : float
-        Radius of the indenter.
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-
-    Returns
-    -------
-    ndarray
-        Pressure, of the shape of ``r``.
-    """
+    """``p(r) = (2 E*/(pi R)) sqrt(a^2 - r^2)`` inside, zero outside; same shape as ``r``."""
     inside = np.maximum(contact_radius**2 - np.asarray(r, float) ** 2, 0.0)
     return 2.0 * plane_modulus / (np.pi * radius) * np.sqrt(inside)
 
@@ -95,21 +42,7 @@ def pressure(r: ArrayLike, contact_radius: float, radius: float, plane_modulus: 
 def displacement(r: ArrayLike, contact_radius: float, radius: float) -> Array:
     """Surface displacement: ``D - r^2/(2R)`` inside and, outside,
 
-    ``u = (1/(pi R)) [(2 a^2 - r^2) arcsin(a/r) + a sqrt(r^2 - a^2)]``; same shape as ``r``.
-
-    Parameters
-    ----------
-    r : array_like
-        Radius of the points.
-    contact_radius : float
-    radius : float
-        Radius of the indenter.
-
-    Returns
-    -------
-    ndarray
-        Length, of the shape of ``r``.
-    """
+    ``u = (1/(pi R)) [(2 a^2 - r^2) arcsin(a/r) + a sqrt(r^2 - a^2)]``; same shape as ``r``."""
     a, r = contact_radius, np.asarray(r, float)
     outer = np.maximum(r, a)
     outside = ((2.0 * a**2 - outer**2) * np.arcsin(a / outer) + a * np.sqrt(outer**2 - a**2)) / np.pi

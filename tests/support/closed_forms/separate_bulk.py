@@ -30,13 +30,7 @@ def plane_relaxation(material: Material, time: ArrayLike) -> Array:
 
 
 def plane_spectrum(material: Material) -> tuple[float, Array, Array]:
-    """Relaxed plane modulus, and moduli and times of its branches, (2n,) for n branches in shear.
-
-    Raises
-    ------
-    UnsupportedScene
-        If the bulk relaxes too, or relaxes like shear.
-    """
+    """Relaxed plane modulus, and moduli and times of its branches, (2n,) for n branches in shear."""
     bulk = material.bulk
     if bulk is None or (isinstance(bulk, BulkRelaxation) and bulk.branches):
         raise UnsupportedScene("material.bulk", "the bulk modulus has to be constant", 'bulk = "elastic"')

@@ -11,8 +11,8 @@ The zone ``da`` is the length over which the tension of the sharp edge has the m
 that ``da = (pi/8) (K/s)^2 = da_0 G/dg`` with the width at rest ``da_0 = pi E0* dg/(4 s^2)``, and the law at
 fixed length holds at that length: ``G/dg = f(da_0 (G/dg)/v)``. R.A. Schapery (Int. J. Fracture 11, 141, 1975)
 and B.N.J. Persson, E.A. Brener (Phys. Rev. E 71, 036123, 2005) close their laws in the same way:
-:func:`validation.reference.schapery.fixed_stress_enhancement` and
-:func:`validation.reference.persson_brener.blunting_enhancement`.
+:func:`support.closed_forms.schapery.fixed_stress_enhancement` and
+:func:`support.closed_forms.persson_brener.blunting_enhancement`.
 """
 
 from __future__ import annotations
@@ -66,22 +66,7 @@ class FixedStressContact(FiniteZone):
 def closed_at_fixed_stress(
     enhancement: Callable[[Material, float, float], ArrayLike], material: Material, zone: float, speed: float
 ) -> float:
-    """``G/dg = f(zone G/dg)`` of an opening edge whose zone grows with what it takes up.
-
-    Parameters
-    ----------
-    enhancement : callable(material, zone, speed)
-        ``f``: the law at fixed length.
-    material : Material
-    zone : float
-        Length at rest.
-    speed : float
-        Of the edge.
-
-    Returns
-    -------
-    float
-    """
+    """``G/dg = f(zone G/dg)`` of an opening edge whose zone grows with what it takes up."""
     highest = material.glassy_modulus / material.modulus
     if highest == 1.0:
         return 1.0
@@ -91,21 +76,7 @@ def closed_at_fixed_stress(
 
 
 def opening(material: Material, zone: float, speed: ArrayLike) -> Array:
-    """``G/dg`` of an edge that recedes at ``speed > 0`` at fixed stress; ``zone`` is its length at rest.
-
-    Parameters
-    ----------
-    material : Material
-    zone : float
-        Length of the process zone at rest.
-    speed : array_like
-        Of the edge, length over time; > 0.
-
-    Returns
-    -------
-    ndarray
-        ``G/dg``, of the shape of ``speed``.
-    """
+    """``G/dg`` of an edge that recedes at ``speed > 0`` at fixed stress; ``zone`` is its length at rest."""
     return np.vectorize(
         lambda v: closed_at_fixed_stress(steady_crack.opening, material, zone, v), otypes=[float]
     )(speed)

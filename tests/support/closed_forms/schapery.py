@@ -15,51 +15,22 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from support.closed_forms.fixed_stress import closed_at_fixed_stress
 
 from contact_scene import Material
 from validation.reference.creep_compliance import creep_compliance
-from validation.reference.fixed_stress import closed_at_fixed_stress
 
 Array = NDArray[np.float64]
 
 
 def enhancement(material: Material, zone: float, speed: ArrayLike, fraction: float = 1.0 / 3.0) -> Array:
-    """``G/dg`` of a receding edge at fixed zone length; same shape as ``speed``.
-
-    Parameters
-    ----------
-    material : Material
-    zone : float
-        Length of the failure zone.
-    speed : array_like
-        Speed of the edge.
-    fraction : float
-        Effective time, in travel times of the zone.
-
-    Returns
-    -------
-    ndarray
-        ``G/dg``, of the shape of ``speed``.
-    """
+    """``G/dg`` of a receding edge at fixed zone length; same shape as ``speed``."""
     effective = fraction * zone / np.asarray(speed, float)
     return 1.0 / (material.modulus * creep_compliance(material)(effective))
 
 
 def fixed_stress_enhancement(material: Material, zone: float, speed: ArrayLike) -> Array:
-    """``G/dg`` at fixed failure stress: ``alpha = zone G/dg``, with ``zone`` its length at rest.
-
-    Parameters
-    ----------
-    material, speed
-        As of :func:`enhancement`.
-    zone : float
-        Length of the failure zone at rest.
-
-    Returns
-    -------
-    ndarray
-        ``G/dg``, of the shape of ``speed``.
-    """
+    """``G/dg`` at fixed failure stress: ``alpha = zone G/dg``, with ``zone`` its length at rest."""
     return np.vectorize(lambda v: closed_at_fixed_stress(enhancement, material, zone, v), otypes=[float])(
         speed
     )

@@ -17,10 +17,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from support.closed_forms.separate_bulk import equivalent_material
 
 from contact_scene import Indenter, Material
 from validation.reference import prony_integrals, sneddon
-from validation.reference.separate_bulk import equivalent_material
 
 Array = NDArray[np.float64]
 
@@ -38,29 +38,7 @@ def force_of_history(
     penetration: ArrayLike,
     contact_radius: ArrayLike,
 ) -> Array:
-    """Force at all rows, from their times, penetrations and contact radii alone; straight between rows.
-
-    Parameters
-    ----------
-    material : Material
-        With a constant Poisson's ratio or a constant bulk modulus.
-    indenter : Indenter
-    start : str
-        ``"jump-in"`` (glassy at the first row) or ``"relaxed"``.
-    time : array_like, shape (n,)
-        Not falling; a jump is a pair of rows of equal time.
-    penetration, contact_radius : array_like, shape (n,)
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Force, positive in compression.
-
-    Raises
-    ------
-    ValueError
-        If the edge advances over points that it has released.
-    """
+    """Force at all rows, from their times, penetrations and contact radii alone; straight between rows."""
     t, depth, radius = (np.asarray(column, float) for column in (time, penetration, contact_radius))
     if _covered_again(radius) > RELEASED * radius.max():
         raise ValueError("the edge advances over points that it has released")

@@ -18,27 +18,19 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, minimize_scalar
+from support.closed_forms.short_zone import LOST
+from support.closed_forms.short_zone_edge import ShortZoneEdge
 
 from contact_scene import Sphere
 from validation.reference.jkr import JKR
 from validation.reference.prony_integrals import creep
-from validation.reference.short_zone import LOST
-from validation.reference.short_zone_edge import ShortZoneEdge
 
 _PLACES = np.linspace(0.0, 1.0, 2001)
 
 
 @dataclass(frozen=True)
 class DeadLoad:
-    """A relaxed contact under a force applied at once and kept.
-
-    Parameters
-    ----------
-    radius, penetration : float
-        After the glassy jump.
-    detachment_time, detachment_radius, detachment_penetration : float
-        Where contact is lost.
-    """
+    """A relaxed contact under a force applied at once and kept."""
 
     radius: float
     penetration: float
@@ -48,27 +40,7 @@ class DeadLoad:
 
 
 def dead_load(law: ShortZoneEdge, start: float, force: float) -> DeadLoad:
-    """The relaxed contact at the penetration ``start`` under a tension (negative) until it is lost.
-
-    Parameters
-    ----------
-    law : ShortZoneEdge
-    start : float
-        Penetration.
-    force : float
-        Negative; applied at once and kept.
-
-    Returns
-    -------
-    DeadLoad
-
-    Raises
-    ------
-    NoEquilibrium
-        If there is no relaxed contact at ``start``.
-    ValueError
-        If the edge comes to rest, or does not hold even for a moment.
-    """
+    """The relaxed contact at the penetration ``start`` under a tension (negative) until it is lost."""
     material, radius = law.material, law.radius
     relaxed, glassy = material.relaxed_plane_modulus, material.glassy_plane_modulus
     first = JKR(Sphere(radius), relaxed, law.work).at_penetration(start).contact_radius

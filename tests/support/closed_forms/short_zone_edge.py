@@ -35,18 +35,7 @@ edge that jumps has the first."""
 
 @dataclass(frozen=True)
 class ShortZoneEdge:
-    """The edge of a sphere's contact, whose ``zone`` is short against every contact radius that matters.
-
-    Parameters
-    ----------
-    material : Material
-    radius : float
-        Of the sphere.
-    work : float
-        Work of adhesion ``dg``.
-    zone : float
-        Length ``da``.
-    """
+    """The edge of a sphere's contact, whose ``zone`` is short against every contact radius that matters."""
 
     material: Material
     radius: float

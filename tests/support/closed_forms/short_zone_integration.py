@@ -35,23 +35,7 @@ def integrated(
     state: Array,
     events: Sequence[Callable[[float, Array], float]],
 ) -> Any:
-    """The integration over a time, or up to an event before.
-
-    Parameters
-    ----------
-    rates : callable
-        Of the state, at a time and a state.
-    span : tuple of float
-        Begin and end.
-    state : ndarray, shape (n,)
-        At the begin.
-    events : sequence of callable
-        As of ``scipy.integrate.solve_ivp``.
-
-    Returns
-    -------
-    scipy.integrate.OdeResult
-    """
+    """The integration over a time, or up to an event before."""
     return solve_ivp(
         rates,
         span,
@@ -70,21 +54,7 @@ def integrated_until(
     """The integration up to the first step after which it has ``ended``.
 
     SciPy's events are located in the dense output, which a state that runs away within a step leaves; and a
-    step beyond that moment is shorter than the rounding of the time.
-
-    Parameters
-    ----------
-    ended : callable
-        Of a time and a state.
-    rates, state
-        As of :func:`integrated`.
-    begin : float
-        Time of the state.
-
-    Returns
-    -------
-    Integration
-    """
+    step beyond that moment is shorter than the rounding of the time."""
     solver = LSODA(rates, begin, state, math.inf, rtol=ACCURACY, atol=_tolerances(state))
     times, pieces = [begin], []
     while solver.status == "running" and not ended(solver.t, solver.y):

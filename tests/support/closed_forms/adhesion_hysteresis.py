@@ -34,23 +34,7 @@ class AdhesionHysteresis:
     plane_modulus: float
 
     def path(self, penetrations: Sequence[float]) -> list[State]:
-        """States at penetrations that are passed one after the other, from a contact that has closed.
-
-        Parameters
-        ----------
-        penetrations : sequence of float
-            The first is the start; between two of them the penetration is monotone.
-
-        Returns
-        -------
-        list of State
-            One for each.
-
-        Raises
-        ------
-        NoEquilibrium
-            Where contact is lost.
-        """
+        """States at penetrations that are passed one after the other, from a contact that has closed."""
         states = [self.closing.at_penetration(penetrations[0])]
         for penetration in penetrations[1:]:
             states.append(self._next(states[-1], penetration))

@@ -25,21 +25,7 @@ Array = NDArray[np.float64]
 
 
 def enhancement(material: Material, tip_radius: float, speed: ArrayLike) -> Array:
-    """``G/G0`` at fixed tip radius.
-
-    Parameters
-    ----------
-    material : Material
-    tip_radius : float
-        ``r``, a length.
-    speed : array_like
-        Of the edge, length over time; > 0.
-
-    Returns
-    -------
-    ndarray
-        ``G/G0``, of the shape of ``speed``.
-    """
+    """``G/G0`` at fixed tip radius."""
     compliance = creep_compliance(material)
     b = 2.0 * np.pi * np.asarray(speed, float)[..., None] / tip_radius * compliance.times
     weight = b / (np.sqrt(1.0 + b**2) + 1.0)  # (sqrt(1 + b^2) - 1)/b without cancellation
@@ -47,20 +33,7 @@ def enhancement(material: Material, tip_radius: float, speed: ArrayLike) -> Arra
 
 
 def blunting_enhancement(material: Material, tip_radius: float, speed: ArrayLike) -> Array:
-    """``G/G0`` with ``r = tip_radius * G/G0``.
-
-    Parameters
-    ----------
-    material, speed
-        As of :func:`enhancement`.
-    tip_radius : float
-        ``r0``, of a slow edge.
-
-    Returns
-    -------
-    ndarray
-        ``G/G0``, of the shape of ``speed``.
-    """
+    """``G/G0`` with ``r = tip_radius * G/G0``."""
     highest = material.glassy_modulus / material.modulus
 
     def solve(v: float) -> float:

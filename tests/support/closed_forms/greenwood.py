@@ -26,40 +26,12 @@ Array = NDArray[np.float64]
 
 
 def enhancement(material: Material, zone: float, speed: ArrayLike) -> Array:
-    """``G/dg`` of a receding edge at fixed zone length ``b``.
-
-    Parameters
-    ----------
-    material : Material
-    zone : float
-        Length ``b``.
-    speed : array_like
-        Of the edge, length over time; > 0.
-
-    Returns
-    -------
-    ndarray
-        ``G/dg``, of the shape of ``speed``.
-    """
+    """``G/dg`` of a receding edge at fixed zone length ``b``."""
     return np.vectorize(lambda v: _at_zone(material, zone, v), otypes=[float])(speed)
 
 
 def fixed_stress_enhancement(material: Material, zone: float, speed: ArrayLike) -> Array:
-    """``G/dg`` with ``b = zone * G/dg`` (``zone``: length at rest).
-
-    Parameters
-    ----------
-    material : Material
-    zone : float
-        Length at rest, ``b0``.
-    speed : array_like
-        Of the edge, length over time; > 0.
-
-    Returns
-    -------
-    ndarray
-        ``G/dg``, of the shape of ``speed``.
-    """
+    """``G/dg`` with ``b = zone * G/dg`` (``zone``: length at rest)."""
     highest = material.glassy_modulus / material.modulus
 
     def solve(v: float) -> float:

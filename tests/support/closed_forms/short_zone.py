@@ -29,17 +29,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import minimize_scalar
-
-from contact_scene import Sphere
-from validation.reference.jkr import JKR, State
-from validation.reference.prony_integrals import plane_factor
-from validation.reference.short_zone_edge import ShortZoneEdge
-from validation.reference.short_zone_integration import (
+from support.closed_forms.short_zone_edge import ShortZoneEdge
+from support.closed_forms.short_zone_integration import (
     Integration,
     integrated,
     integrated_until,
     moment_of_loss,
 )
+
+from contact_scene import Sphere
+from validation.reference.jkr import JKR, State
+from validation.reference.prony_integrals import plane_factor
 
 Array = NDArray[np.float64]
 
@@ -53,17 +53,7 @@ TINY = 1e-300
 
 @dataclass(frozen=True)
 class ShortZoneRun:
-    """A retraction, or the retraction of a cycle, until contact is lost.
-
-    Parameters
-    ----------
-    time, radius, penetration, force : ndarray, shape (n,)
-        Rising times from that on at which the edge may open; the last is that of the detachment.
-    pull_off_force, pull_off_penetration : float
-        Largest tension, and where.
-    loop_energy : float
-        ``int F dD`` over the run, the approach included.
-    """
+    """A retraction, or the retraction of a cycle, until contact is lost."""
 
     time: Array
     radius: Array
@@ -94,20 +84,7 @@ class _Branches:
     rates: Array
 
     def strained(self, loads: Array, rate: float, duration: float) -> Array:
-        """Loads ``q_k`` after a time at a rate of strain.
-
-        Parameters
-        ----------
-        loads : ndarray, shape (branches + 1,)
-            ``q_k`` before, stress times length.
-        rate : float
-            Speed of the penetration, length over time.
-        duration : float
-
-        Returns
-        -------
-        ndarray, shape (branches + 1,)
-        """
+        """Loads ``q_k`` after a time at a rate of strain."""
         y = self.rates * duration
         mean = np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
         return loads * np.exp(-y) + self.moduli * rate * duration * mean
@@ -118,25 +95,7 @@ class ShortZone(ShortZoneEdge):
     """A sphere on a half-space that it touches with a short process zone, driven at constant speeds."""
 
     def retraction(self, start: float, rate: float) -> ShortZoneRun:
-        """From the relaxed equilibrium at the penetration ``start``, at a speed, until contact is lost.
-
-        Parameters
-        ----------
-        start : float
-            Penetration.
-        rate : float
-            Speed of the retraction, length over time.
-
-        Returns
-        -------
-        ShortZoneRun
-            Its first row is the start.
-
-        Raises
-        ------
-        NoEquilibrium
-            If there is no relaxed contact at ``start``.
-        """
+        """From the relaxed equilibrium at the penetration ``start``, at a speed, until contact is lost."""
         first = JKR(Sphere(self.radius), self._relaxed, self.work).at_penetration(start)
         state = np.zeros(len(self._branches.moduli) + 2)
         state[:2] = first.contact_radius, first.force
@@ -149,19 +108,7 @@ class ShortZone(ShortZoneEdge):
         return self._opened(_Ramp(0.0, start, -rate), state, edge_loads)
 
     def approach(self, start: float, deepest: float, rate: float) -> State:
-        """Where the glassy equilibrium at ``start`` has come to when it reaches ``deepest`` at a speed.
-
-        Parameters
-        ----------
-        start, deepest : float
-            Penetrations.
-        rate : float
-            Speed of the approach, length over time.
-
-        Returns
-        -------
-        State
-        """
+        """Where the glassy equilibrium at ``start`` has come to when it reaches ``deepest`` at a speed."""
         pressed = _Ramp(0.0, start, rate)
         radius, *loads, _ = self._closed(pressed, (deepest - start) / rate, self._glassy_state(start)).y[
             :, -1
@@ -169,20 +116,7 @@ class ShortZone(ShortZoneEdge):
         return State(float(radius), deepest, float(sum(loads)))
 
     def cycle(self, start: float, deepest: float, approach: float, retraction: float) -> ShortZoneRun:
-        """From the glassy equilibrium at ``start`` to ``deepest``, and back until contact is lost.
-
-        Parameters
-        ----------
-        start, deepest : float
-            Penetrations.
-        approach, retraction : float
-            Speeds, length over time.
-
-        Returns
-        -------
-        ShortZoneRun
-            From the moment on at which the edge that still closes has come to rest.
-        """
+        """From the glassy equilibrium at ``start`` to ``deepest``, and back until contact is lost."""
         branches = self._branches
         reversal = (deepest - start) / approach
         pressed, pulled = _Ramp(0.0, start, approach), _Ramp(reversal, deepest, -retraction)
@@ -218,22 +152,7 @@ class ShortZone(ShortZoneEdge):
         )
 
     def _rates(self, state: Array, rate: float, speed: float, edge_loads: Array) -> Array:
-        """Rates of radius, loads ``f_k`` and work, where the edge moves outwards at ``speed``.
-
-        Parameters
-        ----------
-        state : ndarray, shape (branches + 3,)
-            Radius, loads ``f_k`` and work.
-        rate : float
-            Of the penetration.
-        speed : float
-        edge_loads : ndarray, shape (branches + 1,)
-            ``q_k(a)``.
-
-        Returns
-        -------
-        ndarray, shape (branches + 3,)
-        """
+        """Rates of radius, loads ``f_k`` and work, where the edge moves outwards at ``speed``."""
         radius, loads = float(state[0]), state[1:-1]
         branches = self._branches
         changes = 2.0 * (branches.moduli * rate * radius + edge_loads * speed) - branches.rates * loads
@@ -268,19 +187,7 @@ class ShortZone(ShortZoneEdge):
         begin: float = 0.0,
         within: float = math.inf,
     ) -> ShortZoneRun:
-        """A retraction from a state on until contact is lost.
-
-        Parameters
-        ----------
-        pulled : _Ramp
-        state : ndarray
-            Radius, loads ``f_k`` and work at the time ``begin``.
-        edge_loads : callable
-            ``q_k(a)`` at any radius and time.
-        begin : float
-        within : float
-            Radius outside which the stress that drives the edge is the one there.
-        """
+        """A retraction from a state on until contact is lost."""
         smallest = LOST * float(state[0])
 
         def driving(a: float, time: float) -> float:

@@ -1,0 +1,89 @@
+"""Lee and Radok (1960): viscoelastic half-space under an indenter whose contact grows, without adhesion.
+
+E.H. Lee, J.R.M. Radok, J. Appl. Mech. 27, 438 (sphere); T.C.T. Ting, J. Appl. Mech. 33, 845 (1966) (any
+profile). While ``a`` grows it depends on the present penetration alone, ``D = G(a)``, and
+
+    F(t) = int_0^t E*(t - s) 2 a(s) D'(s) ds,
+
+the elastic force per unit modulus (whose derivative with respect to ``D`` is ``2 a``) under the relaxation
+integral. In Sneddon's coordinate, a point ``x`` reached at ``t_x`` carries
+``q = int_(t_x)^t E*(t-s) D'(s) ds`` and ``F = 2 int_0^a q dx``; at constant speed ``V``,
+``q = V I(t - t_x)`` with ``I`` the integral of ``E*``. The dual holds with the force given: the elastic
+force per unit modulus is ``int J*(t - s) dF(s)``. ``F > 0`` presses, ``D > 0`` downwards, ``t = 0`` at
+first touch, nothing before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import quad
+
+from contact_scene import FlatPunch, Indenter, Material
+from validation.reference import prony_integrals, sneddon, ting
+
+Array = NDArray[np.float64]
+_ACCURACY = {"epsabs": 0.0, "epsrel": 1e-11, "limit": 400}
+"""Options of the adaptive quadrature."""
+
+
+def ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -> tuple[Array, Array]:
+    """Contact radius and force for ``D = rate * t``; each of the shape of ``time``."""
+    t = np.asarray(time, float)
+    radius = np.vectorize(lambda at: sneddon.contact_radius(indenter, rate * at), otypes=[float])(t)
+    swept = np.vectorize(lambda at: ting.ramp_integral(material, indenter, rate, at, at), otypes=[float])(t)
+    return radius, 2.0 * rate * swept
+
+
+def history_force(
+    material: Material,
+    indenter: Indenter,
+    penetration: Callable[[float], float],
+    rate: Callable[[float], float],
+    time: float,
+) -> float:
+    """Force at ``time`` for any smooth ``D(t)`` that rises from zero at ``t = 0``.
+
+    The convolution itself, by adaptive quadrature; ``rate`` is the derivative of ``penetration``."""
+
+    def integrand(s: float) -> float:
+        radius = sneddon.contact_radius(indenter, penetration(s))
+        return float(prony_integrals.relaxation(material, time - s)) * 2.0 * radius * rate(s)
+
+    return float(quad(integrand, 0.0, time, **_ACCURACY)[0])
+
+
+def radius_under_force_step(
+    material: Material, indenter: Indenter, force: float, time: ArrayLike, preload: float = 0.0
+) -> Array:
+    """Contact radius at ``time >= 0`` under a dead load ``force > 0`` added at ``t = 0``.
+
+    ``preload`` is a force carried since long before, fully relaxed."""
+    crept = prony_integrals.creep(material, time) * force
+    return _radius_of_unit_force(indenter, crept + preload / material.relaxed_plane_modulus)
+
+
+def radius_under_force_ramp(
+    material: Material, indenter: Indenter, rate: float, time: ArrayLike, preload: float = 0.0
+) -> Array:
+    """Contact radius at ``time >= 0`` under ``F = preload + rate * t``, the preload relaxed."""
+    crept = prony_integrals.creep_integral(material, time) * rate
+    return _radius_of_unit_force(indenter, crept + preload / material.relaxed_plane_modulus)
+
+
+def _radius_of_unit_force(indenter: Indenter, unit_force: Array) -> Array:
+    """The ``a`` whose adhesionless elastic force per unit modulus is ``2 (a G(a) - H(a))``."""
+    law = indenter.power
+    if law is not None:
+        n, c = law
+        unit = 2.0 * c * sneddon.shape_factor(n) * n / (n + 1.0)
+        return (np.asarray(unit_force, float) / unit) ** (1.0 / (n + 1.0))
+    if isinstance(indenter, FlatPunch):
+        return np.full_like(np.asarray(unit_force, float), indenter.radius)
+
+    def invert(target: float) -> float:
+        return sneddon.radius_at(lambda a: float(sneddon.force(indenter, a, 1.0)), target)
+
+    return np.vectorize(invert, otypes=[float])(unit_force)
