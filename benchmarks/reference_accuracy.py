@@ -1,4 +1,4 @@
-"""Cost and convergence of the front tracking: ``python -m benchmarks.reference_accuracy``.
+"""Cost and convergence of the reference: ``python -m benchmarks.reference_accuracy``.
 
 One table a case: resolution, steps, processor time, errors against a run at ``FINEST``, the order that a
 straight line through the logarithms of all errors has, and the run's own estimates. Force and contact radius
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere, Sweep, Trace
 from validation.measure.observables import observe
-from validation.reference.tracking import Options, solve
+from validation.reference.path import Options, solve
 from validation.studies.orders import fitted_slope
 
 WORK = math.pi * 1.6e-4
@@ -27,7 +27,7 @@ WORK = math.pi * 1.6e-4
 ZONE = 0.013
 """Process-zone length, over ``R``."""
 RESOLUTIONS = (4, 8, 16, 32)
-"""Steps per process zone."""
+"""Other words for tolerances, which fall with their squares."""
 FINEST = 96
 """Resolution of the run that errors are measured against."""
 MOMENTS = np.linspace(0.06, 0.96, 11)
@@ -133,7 +133,7 @@ def levels(
 
 
 def order(accuracies: list[AccuracyLevel], name: str, finest: int = FINEST) -> float:
-    """Order in the step: slope of the straight line through the logarithms of the errors of all levels.
+    """Order in the resolution: slope of the straight line through the logarithms of the errors of all levels.
 
     A value may be right by chance, but not be known to be: errors count as no less than what the ``finest``
     run leaves open, that is the worst error of the last level reduced by second order."""

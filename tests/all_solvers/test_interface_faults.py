@@ -31,12 +31,13 @@ def timed(factor):
 
 SPEED, TAKEN = "speed twice too large", "energy taken up a tenth too large"
 AT_REST, FORGOTTEN, TWICE = "zone as at rest", "enhancement forgotten", "enhancement at twice the speed"
-FAULTS = table("reference", "validation.reference.tracking", [
-    (SPEED, "edge_path:PolynomialPath.end_slope", times(2.0), RATED),
-    (f"{SPEED}, steadily", "edge_path:PolynomialPath.end_slope", times(2.0), STEADY_RATE),
-    (TAKEN, "interface_work:taken_at", times(1.1), RATED),
-    ("zone a tenth too long", "cohesive_zone:zone_at", times(1.1), STRESS),
-    (AT_REST, "law:Griffith.zone_at", lambda true: lambda self, *given: self.zone_length, STEADY_STRESS),
+FAULTS = table("reference", "validation.reference.path", [
+    (SPEED, "trial:Trial.speed", times(2.0), RATED),
+    (f"{SPEED}, steadily", "trial:Trial.speed", times(2.0), STEADY_RATE),
+    (TAKEN, "energies:_taken_up", times(1.1), RATED),
+    ("zone a tenth too long", "cohesive_zone:zone_length", times(1.1), STRESS),
+    (AT_REST, "trial:Trial.zone_at_stress", lambda true: lambda self, *given: self.zone_at_rest,
+     STEADY_STRESS),
     (FORGOTTEN, "rheology:rheology", timed(1e-4), STEADY_RATE),
     (TWICE, "rheology:rheology", timed(2.0), STEADY_STRESS),
 ])  # fmt: skip

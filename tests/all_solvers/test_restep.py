@@ -35,8 +35,9 @@ from contact_scene import (
 )
 from fem_solver.stepping import NodeReleaseRun
 from validation import solvers
-from validation.reference import tracking as reference
-from validation.reference.tracking.problem import FrontProblem
+from validation.reference import path as reference
+from validation.reference.path.polynomials import DEGREE
+from validation.reference.path.tracker import Tracker
 
 TIMES = (0.0, 0.05, 0.35)  # of profiles: the start, within the approach, within the oscillation
 TWO = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(3.75, 1.0)))
@@ -94,7 +95,7 @@ def twice(monkeypatch):
     """Every step of every solver is preceded by a vain one; counts them."""
     vain = {"bem": 0, "fem": 0, "reference": 0}
     share = shares()
-    result, trial, new_trial = TrialStep.result, NodeReleaseRun.trial_step, FrontProblem.trial
+    result, node_trial, trial = TrialStep.result, NodeReleaseRun.trial_step, Tracker.trial
 
     def bem_result(self):
         left = self.interval.length - self.state.parameter
@@ -105,25 +106,22 @@ def twice(monkeypatch):
 
     def fem_trial(self, segment, dt, end):
         longer = next(share) * dt
-        trial(self, segment, longer, min(self.time + longer, segment.end))
+        node_trial(self, segment, longer, min(self.time + longer, segment.end))
         vain["fem"] += 1
-        return trial(self, segment, dt, end)
+        return node_trial(self, segment, dt, end)
 
-    def front_trial(self, state, segment, travel=0.0):
-        left = segment.end - state.time
-        duration = min(next(share) * 1e-2 * left, left)
-        trial = new_trial(self, state, segment, travel)
-        a0 = state.surface.radius
-        if a0 > 0.0:
-            edge = trial.stable_edge(duration, a0, max(0.9 * a0, self.condition.smallest_radius), 1.1 * a0)
-            trial.surface_at(duration, edge.radius)
+    def front_trial(self, radius, s, order=DEGREE):
+        elsewhere = self.state.radius + next(share) * (radius - self.state.radius)
+        tried = trial(self, max(elsewhere, self.least_radius), s, order)
+        _, end = self.residual(tried, self.state.parameter + next(share) * self.h * self.T)
+        tried.state_after(end)
         vain["reference"] += 1
-        return new_trial(self, state, segment, travel)
+        return trial(self, radius, s, order)
 
     def put():
         monkeypatch.setattr(TrialStep, "result", bem_result)
         monkeypatch.setattr(NodeReleaseRun, "trial_step", fem_trial)
-        monkeypatch.setattr(FrontProblem, "trial", front_trial)
+        monkeypatch.setattr(Tracker, "trial", front_trial)
         return vain
 
     return put

@@ -31,11 +31,9 @@ from validation.measure.observables import Observables, measure, observe
 from validation.measure.scaling import scale
 from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone
+from validation.reference.path import Options, solve, solver
+from validation.reference.path.estimate import estimated_errors
 from validation.reference.path.rheology import Rheology
-from validation.reference.tracking import Options, problem, solve
-from validation.reference.tracking.energy import branch_power
-from validation.reference.tracking.estimate import estimated_errors
-from validation.reference.tracking.recorder import Recorder
 
 
 @cache
@@ -51,14 +49,17 @@ def _run(speed: float, resolution: int | None = None, material: str = "one") -> 
 def _with_branch_power(material: str) -> tuple[Trace, list[tuple[float, float]]]:
     """The finer run of a cycle, and what the branches dissipate at every row, from the fields."""
     power: list[tuple[float, float]] = []
-    add = Recorder.add
+    accepted = solver.Run._accepted
 
-    def add_power(self, time, surface, force):  # type: ignore[no-untyped-def]
-        power.append((time, branch_power(surface, self.body)))
-        add(self, time, surface, force)
+    def add_power(run, trial, arrival, state, s):  # type: ignore[no-untyped-def]
+        rheology = run.recorder.body.rheology
+        held = state.held_squares / (rheology.moduli * rheology.times)
+        free = state.free_squares / (rheology.compliances * rheology.retardation)
+        power.append((state.time, 2.0 * float(held.sum() + free.sum())))
+        accepted(run, trial, arrival, state, s)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Recorder, "add", add_power)
+        patch.setattr(solver.Run, "_accepted", add_power)
         return solve(cycle(0.02, material), Options(resolution=32)), power
 
 
@@ -114,20 +115,18 @@ def test_check_values_of_the_cycles(speed: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("resolution", "accuracy", "height"),
-    [(8, 1e-5, 1e-7), pytest.param(16, 1.5e-6, 1e-8, marks=pytest.mark.slow)],
+    ("resolution", "accuracy"), [(8, 1e-5), pytest.param(16, 1.5e-6, marks=pytest.mark.slow)]
 )
-def test_the_largest_tension_is_where_its_derivative_vanishes(
-    resolution: int, accuracy: float, height: float
-) -> None:
-    """The force is flat there: its largest row says little about where, rows beside it show how little."""
+def test_the_largest_tension_is_where_its_derivative_vanishes(resolution: int, accuracy: float) -> None:
+    """The force is flat there: its largest row says little about where, and the run says how little."""
     trace = _solved(_elastic(0.75), resolution)
     exact, got = FiniteZone(1.0, 1.0, WORK, ZONE).pull_off_force_control(), _seen(trace)
     assert got.pull_off_radius == pytest.approx(exact.contact_radius, rel=accuracy)
     assert got.pull_off_penetration == pytest.approx(exact.penetration, rel=4.0 * accuracy)
-    assert got.pull_off_force == pytest.approx(-exact.force, rel=height)
-    row = int(np.argmin(trace.force))
-    assert np.ptp(trace.contact_radius[row - 1 : row + 2]) < 1e-3 * exact.contact_radius
+    assert got.pull_off_force == pytest.approx(-exact.force, rel=1e-7)
+    (event,) = trace.located
+    assert abs(event.contact_radius - exact.contact_radius) < event.uncertainty[3]
+    assert event.uncertainty[3] < 1e-3 * exact.contact_radius
 
 
 def test_steps_of_an_elastic_contact_do_not_depend_on_the_process_zone() -> None:
@@ -137,7 +136,7 @@ def test_steps_of_an_elastic_contact_do_not_depend_on_the_process_zone() -> None
     assert trace.counters.steps < 1.1 * _solved(_elastic(0.75), None).counters.steps
     elastic, got = FiniteZone(1.0, 1.0, WORK, zone), _seen(trace)
     exact, last = elastic.pull_off_force_control(), elastic.pull_off_penetration_control()
-    assert got.pull_off_force == pytest.approx(-exact.force, rel=1e-8)
+    assert got.pull_off_force == pytest.approx(-exact.force, rel=2e-7)
     assert got.pull_off_radius == pytest.approx(exact.contact_radius, rel=2e-6)
     assert got.detachment_penetration == pytest.approx(last.penetration, rel=1e-8)
     for row in range(0, len(trace) - 40, 20):
@@ -151,7 +150,7 @@ def test_the_deepest_row_of_an_oscillation_is_its_first_peak() -> None:
     oscillating = Loading("relaxed", 0.032, (Oscillate(1e-3, 2.0, 8.0),))
     seen = observe(solve(replace(_elastic(0.75), loading=oscillating), Options(resolution=4)))
     exact = FiniteZone(1.0, 1.0, WORK, ZONE).at_penetration(0.033)
-    assert seen.approach_time == pytest.approx(0.25 * math.pi, rel=1e-12)
+    assert seen.approach_time == pytest.approx(0.25 * math.pi, rel=1e-8)
     assert seen.approach_penetration == pytest.approx(0.033, rel=1e-12)
     assert seen.approach_force == pytest.approx(exact.force, rel=1e-5)
 
@@ -159,7 +158,7 @@ def test_the_deepest_row_of_an_oscillation_is_its_first_peak() -> None:
 @pytest.mark.slow
 def test_rounding_does_not_choose_the_steps_under_a_constant_force(monkeypatch: pytest.MonkeyPatch) -> None:
     """Differences of a force that is constant are rounding: no step may follow from them."""
-    exact = problem.rheology
+    exact = solver.rheology
 
     def perturbed(material: Material) -> Rheology:
         moduli = exact(material)
@@ -169,7 +168,7 @@ def test_rounding_does_not_choose_the_steps_under_a_constant_force(monkeypatch: 
     pulled = Loading("relaxed", 0.032, (Force(-8.0 * F_JKR, 0.25),))
     dead_load = Scene(ONE, Sphere(1.0), pulled, STICKY)
     once = solve(dead_load, Options(resolution=4))
-    monkeypatch.setattr(problem, "rheology", perturbed)
+    monkeypatch.setattr(solver, "rheology", perturbed)
     again = solve(dead_load, Options(resolution=4))
     assert again.counters == once.counters
     before, after = observe(once).as_dict(), observe(again).as_dict()
@@ -239,18 +238,12 @@ def test_estimates_from_two_runs() -> None:
         }
 
     fine, coarse = columns(1.0, 2.0), columns(1.03, 2.3)
-    found = estimated_errors(fine, coarse, 2.0, True)
-    assert found["pull_off_force"] == found["loop_energy"] == pytest.approx(0.03)
-    assert found["detachment_time"] == pytest.approx(0.05)
-    assert found["detachment_penetration"] == found["loop_energy"]
-    agreeing = estimated_errors(fine, columns(1.03, 2.0), 2.0, True)
-    assert agreeing["detachment_time"] == agreeing["loop_energy"] == pytest.approx(0.03)
-    held = estimated_errors(fine, coarse)
-    assert "detachment_time" not in held
-    # a run with two thirds of the steps shows a third of the error, of a curve five ninths
-    less = estimated_errors(fine, coarse, 1.5)
-    assert less["loop_energy"] == pytest.approx(2.0 * held["loop_energy"])
-    assert less["force"] == pytest.approx(2.4 * held["force"])
+    found = estimated_errors(fine, coarse, True)
+    assert found["loop_energy"] == pytest.approx(0.03)
+    assert found["pull_off_force"] >= 0.03
+    assert found["detachment_time"] == pytest.approx(0.15)
+    assert found["detachment_penetration"] == pytest.approx(0.075)
+    assert "detachment_time" not in estimated_errors(fine, coarse)
     # works that agree at the end differed at the kink
     coarse["external_work"][-1] = fine["external_work"][-1]
     assert estimated_errors(fine, coarse)["loop_energy"] == pytest.approx(0.015)
@@ -283,9 +276,7 @@ OWN_SCENES = {
 
 @pytest.mark.parametrize(
     "name",
-    _slow_unless(
-        {"cone-pull"}, [*(n for n in scenes.suite("quick") if not n.startswith("bulk")), *OWN_SCENES]
-    ),
+    _slow_unless({"cone-pull"}, [*scenes.suite("quick"), *OWN_SCENES]),
 )
 def test_no_estimate_is_below_the_true_difference(name: str) -> None:
     """From a run with a quarter of the step; loop energies were 13 times, of tables 670 times off."""
@@ -367,7 +358,7 @@ def test_energy_columns() -> None:
     trace = _run(0.02, 8)
     area = math.pi * trace.contact_radius**2
     loss = trace.external_work + WORK * (area - area[0]) - (trace.stored_energy - trace.stored_energy[0])
-    np.testing.assert_allclose(trace.dissipated_energy, loss, atol=1e-15)
+    np.testing.assert_allclose(trace.dissipated_energy, loss, atol=1e-8 * loss.max())
     assert trace.external_work[-1] == pytest.approx(_seen(trace).loop_energy, rel=2e-5)
     assert np.diff(trace.dissipated_energy).min() > -1e-4 * trace.dissipated_energy[-1]
     tip = trace.extra["stress_intensity_factor"][:-1] ** 2 / (2.0 * 10.0)

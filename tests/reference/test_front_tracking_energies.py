@@ -1,4 +1,4 @@
-"""Energies of front tracking: they do not depend on where its steps end."""
+"""Energies of the reference: they do not depend on the times that are asked for."""
 
 import math
 from dataclasses import replace
@@ -10,8 +10,7 @@ import pytest
 from contact_scene import Adhesion, Branch, Loading, Material, Oscillate, PowerLaw, Scene, Trace
 from validation.cases import load
 from validation.measure.observables import observe
-from validation.reference.tracking import Options, hermite, solve
-from validation.reference.tracking.row_integrals import integrals
+from validation.reference.path import Options, solve
 
 PERIODS, FREQUENCY = 2.8, 60.0
 EDGE_CROSSES_ITS_FIRST_PLACE = Scene(
@@ -40,24 +39,6 @@ def test_asked_times_do_not_change_the_energies(stops: int, name: str) -> None:
     trace = _run(stops)
     column = trace.extra[name] if name in trace.extra else getattr(trace, name)
     assert column[-1] == pytest.approx(FINE[name], rel=5e-4)
-
-
-@pytest.mark.parametrize("behind", [1e-3, 3e-6])
-def test_a_force_that_bends_where_an_edge_sets_off_does_the_work_of_its_two_lines(behind: float) -> None:
-    """An edge whose speed follows a law sets off within a thousandth of the step before."""
-    depth = np.array([0.0, 0.2, 0.4, 0.6, 0.6 + behind, 0.6 + 2.0 * behind, 0.6 + 4.0 * behind])
-    force = np.where(depth < 0.6, 2.0 * depth, 1.2 - (depth - 0.6))
-    assert integrals(depth, force, depth, [0, 6]).sum() == pytest.approx(np.trapezoid(force, depth), rel=1e-5)
-
-
-def test_squares_are_integrated_along_the_interpolated_field() -> None:
-    """Nodes that are exact for a parabola are exact for its square."""
-    x = np.array([0.0, 0.1, 0.25, 0.6, 1.0])
-    y = 1.0 + x**2
-    found = hermite.integral_of(x, y, lambda y, _: y**2, hermite.slopes(x, y))
-    assert found == pytest.approx(1.0 + 2.0 / 3.0 + 0.2, rel=1e-14)
-    even = np.ones((5, 2))
-    assert hermite.integral_of(x, even, lambda y, at: at * y.sum(axis=1), 0.0 * even) == pytest.approx(1.0)
 
 
 @pytest.mark.slow

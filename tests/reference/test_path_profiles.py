@@ -1,4 +1,4 @@
-"""Surface profiles of the reference: closed forms, the force under them, today's reference."""
+"""Surface profiles of the reference: closed forms."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from contact_scene import Adhesion, Branch, Cone, FlatPunch, Hold, Loading, Material, Scene, Sphere
-from validation.cases import load
 from validation.reference import subsurface
 from validation.reference.path.fields import Passages
 from validation.reference.path.options import Options
@@ -17,8 +16,6 @@ from validation.reference.path.rheology import Body, rheology
 from validation.reference.path.solver import solve
 from validation.reference.path.state import start_state
 from validation.reference.sneddon import transform
-from validation.reference.tracking.options import Options as Todays
-from validation.reference.tracking.solver import solve as solve_today
 
 
 @pytest.mark.parametrize("indenter", [Sphere(1.0), Cone(70.0)])
@@ -50,22 +47,3 @@ def test_a_contact_of_two_ages_is_two_punches():
     p += np.where(r < inner, (held[0] - held[1]) / np.sqrt(np.abs(inner**2 - r**2)), 0.0)
     assert pressed.pressure[:-1] == pytest.approx(p / np.pi, rel=1e-7)
     assert within.sum() > 50
-
-
-@pytest.mark.parametrize("name", ["cycle-v0.02", "pdms-retraction-1um", "afm-si"])
-def test_profiles_are_those_of_today(name):
-    """Away from the edge, whose place is off by the tolerance, and from where fields jump: F, p, u, g."""
-    scene = load(name).scene
-    lost = float(solve(scene).time[-1])
-    times = tuple(share * lost for share in (0.3, 0.6, 0.9))
-    mine = solve(scene, Options(tolerance=1e-6, profile_times=times)).profiles
-    today = solve_today(scene, Todays(resolution=16, profile_times=times)).profiles
-    assert [one.time for one in mine] == list(times)
-    for one, other in zip(mine, today, strict=True):
-        assert one.contact_radius == pytest.approx(other.contact_radius, rel=1e-6)
-        size = 0.98 * one.contact_radius
-        within, beyond = one.radius < size, one.radius > 1.02 * one.contact_radius
-        p = np.interp(one.radius[within], other.radius, other.pressure)
-        assert np.median(np.abs(one.pressure[within] - p)) < 1e-5 * np.abs(p).max()
-        g = np.interp(one.radius[beyond], other.radius, other.gap)
-        assert np.median(np.abs(one.gap[beyond] - g)) < 1e-5 * g.max()

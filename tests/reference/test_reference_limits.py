@@ -29,7 +29,7 @@ from contact_scene import (
     TabulatedProfile,
 )
 from validation.reference import jkr, punch_oscillation, sneddon
-from validation.reference import tracking as reference
+from validation.reference import path as reference
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
 from validation.reference.ting import Ting

@@ -14,8 +14,8 @@ from support.paper_scenes import ONE, THREE, WORK
 
 import bem_solver
 from contact_scene import Adhesion, Loading, Ramp, Scene, Sphere
+from validation.reference import path as reference
 from validation.reference import steady_crack
-from validation.reference import tracking as reference
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 

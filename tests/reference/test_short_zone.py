@@ -21,8 +21,8 @@ from validation.cases import load
 from validation.measure.observables import observe
 from validation.measure.scaling import unit_sizes
 from validation.reference.jkr import JKR
+from validation.reference.path import Options, solve
 from validation.reference.prony_integrals import relaxation_integral
-from validation.reference.tracking import Options, solve
 
 SLOW = pytest.mark.slow
 SOURCE = "equation of motion of the edge of a short zone"

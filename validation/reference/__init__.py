@@ -1,1 +1,1 @@
-"""Reference solutions: front tracking for any scene (``tracking``), closed forms for special ones."""
+"""Reference solutions: the path of the edge for any scene (``path``), closed forms for special ones."""

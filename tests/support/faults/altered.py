@@ -15,7 +15,7 @@ from support.faults.injection import by, changed, table
 
 from contact_scene import Branch, Cone, Force, ForceRamp, Hold, Scene, Step, Table, TabulatedProfile, Trace
 
-ENTRANCES = {"bem": "bem_solver", "fem": "fem_solver", "reference": "validation.reference.tracking"}
+ENTRANCES = {"bem": "bem_solver", "fem": "fem_solver", "reference": "validation.reference.path"}
 """Package whose ``solver.solve`` takes the scene."""
 AsScene = Callable[[Scene], Scene]
 AsTrace = Callable[[Scene, Trace], Trace]

@@ -42,7 +42,7 @@ FAULTS += table("fem", "fem_solver", [
     (WHOLE, "trigger:step_to_level", lambda true: lambda run, segment, trigger, dt, contact: (
         contact if true(run, segment, trigger, dt, contact) is not None else None), "level"),
 ])  # fmt: skip
-FAULTS += table("reference", "validation.reference.tracking", [
-    (WHOLE, "step_to_level:step_to_level", lambda true: lambda trigger, state, passing, _: (passing, True),
-     "level"),
+FAULTS += table("reference", "validation.reference.path", [
+    (WHOLE, "events:to_level", lambda true: lambda tracker, planned, correction: (
+        true(tracker, planned, correction) and correction), "level"),
 ])  # fmt: skip

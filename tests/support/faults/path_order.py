@@ -10,15 +10,16 @@ but takes minutes; the same test sees them at once.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from support.faults.injection import gives, table, takes, times
 
 
-def _rows(count):
-    """Through so many rows only."""
-    return takes(rows=lambda rows: replace(rows, times=rows.times[:count], values=rows.values[:count]))
+def _three_kept(true):
+    def append(self, *row):
+        true(self, *row)
+        self.table = self.table[-3:]
+
+    return append
 
 
 ONE_LESS, ONE_KEPT = "path through one row less", "one row less kept for the path"
@@ -36,11 +37,10 @@ FAULTS += table("fem", "fem_solver.following", [
      gives(lambda share: np.where(share > 0.0, 1.0, 0.0))),
     ("nodes passed 1 % too early", "path:EdgePolynomial.passed", times(0.99)),
 ])  # fmt: skip
-FAULTS += table("reference", "validation.reference.tracking", [
-    ("points passed 1 % too early", "edge_path:PolynomialPath.passing", times(0.99)),
-    (ONE_LESS, "edge_path:path_family", _rows(-1)),
-    ("parabolic path", "edge_path:path_family", _rows(2)),
-    ("straight path", "edge_path:path_family", _rows(1)),
-    (ONE_KEPT, "step_history:StepHistory.extrapolation",
-     takes(self=lambda history: replace(history, rows=history.rows[-3:]))),
+FAULTS += table("reference", "validation.reference.path", [
+    ("points passed 1 % too early", "polynomials:inverse", times(0.99)),
+    (ONE_LESS, "path:Rows.segment", takes(order=lambda order: order - 1)),
+    ("parabolic path", "path:Rows.segment", takes(order=lambda _: 2)),
+    ("straight path", "path:Rows.segment", takes(order=lambda _: 1)),
+    (ONE_KEPT, "path:Rows.append", _three_kept),
 ])  # fmt: skip

@@ -1,0 +1,186 @@
+"""The parts of the reference against definitions, brute force and independent integrators."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.linalg import expm
+
+from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
+from validation.reference.path.closure import closure
+from validation.reference.path.estimate import estimated_errors
+from validation.reference.path.memory import PATH_AT_NODES, Ramp, collocation
+from validation.reference.path.polynomials import inverse
+from validation.reference.path.rheology import rheology
+from validation.reference.path.root import bracketed
+from validation.reference.sneddon import transform
+
+RADII = np.linspace(0.0, 1.0, 41)
+SHAPES = [
+    Sphere(2.0),
+    Cone(75.0),
+    FlatPunch(3.0),
+    PowerLaw(2.7, 0.4),
+    TabulatedProfile((0.0, 0.2, 0.5, 1.0), (0.0, 0.01, 0.3, 0.5)),
+]
+SPREAD = Material(0.75, 0.3, (Branch(2.0, 1e-3), Branch(1.0, 1.0), Branch(0.5, 1.5), Branch(3.0, 1e4)))
+
+
+def _kinks(shape: Indenter, x: float) -> list[float]:
+    table = shape.radii if isinstance(shape, TabulatedProfile) else ()
+    return [math.asin(r / x) for r in table if 0.0 < r < x]
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.shape)
+@pytest.mark.parametrize("x", [0.1, 0.37, 1.4])
+def test_transform_is_its_integral(shape: Indenter, x: float) -> None:
+    ends = [0.0, *_kinks(shape, x), 0.5 * math.pi]
+    pieces = [
+        quad(lambda angle: float(shape.slope(x * math.sin(angle))), a, b, epsabs=1e-13)[0]
+        for a, b in pairwise(ends)
+    ]
+    assert float(transform(shape)(np.array(x))) == pytest.approx(x * sum(pieces), rel=1e-10, abs=1e-14)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.shape)
+def test_integral_of_transform(shape: Indenter) -> None:
+    g = transform(shape)
+    ends = [0.0, 0.2, 0.5, 0.9]
+    total = sum(quad(lambda x: float(g(np.array(x))), a, b, epsabs=1e-13)[0] for a, b in pairwise(ends))
+    assert g.integral(0.9) == pytest.approx(total, rel=1e-8, abs=1e-14)
+
+
+def test_transform_of_a_tabulated_paraboloid() -> None:
+    g = transform(TabulatedProfile(tuple(RADII), tuple(RADII**2 / 2.0)))
+    x = np.array([0.0, 0.1, 0.33, 0.77])
+    np.testing.assert_allclose(g(x), x**2, atol=1e-12)
+
+
+def test_both_representations_are_one_material() -> None:
+    law = rheology(SPREAD)
+    rng = np.random.default_rng(7)
+    branches, strain = rng.normal(size=(5, 4)) * law.moduli, rng.normal(size=5)
+    units = law.release(branches, strain)
+    q = law.stress(branches, strain)
+    np.testing.assert_allclose(strain, q / law.glassy + units.sum(axis=1), rtol=1e-10)
+    back = units @ law.branches_of_units + np.outer(q, law.moduli) / law.glassy
+    np.testing.assert_allclose(back, branches, rtol=1e-9, atol=1e-12)
+    creep_energy = 0.5 * q**2 / law.glassy + law.stored_outside(units)
+    np.testing.assert_allclose(law.stored_in_contact(branches, strain), creep_energy, rtol=1e-10)
+
+
+@pytest.mark.parametrize("span", [1e-4, 0.3, 40.0, 1e5])
+def test_free_recovery_is_exact_for_any_length(span: float) -> None:
+    """Against the branch equations with ``q = 0`` as a constraint, by the exponential of their matrix."""
+    law = rheology(SPREAD)
+    start = np.array([0.3, -0.2, 0.5, 0.1]) * law.moduli
+    strain = -start.sum() / law.relaxed
+    units = law.release(start[None, :], np.array([strain]))[0]
+
+    # q = 0: E0 w' + sum b' = 0 with b' = -b/tau + E w', hence w' = sum(b/tau)/glassy
+    matrix = np.outer(law.moduli, 1.0 / law.times) / law.glassy - np.diag(1.0 / law.times)
+    exact = expm(span * matrix) @ start
+    later = units * np.exp(-span / law.retardation)
+    np.testing.assert_allclose(later @ law.branches_of_units, exact, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(later.sum(), -exact.sum() / law.relaxed, rtol=1e-6, atol=1e-9)
+
+
+def test_covering_and_releasing_are_glassy() -> None:
+    law = rheology(SPREAD)
+    covered = law.cover(np.zeros((1, 4)), np.array([0.2]))
+    np.testing.assert_allclose(covered[0], 0.2 * law.moduli)
+    np.testing.assert_allclose(law.release(covered, np.array([0.2])), 0.0, atol=1e-12)
+
+
+def test_a_collapse_that_comes_a_little_later_is_no_error_of_its_curve() -> None:
+    """A thousand rows of a nearly vertical fall, later by a thousandth of it."""
+    fall = np.linspace(1.0, 0.0, 1000)
+    columns = [
+        {
+            "time": np.concatenate(([0.0], 1.0 + later - 1e-5 * fall)),
+            "force": np.concatenate(([0.0], fall)),
+            "contact_radius": np.concatenate(([1.0], fall)),
+            "external_work": np.concatenate(([0.0], 1.0 - fall)),
+        }
+        for later in (0.0, 1e-4)
+    ]
+    errors = estimated_errors(*columns)
+    assert errors["force"] == pytest.approx(1e-4, rel=0.15)
+    assert errors["contact_radius"] == pytest.approx(1e-4, rel=0.15)
+
+
+@pytest.mark.parametrize("pull", [0.0, 1e-17, 1e-10])
+def test_rounding_where_contact_without_adhesion_ends_is_no_tension(pull: float) -> None:
+    """Its error would be relative to nothing: 91 for -1.9e-17, and the largest of all estimates."""
+    columns = [
+        {
+            "time": np.linspace(0.0, 1.0, 5),
+            "force": np.array([1.0, 0.75, 0.5, 0.25, -tension]),
+            "contact_radius": np.ones(5),
+            "external_work": np.linspace(0.0, 1.0, 5),
+        }
+        for tension in (pull, 300.0 * pull)
+    ]
+    errors = estimated_errors(*columns)
+    assert "pull_off_force" not in errors
+    assert max(errors.values()) < 1e-6
+    columns[0]["force"][-1] = -0.5
+    columns[1]["force"][-1] = -0.53
+    assert estimated_errors(*columns)["pull_off_force"] == pytest.approx(0.06)
+
+
+@pytest.mark.parametrize(("ratio", "accuracy"), [(0.05, 1e-10), (0.2, 1e-10), (0.5, 1e-6)])
+def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> None:
+    """The double integral over ``q'``, before integration by parts, for the smooth fields of a sphere."""
+    a, depth = 0.2, 0.03
+    da = ratio * a
+    here = closure(a, da, da * np.linspace(0.0, 1.0, 17))
+    got = here.integral(depth - (a - da + here.s) ** 2, (a + here.s) ** 2 - depth)
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+    ring = np.cos(math.pi * (np.arange(60) + 0.5) / 60)
+
+    def kernel(x: float, y: float) -> float:
+        r = 0.5 * (x + y - da) + 0.5 * (x - y + da) * ring
+        return math.pi * float(np.mean(1.0 / np.sqrt((x + r) * (r + da + y))))
+
+    total = 0.0
+    for s, weight in zip(nodes, weights, strict=True):
+        y = a + da * s
+        width = a + da - y
+        inner = sum(
+            w * width * (-2.0 * (y - da + width * u)) * kernel(y - da + width * u, y)
+            for u, w in zip(nodes, weights, strict=True)
+        )
+        total += weight * da * (y * y - depth) * (-(depth - a * a) * kernel(a, y) + inner)
+    assert got == pytest.approx(2.0 / math.pi**2 * total / (2.0 * da), rel=accuracy)
+
+
+@pytest.mark.parametrize("time", [1e-6, 0.03, 1.0, 1e4])
+def test_memory_by_collocation_is_that_of_a_ramp(time: float) -> None:
+    times, memory, clock = np.array([time]), np.array([0.3]), np.array([0.0, 0.5, 0.4, 0.1, 0.0])
+    exact = Ramp(times, clock, memory, 0.1, 0.7).end
+    end = collocation(times, clock, memory, 0.1, 0.7 * (PATH_AT_NODES @ clock), np.zeros(9)).motion().end
+    assert end[1] == pytest.approx(exact[1], rel=1e-12)
+    assert end[0][0] == pytest.approx(exact[0][0], rel=1e-6, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    "way", [[0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0, 0.0], [0.0, 2.0, -1.0, 0.0, 0.0]]
+)
+def test_inverse_of_a_path_that_may_turn_at_an_end(way: list[float]) -> None:
+    u = np.linspace(0.0, 1.0, 11)
+    rise = sum(coefficient * u**order for order, coefficient in enumerate(way))
+    assert inverse(np.array(way), rise) == pytest.approx(u, abs=1e-7)
+
+
+def test_a_bracketed_root() -> None:
+    def steep(x: float) -> float:
+        return math.expm1(30.0 * (x - 0.31))
+
+    assert bracketed(steep, 0.0, 1.0) == pytest.approx(0.31, abs=1e-15)
+    assert bracketed(steep, 0.31, 1.0) == 0.31
+    with pytest.raises(ValueError, match="no change of sign"):
+        bracketed(steep, 0.4, 1.0)
