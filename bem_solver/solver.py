@@ -63,7 +63,7 @@ def refusal(scene: Scene) -> UnsupportedScene | None:
     return UnsupportedScene(
         "material.bulk",
         "the boundary elements assume a constant Poisson's ratio",
-        "no bulk key, or --solver fem",
+        "no bulk key, or --solver reference or fem",
     )
 
 
