@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -26,7 +26,8 @@ from numpy.typing import ArrayLike, NDArray
 from contact_scene import FlatPunch, Indenter, Sphere, TabulatedProfile
 
 Array = NDArray[np.float64]
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_POINTS, _WEIGHTS = 0.5 * (_POINTS + 1.0), 0.5 * _WEIGHTS
 
 
 def shape_factor(exponent: float) -> float:
@@ -51,6 +52,10 @@ class Transform(Protocol):
         """``int_0^x G = int_0^x f'(r) sqrt(x^2 - r^2) dr``."""
         ...
 
+    def squared(self, x: float) -> float:
+        """``int_0^x G^2``."""
+        ...
+
 
 @dataclass(frozen=True)
 class PowerTransform:
@@ -67,6 +72,10 @@ class PowerTransform:
 
     def integral(self, x: float) -> float:
         return self.coefficient * x ** (self.exponent + 1.0) / (self.exponent + 1.0)
+
+    def squared(self, x: float) -> float:
+        g = self.coefficient * x**self.exponent
+        return g * g * x / (2.0 * self.exponent + 1.0)
 
 
 @dataclass(frozen=True)
@@ -98,6 +107,21 @@ class PiecewiseTransform:
         c0, c1, c2 = self.changes
         total = 0.5 * c0 @ (x * x * angle - r * root) + c1 @ root**3 / 3.0
         return float(total + 0.125 * c2 @ (x**4 * angle - r * (2.0 * r * r - x * x) * root))
+
+    def squared(self, x: float) -> float:
+        if x <= 0.0:
+            return 0.0
+        last = int(np.searchsorted(self.knots, x)) - 1
+        return float(self._squared_at_knots[last] + self._squared_between(self.knots[last], np.array(x)))
+
+    @cached_property
+    def _squared_at_knots(self) -> Array:
+        return np.append(0.0, self._squared_between(self.knots[:-1], self.knots[1:]).cumsum())
+
+    def _squared_between(self, low: Array, high: Array) -> Array:
+        """By Gauss: ``G`` is smooth between knots."""
+        width = high - low
+        return width * (self(low[..., None] + width[..., None] * _POINTS) ** 2 @ _WEIGHTS)
 
     @staticmethod
     def _beyond(r: Array, x: Array | float) -> tuple[Array, Array]:
@@ -234,12 +258,9 @@ def stored_energy(
     float
         Energy.
     """
-    ends = np.linspace(0.0, contact_radius, 9)
-    if isinstance(indenter, TabulatedProfile):
-        ends = np.unique([0.0, *(r for r in indenter.radii if r < contact_radius), contact_radius])
-    half = 0.5 * np.diff(ends)[:, None]
-    x = ends[:-1, None] + half * (1.0 + _NODES)
-    return float(plane_modulus * np.sum(half * _WEIGHTS * (penetration - depth(indenter, x)) ** 2))
+    g = transform(indenter)
+    strained = penetration * (penetration * contact_radius - 2.0 * g.integral(contact_radius))
+    return plane_modulus * (strained + g.squared(contact_radius))
 
 
 def pressure(indenter: Indenter, r: ArrayLike, contact_radius: float, plane_modulus: float) -> Array:

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from validation.reference.path import events
 from validation.reference.path.polynomials import DEGREE
-from validation.reference.path.step import Correction, Fixed, Kind, Plan
-from validation.reference.path.tracker import RESIDUAL, Tracker
+from validation.reference.path.tracker import RESIDUAL, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]

@@ -33,7 +33,6 @@ from validation.reference.path.trial import Arrival, Trial
 Array = NDArray[np.float64]
 _POINTS, _WEIGHTS = gauss(8)
 _QUARTERS = np.linspace(0.0, 1.0, 5)
-_EVEN, _EVEN_WEIGHTS = (_QUARTERS[:-1, None] + 0.25 * _POINTS).ravel(), np.tile(0.25 * _WEIGHTS, 4)
 
 QUANTITIES = (
     "time",
@@ -56,24 +55,20 @@ _SIZE = 2 * COLLOCATION + 1
 def stored_energy(body: Body, state: State) -> float:
     """``U``, both sides of the edge."""
     rheology = body.rheology
-    strain = state.radius * float(_EVEN_WEIGHTS @ (state.depth - body.transform(state.radius * _EVEN)) ** 2)
+    elastic = rheology.relaxed * body.strain_squared(state.depth, state.radius)
     branches = float((state.held_squares / rheology.moduli).sum())
-    return rheology.relaxed * strain + branches + float((state.free_squares / rheology.compliances).sum())
+    return elastic + branches + float((state.free_squares / rheology.compliances).sum())
 
 
 def stored_when_free(body: Body, state: State) -> float:
     """``U`` right after all contact is lost: the whole contact released at once."""
-    rheology = body.rheology
-
     edges = state.edges_between(0.0, state.radius)
     breaks = np.unique(np.concatenate((state.radius * _QUARTERS, edges)))
     width = np.diff(breaks)[:, None]
     x = (breaks[:-1, None] + width * _POINTS).ravel()
-    G = body.transform(x)
-    _, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
-    units = rheology.release(carried + rheology.moduli * state.memory, state.depth - G)
+    units = body.rheology.release(*state.in_contact(body, x))
     squares = (width * _WEIGHTS).ravel() @ units**2 + state.free_squares
-    return float((squares / rheology.compliances).sum())
+    return float((squares / body.rheology.compliances).sum())
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,14 @@ Elastic fields are ``q = E* (D - G)`` behind the edge and ``d = G - D`` ahead, w
 the rubber, so that penetration and radius say all. Where the stage is given, not the penetration,
 ``D + F/k = X`` with ``F = 2 E* (a D - int_0^a G)``. The edge has closed: among the radii that satisfy its
 condition the run starts from the outermost at which the release rate rises outwards. Without adhesion the
-radius is that of ``G(a) = D``.
+radius is that of ``G(a) = D``. Of the relaxed contact without adhesion are also the scales of a run.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +22,10 @@ from contact_scene.errors import SceneError
 from contact_scene.scene import zone_too_long
 from validation.reference.path.closure import BASE, closure
 from validation.reference.path.cohesive_zone import LONGEST, zone_length
+from validation.reference.path.fields import untouched
 from validation.reference.path.rheology import Body
 from validation.reference.path.root import bracketed
+from validation.reference.path.state import State
 
 Array = NDArray[np.float64]
 
@@ -120,6 +123,26 @@ def elastic_start(scene: Scene, body: Body) -> Start | None:
     return Start(depth_at(radius), radius)
 
 
+def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:
+    """The elastic contact of that radius on a surface never touched before, glassy or relaxed."""
+    rheology = body.rheology
+    moduli = rheology.moduli if glassy else 0.0 * rheology.moduli
+    whole = depth * radius - body.transform.integral(radius)
+    return State(
+        parameter=0.0,
+        time=0.0,
+        depth=depth,
+        radius=radius,
+        force=2.0 * (rheology.relaxed + float(moduli.sum())) * whole,
+        memory=np.zeros_like(moduli),
+        surface=untouched(radius, 0.0, moduli * depth, -moduli),
+        held=moduli * whole,
+        held_squares=moduli**2 * body.strain_squared(depth, radius),
+        free_squares=np.zeros_like(moduli),
+        kinks=(radius,),
+    )
+
+
 def touching_radius(body: Body, depth: float, rim: float) -> float:
     """Radius of the adhesionless elastic contact, ``G(a) = D``; that of the rim at most."""
     return _rising(lambda a: body.shape(a) - depth, rim)
@@ -183,3 +206,68 @@ def _outermost(residual: Callable[[float], float], radii: list[float]) -> float 
             return bracketed(residual, low, above)
         outer, at_outer, above, at_above = above, at_above, radius, value
     return None
+
+
+# what a scene asks for ---
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Largest radius, penetration and force that a scene asks for."""
+
+    radius: float
+    depth: float
+    force: float
+
+
+def scales(scene: Scene, body: Body, start: State) -> Scales:
+    """As if the contact were relaxed and without adhesion, or as it begins, whichever is larger.
+
+    Where nothing is ever touched any length is one.
+    """
+    edge = scene.indenter.edge
+    deepest, hardest = _largest_load(scene, body)
+    radius = (
+        max(start.radius, touching_radius(body, deepest, edge), pressed_radius(body, hardest, edge)) or 1.0
+    )
+    shape = body.shape(radius)
+    depth = max(abs(start.depth), abs(deepest), shape, _depth_under(body, hardest, edge)) or 1.0
+    weight = 2.0 * body.rheology.relaxed * (depth * radius - body.transform.integral(radius))
+    return Scales(radius, depth, max(abs(start.force), weight, hardest))
+
+
+def _largest_load(scene: Scene, body: Body) -> tuple[float, float]:
+    """Largest penetration and largest force that the loading prescribes.
+
+    A stage presses with the relaxed contact under it; a level that ends a load step bounds it.
+    """
+    loading, edge = scene.loading, scene.indenter.edge
+    depth = deepest = loading.penetration
+    force = hardest = 0.0
+    for step in loading.steps:
+        segment = loading.segment(step, 0.0, depth, force)
+        largest, last = step.largest(segment), segment.value(segment.end)
+        if segment.control == "force":
+            hardest, force = max(hardest, largest), last
+            continue
+        if segment.control == "stage":
+            soft = 2.0 * body.rheology.relaxed * segment.compliance
+            radius = staged_radius(body, largest, segment.compliance, edge)
+            pressed = (largest + soft * body.transform.integral(radius)) / (1.0 + soft * radius)
+            last = largest = pressed if radius > 0.0 else depth
+        trigger = segment.trigger
+        if trigger is not None and trigger.quantity == "force":
+            hardest, force = max(hardest, trigger.level), trigger.level
+            last = largest = min(largest, _depth_under(body, trigger.level, edge))
+        elif trigger is not None and trigger.quantity == "radius":
+            last = largest = min(largest, body.shape(min(trigger.level, edge)))
+        deepest, depth = max(deepest, largest), last
+    return deepest, hardest
+
+
+def _depth_under(body: Body, force: float, edge: float) -> float:
+    """Penetration of the adhesionless relaxed contact under a force."""
+    radius = pressed_radius(body, force, edge)
+    if radius == 0.0:
+        return 0.0
+    return float((0.5 * force / body.rheology.relaxed + body.transform.integral(radius)) / radius)

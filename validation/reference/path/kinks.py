@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.rheology import total
-from validation.reference.path.state import Body, State
+from validation.reference.path.rheology import Body, total
+from validation.reference.path.state import State
 
 Array = NDArray[np.float64]
 NEARBY = 0.02

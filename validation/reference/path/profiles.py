@@ -57,28 +57,11 @@ def profile(body: Body, indenter: Indenter, state: State) -> SurfaceProfile:
     )
 
 
-def stress(body: Body, state: State, x: Array) -> Array:
-    """``q`` at radii in contact."""
-    G, carried = _carried(body, state, x)
-    return body.rheology.stress(carried + body.rheology.moduli * state.memory, state.depth - G)
-
-
-def opening(body: Body, state: State, y: Array) -> Array:
-    """``d`` at free radii."""
-    G, carried = _carried(body, state, y)
-    return total(carried) - (state.depth - G)
-
-
-def _carried(body: Body, state: State, x: Array) -> tuple[Array, Array]:
-    rheology, G = body.rheology, body.transform(x)
-    return G, state.surface.at(x, G, state.time, rheology.times, rheology.retardation)[1]
-
-
 def pressure(body: Body, state: State, radius: Array) -> Array:
     """``p(r)`` for ``0 <= r < a``, shape (m,); positive in compression."""
     a = state.radius
     breaks = _breaks(body, state, 0.0, a)
-    width, q = np.diff(breaks), _panels(lambda x: stress(body, state, x), breaks)
+    width, q = np.diff(breaks), _panels(lambda x: body.rheology.stress(*state.in_contact(body, x)), breaks)
     slopes = _ORDERS[1:, None] * q[1:] / width
     jumps = np.append(q[0, 1:], 0.0) - q.sum(axis=0)  # at the outer end of each panel
 
@@ -98,7 +81,12 @@ def gap(body: Body, state: State, radius: Array) -> Array:
     """``g(r)`` for ``r >= a``, shape (m,)."""
     a, far = state.radius, float(radius.max())
     breaks = _breaks(body, state, a, far)
-    width, d = np.diff(breaks), _panels(lambda y: opening(body, state, y), breaks)
+
+    def opening(y: Array) -> Array:
+        G, carried = state.carried(body, y)
+        return total(carried) - (state.depth - G)
+
+    width, d = np.diff(breaks), _panels(opening, breaks)
 
     def at(r: float) -> float:
         last = int(breaks.searchsorted(r))

@@ -39,11 +39,11 @@ from validation.reference.path.energies import (
     stored_energy,
     stored_when_free,
 )
+from validation.reference.path.equilibrium import Scales
 from validation.reference.path.memory import COLLOCATION
 from validation.reference.path.polynomials import derivative, horner, inverse, powers
 from validation.reference.path.rheology import Body
 from validation.reference.path.root import bracketed
-from validation.reference.path.scales import Scales
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
 
@@ -102,11 +102,8 @@ class Recorder:
         """The state from which a run starts."""
         stored, stress = stored_energy(self.body, state), 0.0
         if state.radius > 0.0:
-            x, rheology = np.array([state.radius]), self.body.rheology
-            G = self.body.transform(x)
-            _, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
-            branches = carried + rheology.moduli * state.memory
-            stress = float(rheology.stress(branches, state.depth - G)[0])
+            at_edge = state.in_contact(self.body, np.array([state.radius]))
+            stress = float(self.body.rheology.stress(*at_edge)[0])
         self._add([[state.time, state.depth, state.radius, state.force, stored, 0.0, 0.0, 0.0, stress]])
         if state.time in self.wanted:
             self.seen(state)

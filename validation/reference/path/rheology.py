@@ -85,6 +85,11 @@ class Body:
         """``G`` at one radius."""
         return float(self.transform(np.array([radius]))[0])
 
+    def strain_squared(self, depth: float, radius: float) -> float:
+        """``int_0^a (D - G)^2 dx``."""
+        transform = self.transform
+        return depth * (depth * radius - 2.0 * transform.integral(radius)) + transform.squared(radius)
+
 
 def total(variables: Array) -> Array:
     """Sum over branches or units (m, n) of each point: ten times as fast as ``sum`` on so short an axis."""

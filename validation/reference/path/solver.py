@@ -37,17 +37,15 @@ from contact_scene.run_control import (
 from validation.reference.path import events
 from validation.reference.path.continuation import Continuation
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.equilibrium import elastic_start
+from validation.reference.path.equilibrium import elastic_start, scales, start_state
 from validation.reference.path.estimate import COARSER, estimated_errors
 from validation.reference.path.legs import Leg, Level, jump, timed_legs
 from validation.reference.path.options import Options
 from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
 from validation.reference.path.rheology import Body, rheology
-from validation.reference.path.scales import scales
-from validation.reference.path.state import State, start_state
-from validation.reference.path.step import Kind
-from validation.reference.path.tracker import SMALL_PART
+from validation.reference.path.state import State
+from validation.reference.path.tracker import SMALL_PART, Kind
 from validation.reference.path.trial import Arrival, Trial
 from validation.reference.sneddon import transform
 

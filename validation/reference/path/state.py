@@ -10,14 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path.closure import BASE
-from validation.reference.path.fields import Passages, untouched
-from validation.reference.path.polynomials import gauss
+from validation.reference.path.fields import Passages
 from validation.reference.path.rheology import Body
 
-__all__ = ["Body", "State", "start_state"]
-
 Array = NDArray[np.float64]
-_POINTS, _WEIGHTS = gauss(8)
 GRADED, GRADING = 1.5, 8.0
 """First cut from the end of a long step, in zones, and ratio of the distances of the next ones."""
 LAYER = 2e-3
@@ -52,6 +48,16 @@ class State:
     layer: float = math.inf
     kinks: tuple[float, ...] = ()
     corners: tuple[float, ...] = ()
+
+    def carried(self, body: Body, x: Array) -> tuple[Array, Array]:
+        """``G`` at radii (m,), and what they carry (m, n)."""
+        rheology, G = body.rheology, body.transform(x)
+        return G, self.surface.at(x, G, self.time, rheology.times, rheology.retardation)[1]
+
+    def in_contact(self, body: Body, x: Array) -> tuple[Array, Array]:
+        """Branch forces (m, n) and strain (m,) at radii in contact."""
+        G, carried = self.carried(body, x)
+        return carried + body.rheology.moduli * self.memory, self.depth - G
 
     @cached_property
     def _marks(self) -> Array:
@@ -117,28 +123,3 @@ class State:
         count = math.ceil(math.log(thickest / self.layer) / math.log(GRADING))
         depth = thickest * GRADING ** -np.arange(1.0, count + 1.0)
         return np.concatenate((near, zone - depth, both[1] - depth))
-
-
-def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:
-    """The elastic contact of that radius on a surface never touched before, glassy or relaxed."""
-    rheology = body.rheology
-    moduli = rheology.moduli if glassy else 0.0 * rheology.moduli
-    breaks = radius * np.array([0.0, 0.02, 0.1, 0.3, 0.6, 1.0])
-    width = np.diff(breaks)
-    x = (breaks[:-1, None] + width[:, None] * _POINTS).ravel()
-    weight = (width[:, None] * _WEIGHTS).ravel()
-    strain = depth - body.transform(x)
-    whole = depth * radius - body.transform.integral(radius)
-    return State(
-        parameter=0.0,
-        time=0.0,
-        depth=depth,
-        radius=radius,
-        force=2.0 * (rheology.relaxed + float(moduli.sum())) * whole,
-        memory=np.zeros_like(moduli),
-        surface=untouched(radius, 0.0, moduli * depth, -moduli),
-        held=moduli * whole,
-        held_squares=moduli**2 * float(weight @ strain**2),
-        free_squares=np.zeros_like(moduli),
-        kinks=(radius,),
-    )

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
@@ -16,11 +17,12 @@ from numpy.typing import NDArray
 
 from validation.reference.path import kinks
 from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.equilibrium import start_state
 from validation.reference.path.legs import Leg, Level
 from validation.reference.path.path import Rows
 from validation.reference.path.polynomials import DEGREE
-from validation.reference.path.state import Body, State, start_state
-from validation.reference.path.step import Fixed
+from validation.reference.path.rheology import Body
+from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
@@ -42,6 +44,56 @@ SMALL_PART = 0.1
 """Scales of radius and penetration, in the largest of the run."""
 RESIDUAL = 1e-12
 """At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
+
+
+class Kind(StrEnum):
+    """What a step came to."""
+
+    NONE = ""
+    REJECTED = "rejected"
+    END = "end of the leg"
+    LEVEL = "level"
+    CORNER = "corner"
+    TURN = "turn"
+    DEPARTURE = "departure"
+    TOWARDS = "towards a fold"
+    FOLD = "fold"
+    LEAST = "smallest radius"
+    RIM = "rim"
+    LOST = "lost"
+
+
+class Fixed(StrEnum):
+    """What a step ends at."""
+
+    RADIUS = "radius"
+    LOAD = "load"
+    REST = "rest"
+
+
+@dataclass
+class Plan:
+    """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and its slopes there.
+
+    ``after``: the first step beyond a corner, in the last one.
+    """
+
+    h: float
+    z: Array
+    tangent: Array
+    fixed: Fixed
+    event: Kind = Kind.NONE
+    after: float = 1.0
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A step that satisfies the edge condition, by how much it was mispredicted, and its arclength."""
+
+    trial: Trial
+    arrival: Arrival
+    error: float
+    s: float
 
 
 @dataclass

@@ -28,8 +28,8 @@ from validation.reference.path.memory import (
 )
 from validation.reference.path.path import Segment
 from validation.reference.path.polynomials import horner, inverse, powers
-from validation.reference.path.rheology import total
-from validation.reference.path.state import GRADING, Body, State
+from validation.reference.path.rheology import Body, total
+from validation.reference.path.state import GRADING, State
 
 Array = NDArray[np.float64]
 
@@ -132,7 +132,7 @@ class Trial:
         """Points behind and ahead of the end; those that change sides are all on one side."""
         edge = self.radius  # a point that rounds onto it is in contact, as in the table
         x = np.concatenate((np.minimum(behind, edge), np.maximum(ahead, np.nextafter(edge, np.inf))))
-        G, carried = self._carried(x)
+        G, carried = self.state.carried(self.body, x)
         sides = []
         for side, moves in (
             (slice(0, len(behind)), self.direction > 0.0),
@@ -146,11 +146,6 @@ class Trial:
             sides.append(Points(x[side], G[side], carried[side], passed, u_powers))
         return sides[0], sides[1]
 
-    def _carried(self, x: Array) -> tuple[Array, Array]:
-        state, rheology = self.state, self.body.rheology
-        G = self.body.transform(x)
-        return G, state.surface.at(x, G, state.time, rheology.times, rheology.retardation)[1]
-
     @cached_property
     def swept(self) -> tuple[fields.Sweep, Points]:
         """The points that a moving edge passes, and the ends, in the entries they will be kept in."""
@@ -161,7 +156,7 @@ class Trial:
         swept = fields.sweep(self.state.radius, self.segment.way, cuts)
         u_powers = powers(swept.u, COLLOCATION)
         x = np.maximum(swept.x, np.nextafter(min(self.radius, self.state.radius), np.inf))
-        return swept, Points(x, *self._carried(x), np.arange(len(x)), u_powers)
+        return swept, Points(x, *self.state.carried(self.body, x), np.arange(len(x)), u_powers)
 
     # an end ---
 
@@ -287,7 +282,7 @@ class Trial:
         if self.direction == 0.0:
             u = np.concatenate(([0.0], fields.NODES, [1.0]))
             x = np.full(len(u), self.radius)
-            points = Points(x, *self._carried(x), np.arange(len(x)), powers(u, COLLOCATION))
+            points = Points(x, *self.state.carried(self.body, x), np.arange(len(x)), powers(u, COLLOCATION))
         else:
             swept, points = self.swept
             u = swept.u
