@@ -136,6 +136,14 @@ def course(
     return Course(coefficients, u, stress)
 
 
+def force_slope(body: Body, law: EdgeLaw, trial: Trial, arrival: Arrival) -> float:
+    """``dF/du`` at the end of a step."""
+    changes = arrival.motion.clock, arrival.motion.depth_slope(), trial.segment.way
+    arriving = (float(change @ np.arange(len(change))) for change in changes)
+    q = float(trial.edge_stress(arrival)[1][-1])
+    return _slopes(body, law, trial.state_after(arrival), q, *arriving)[0]
+
+
 def _parabola(first: Array, end: Array, before: tuple[float, Array] | None) -> Array:
     """Slopes (2, m) at both ends of the parabola through them and a row before; of the chord without one."""
     chord = end - first

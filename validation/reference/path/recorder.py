@@ -36,6 +36,7 @@ from validation.reference.path.energies import (
     WORK,
     Course,
     course,
+    force_slope,
     stored_energy,
     stored_when_free,
 )
@@ -66,7 +67,7 @@ _AT_CENTRES = powers(np.sin(0.5 * math.pi * (np.arange(CELLS) + 0.5) / CELLS) **
 CURVED = 12.0
 """Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
 NARROW = 3e-3
-"""Accuracy of the place of an extremum in its step: the force is off by the square."""
+"""Part of a step within which the dense path knows an extremum; the force is off by the square."""
 LEAST_SLOPE = 1e-13
 """Change over a step, in the largest of a run, below which an extremum is rounding."""
 LEAST_AREA_CHANGE = 1e-6
@@ -135,11 +136,11 @@ class Recorder:
             rows[u.searchsorted(at), TIME] = stop
             if stop in self.wanted:
                 self.seen(replace(self._state(trial, arrival, at), time=stop) if at < 1.0 else state)
-        for at, (kind, apart) in marked.items():
+        for at, (kind, apart, height) in marked.items():
             row = rows[u.searchsorted(at)]
             if kind in (PRESSED, PULLED):  # no polynomial goes beyond it
                 limit = np.minimum if kind == PRESSED else np.maximum
-                rows[:-1, FORCE] = limit(rows[:-1, FORCE], row[FORCE])
+                row[FORCE], rows[:-1, FORCE] = height, limit(rows[:-1, FORCE], height)
             self._mark(kind, row, self._spread(way, at, apart))
         self._add(rows)
 
@@ -217,9 +218,9 @@ class Recorder:
         part, p = trial.part(u, arrival)
         return part.state_after(part.arrive(p))
 
-    def _extrema(self, trial: Trial, arrival: Arrival, way: Course) -> dict[float, tuple[str, float]]:
-        """Extrema of penetration and force within a step: their kinds, and how far off they are in ``u``."""
-        found: dict[float, tuple[str, float]] = {}
+    def _extrema(self, trial: Trial, arrival: Arrival, way: Course) -> dict[float, tuple[str, float, float]]:
+        """Extrema of penetration and force within a step: kind, how far off it is in ``u``, and the force."""
+        found: dict[float, tuple[str, float, float]] = {}
         coefficients = way.coefficients
         ends = np.array([coefficients[1], np.arange(len(coefficients)) @ coefficients])
         if ends[:, TIME].min() < 0.0:  # rounding of a shortest step, or past a limit point
@@ -229,40 +230,29 @@ class Recorder:
             if first * last >= 0.0 or min(abs(first), abs(last)) < LEAST_SLOPE * largest:
                 continue
             slope = derivative(coefficients[:, column])
-            at = bracketed(partial(_value, slope), 0.0, 1.0, 1e-12)
+            at = bracketed(partial(_value, slope), 0.0, 1.0)
             if column == DEPTH:
-                found[at] = DEEPEST if first > 0.0 else "", 1e-12
+                found[at] = DEEPEST if first > 0.0 else "", 0.0, math.nan
             elif trial.leg.control != "force":
-                exact = self._extremum(trial, arrival, way, at)
-                found[exact] = PRESSED if first > 0.0 else PULLED, max(abs(exact - at), NARROW)
+                exact, height = self._extremum(trial, arrival, at)
+                found[exact] = PRESSED if first > 0.0 else PULLED, max(abs(exact - at), NARROW), height
         return found
 
-    def _extremum(self, trial: Trial, arrival: Arrival, way: Course, at: float) -> float:
-        """The extremum of the force on the dense path, which the course is made to have."""
-        foreseen = float(way.at(np.array([at]))[0, FORCE])
-        ends = way.at(np.array([0.0, 1.0]))[:, FORCE]
+    def _extremum(self, trial: Trial, arrival: Arrival, foreseen: float) -> tuple[float, float]:
+        """Place and height of an extremum of the force on the dense path."""
 
-        def force(u: float) -> float:
+        def dense(u: float) -> tuple[Trial, Arrival]:
             part, p = trial.part(u, arrival)
-            end = part.arrive(p)
-            return part.force(end.motion, end.duration)
+            return part, part.arrive(p)
 
-        u = at
-        for apart in (0.1, 0.02):  # by parabolas
-            middle = min(max(u, apart), 1.0 - apart)
-            before, here, after = (force(middle + shift) for shift in (-apart, 0.0, apart))
-            bend = before - 2.0 * here + after
-            vertex = middle + 0.5 * apart * (before - after) / bend if bend else at
-            u = min(max(vertex, NARROW), 1.0 - NARROW)
-        height = force(u)
-        beyond = abs(foreseen - ends).min() + abs(ends[1] - ends[0])
-        if not abs(height - foreseen) <= beyond:  # rounding of a step too short for a dense path
-            return at
-        lift = (height - float(way.at(np.array([u]))[0, FORCE])) / (u * (1.0 - u)) ** 2
-        way.coefficients[2:5, FORCE] += lift * np.array(
-            [1.0, -2.0, 1.0]
-        )  # keeps values and slopes at the ends
-        return u
+        def slope(u: float) -> float:
+            return force_slope(self.body, self.law, *dense(u))
+
+        ends, at = (0.5 * foreseen, 0.5 * (1.0 + foreseen)), foreseen
+        if slope(ends[0]) * slope(ends[1]) < 0.0:  # else a step too short for a dense path
+            at = bracketed(slope, *ends, NARROW**2)
+        part, end = dense(at)
+        return at, part.force(end.motion, end.duration)
 
     @staticmethod
     def _spread(way: Course, at: float, apart: float) -> Array:
