@@ -64,15 +64,11 @@ def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correct
     if excess(correction.trial, correction.arrival)[0] < 0.0:
         return correction
 
-    def dense(u: float) -> tuple[Trial, Arrival]:
-        part, p = correction.trial.part(u, correction.arrival)
-        return part, part.arrive(p)
-
     def along(u: float) -> float:
-        return excess(*dense(u))[0]
+        return excess(*correction.trial.part(u, correction.arrival))[0]
 
     at = bracketed(along, 1e-9, 1.0, 1e-13) if along(1e-9) < 0.0 < along(1.0) else 1.0
-    part, end = dense(at)
+    part, end = correction.trial.part(at, correction.arrival)
     planned.event = excess(part, end)[1]
     last = tracker.rows.last[0]
     return replace(correction, trial=part, arrival=end, s=last + at * (correction.s - last))

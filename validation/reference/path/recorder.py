@@ -135,7 +135,8 @@ class Recorder:
         for at, stop in stops.items():
             rows[u.searchsorted(at), TIME] = stop
             if stop in self.wanted:
-                self.seen(replace(self._state(trial, arrival, at), time=stop) if at < 1.0 else state)
+                part, end = trial.part(at, arrival)
+                self.seen(replace(part.state_after(end), time=stop) if at < 1.0 else state)
         for at, (kind, apart, height) in marked.items():
             row = rows[u.searchsorted(at)]
             if kind in (PRESSED, PULLED):  # no polynomial goes beyond it
@@ -212,12 +213,6 @@ class Recorder:
         found = dict(zip(inverse(clock, inside - trial.state.time).tolist(), inside.tolist(), strict=True))
         return found | ({1.0: state.time} if state.time in self.wanted else {})
 
-    @staticmethod
-    def _state(trial: Trial, arrival: Arrival, u: float) -> State:
-        """The state on the dense path."""
-        part, p = trial.part(u, arrival)
-        return part.state_after(part.arrive(p))
-
     def _extrema(self, trial: Trial, arrival: Arrival, way: Course) -> dict[float, tuple[str, float, float]]:
         """Extrema of penetration and force within a step: kind, how far off it is in ``u``, and the force."""
         found: dict[float, tuple[str, float, float]] = {}
@@ -241,17 +236,13 @@ class Recorder:
     def _extremum(self, trial: Trial, arrival: Arrival, foreseen: float) -> tuple[float, float]:
         """Place and height of an extremum of the force on the dense path."""
 
-        def dense(u: float) -> tuple[Trial, Arrival]:
-            part, p = trial.part(u, arrival)
-            return part, part.arrive(p)
-
         def slope(u: float) -> float:
-            return force_slope(self.body, self.law, *dense(u))
+            return force_slope(self.body, self.law, *trial.part(u, arrival))
 
         ends, at = (0.5 * foreseen, 0.5 * (1.0 + foreseen)), foreseen
         if slope(ends[0]) * slope(ends[1]) < 0.0:  # else a step too short for a dense path
             at = bracketed(slope, *ends, NARROW**2)
-        part, end = dense(at)
+        part, end = trial.part(at, arrival)
         return at, part.force(end.motion, end.duration)
 
     @staticmethod

@@ -395,21 +395,13 @@ class Trial:
             else state.layer,
         )
 
-    def part(self, u: float, arrival: Arrival) -> tuple[Trial, float]:
-        """The step cut off at ``u``, without closure, and its load parameter: a point of the dense path."""
+    def part(self, u: float, arrival: Arrival) -> tuple[Trial, Arrival]:
+        """The step cut off at ``u``, without closure, and its end: a point of the dense path."""
         rise = arrival.parameter - self.state.parameter
         segment = self.segment.cut(u, rise, arrival.free)
-        trial = Trial(
-            self.body,
-            self.state,
-            self.leg,
-            segment,
-            self.zone,
-            self.cohesive,
-            self.zone_at_rest,
-            closed=False,
-        )
-        return trial, self.state.parameter + float(segment.parameter.sum())
+        zones = self.zone, self.cohesive, self.zone_at_rest
+        trial = Trial(self.body, self.state, self.leg, segment, *zones, closed=False)
+        return trial, trial.arrive(self.state.parameter + float(segment.parameter.sum()))
 
     def speed(self, arrival: Arrival) -> float:
         """``da/dt`` at the end."""
