@@ -20,15 +20,13 @@ from numpy.typing import NDArray
 
 from validation.reference.path import kinks
 from validation.reference.path.root import bracketed
-from validation.reference.path.tracker import Correction, Fixed, Kind, Plan, Tracker
+from validation.reference.path.tracker import FIRST_STEP, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 
 MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
-FIRST_STEP = 1e-3
-"""Way of an edge that sets off, in zones."""
 AFTER_TURN = 0.1
 """First step after a turn, in the step before."""
 AT_TURN = 0.3

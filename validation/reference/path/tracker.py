@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from validation.reference.path import kinks
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.equilibrium import start_state
+from validation.reference.path.equilibrium import pressed_radius, start_state, touching_radius
 from validation.reference.path.legs import Leg, Level
 from validation.reference.path.path import Rows
 from validation.reference.path.polynomials import DEGREE
@@ -40,6 +40,8 @@ LOST_FORCE = 1e-12
 """Force without adhesion, in the largest, at which contact is lost."""
 LEAST_CHANGE = 1e-9
 """Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
+FIRST_RADIUS = 1e-2
+"""Least radius of the first step of a new contact, in the scale of the radius."""
 SMALL_PART = 0.1
 """Scales of radius and penetration, in the largest of the run."""
 RESIDUAL = 1e-12
@@ -153,7 +155,7 @@ class Tracker:
     @property
     def still(self) -> float:
         """Travel that changes nothing an edge can see."""
-        return STILL * (self.law.zone or 1e-3 * self.L_run)
+        return STILL * self.least_scale
 
     def trial(self, radius: float, s: float, order: int = DEGREE) -> Trial:
         """The step from here to a radius."""
@@ -206,14 +208,11 @@ class Tracker:
             self.rows.table[-1, 4] = self.law.tip
             self.restart()
             return
-        transform, leg = self.body.transform, self.leg
-        deepest = LEAST_CHANGE * self.depth / SMALL_PART
-        a = self.L_run
-        while float(transform(np.array([0.5 * a]))[0]) > deepest and a > 1e-2 * self.L_run:
-            a *= 0.5
-        load = depth = float(transform(np.array([a]))[0])
+        leg, deepest = self.leg, LEAST_CHANGE * self.depth / SMALL_PART
+        a = min(max(touching_radius(self.body, deepest, self.law.rim), FIRST_RADIUS * self.L_run), self.L_run)
+        load = depth = self.body.shape(a)
         if leg.control == "force":
-            load = 2.0 * self.body.rheology.glassy * (a * depth - transform.integral(a))
+            load = 2.0 * self.body.rheology.glassy * (a * depth - self.body.transform.integral(a))
         change = abs(leg.value(leg.end) - leg.value(leg.start)) or load
         p = (leg.end - leg.start) * min(load / change, 1.0)
         self.T_first, self.L = max(2.0 * p, 1e-300) if leg.timed else SMALL_PART, a
@@ -296,12 +295,7 @@ class Tracker:
     @cached_property
     def _vanishing(self) -> float:
         """Radius of an elastic contact whose force is lost in the rounding of the largest."""
-        transform, radius = self.body.transform, self.L_run / SMALL_PART
-
-        def force(a: float) -> float:
-            return a * float(transform(np.array([a]))[0]) - transform.integral(a)
-
-        a, largest = radius, force(radius)
-        while a > 1e-6 * self.L_run and force(a) > LOST_FORCE * largest:
-            a *= 0.8
-        return a
+        body, radius = self.body, self.L_run / SMALL_PART
+        largest = radius * body.shape(radius) - body.transform.integral(radius)
+        least = 2.0 * body.rheology.relaxed * LOST_FORCE * largest
+        return max(pressed_radius(body, least, self.law.rim), STILL * self.L_run)
