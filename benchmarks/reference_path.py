@@ -22,8 +22,7 @@ import numpy as np
 from benchmarks.random_scenes import random_scene
 from contact_scene import Scene, Trace
 from validation.cases import load
-from validation.reference.path.options import DEFAULT_TOLERANCE, Options
-from validation.reference.path.solver import solve
+from validation.reference.path.solver import DEFAULT_TOLERANCE, Options, solve
 from validation.scenes import names
 
 FINE = 32

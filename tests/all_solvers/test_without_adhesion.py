@@ -229,7 +229,7 @@ def test_the_tips_that_are_plane():
 MODULES = {
     "bem": "bem_solver.solver",
     "fem": "fem_solver.solver",
-    "reference": "validation.reference.path.solver",
+    "reference": "validation.reference.path.run",
 }
 
 

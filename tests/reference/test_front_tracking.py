@@ -32,8 +32,8 @@ from validation.measure.scaling import scale
 from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.path import Options, solve, solver
-from validation.reference.path.estimate import estimated_errors
 from validation.reference.path.rheology import Rheology
+from validation.reference.path.solver import estimated_errors
 
 
 @cache

@@ -37,8 +37,7 @@ from contact_scene.errors import SceneError
 from validation.cases import load
 from validation.reference import prony_integrals, sneddon
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.path.options import Options
-from validation.reference.path.solver import solve
+from validation.reference.path.solver import Options, solve
 from validation.reference.ting import Ting
 
 COARSE = Options(resolution=4)

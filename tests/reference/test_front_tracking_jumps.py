@@ -28,8 +28,7 @@ from contact_scene import (
 from validation.reference import sneddon
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-from validation.reference.path.options import Options
-from validation.reference.path.solver import solve
+from validation.reference.path.solver import Options, solve
 
 COARSE = Options(resolution=4)
 

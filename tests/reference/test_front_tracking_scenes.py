@@ -31,8 +31,7 @@ from contact_scene import (
     Trace,
 )
 from validation.measure.observables import observe
-from validation.reference.path.options import Options
-from validation.reference.path.solver import solve
+from validation.reference.path.solver import Options, solve
 from validation.reference.ting import Ting
 
 PUNCH = FlatPunch(0.2)

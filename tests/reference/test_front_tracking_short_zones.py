@@ -35,8 +35,7 @@ from validation.measure.observables import observe
 from validation.reference import steady_crack
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
-from validation.reference.path.options import Options
-from validation.reference.path.solver import solve
+from validation.reference.path.solver import Options, solve
 
 SLOW = pytest.mark.slow
 DEFAULT_ERROR = 1e-5

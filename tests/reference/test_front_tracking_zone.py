@@ -9,8 +9,7 @@ from contact_scene.loading import Step
 from contact_scene.material import Material
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.path.closure import closure
-from validation.reference.path.options import Options
-from validation.reference.path.solver import solve
+from validation.reference.path.solver import Options, solve
 from validation.reference.sneddon import transform
 
 LONG_ZONE = 0.2

@@ -11,9 +11,9 @@ from benchmarks.reference_path import measures, of_trace, scene_of
 from contact_scene import Adhesion, Branch, OutcomeKind, Table
 from validation.cases import load
 from validation.reference.path.fields import NODES, WEIGHTS
-from validation.reference.path.options import Options
 from validation.reference.path.path import Segment
-from validation.reference.path.solver import Run, solve
+from validation.reference.path.run import Run
+from validation.reference.path.solver import DEFAULT_TOLERANCE, Options, solve
 from validation.reference.path.trial import Trial
 
 
@@ -23,7 +23,7 @@ from validation.reference.path.trial import Trial
 )
 def test_an_accepted_row_satisfies_the_next_step(name, near, monkeypatch):
     """The residual does not change when fields come from the table: else it is noise that steps shrink by."""
-    run, worst, record = Run(scene_of(name)), [], Run._accepted
+    run, worst, record = Run(scene_of(name), DEFAULT_TOLERANCE), [], Run._accepted
 
     def checked(run, trial, arrival, state, s):
         record(run, trial, arrival, state, s)

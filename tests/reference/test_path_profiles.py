@@ -11,10 +11,9 @@ from contact_scene import Adhesion, Branch, Cone, FlatPunch, Hold, Loading, Mate
 from validation.reference import subsurface
 from validation.reference.path.equilibrium import start_state
 from validation.reference.path.fields import Passages
-from validation.reference.path.options import Options
 from validation.reference.path.profiles import profile
 from validation.reference.path.rheology import Body, rheology
-from validation.reference.path.solver import solve
+from validation.reference.path.solver import Options, solve
 from validation.reference.sneddon import transform
 
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from contact_scene import Scene, Trace
 from validation.reference.path import Options, solve
-from validation.reference.path.options import DEFAULT_RESOLUTION
+from validation.reference.path.solver import DEFAULT_RESOLUTION
 from validation.solvers.base import REFERENCE, RunOptions, Solver
 
 

@@ -53,7 +53,7 @@ def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correct
         found = [(-math.inf, Kind.NONE)]
         if level is not None:
             force = trial.force(arrival.motion, arrival.duration)
-            found.append((level.excess(arrival.depth, force, trial.radius), Kind.LEVEL))
+            found.append((level(arrival.depth, force, trial.radius), Kind.LEVEL))
         if trial.cohesive:
             zone = trial.zone_at_stress(arrival.motion, arrival.duration)
             found.append((zone / trial.radius - FILLED, Kind.LEAST))

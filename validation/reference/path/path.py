@@ -1,21 +1,51 @@
-"""Rows of a run since the last kink, and the polynomials of ``u`` in [0, 1] through them and one more.
+"""What a step goes along: a leg of the load, the rows since the last kink, and polynomials through them.
 
-A row is ``(s, p, t, D, a, F)``: arclength, load parameter, time, penetration, radius, force. The load
-parameter is the time while the load moves in time, and the share of a jump while time stands. Arclength is
-the length of the chords in the plane of ``p/T`` and ``a/L``; when the scales change only chords do, segments
-stay as they are.
+Over a leg the load is smooth in one parameter: the time, or, while time stands and the load jumps, the share
+of the jump. A row is ``(s, p, t, D, a, F)``: arclength, load parameter, time, penetration, radius, force.
+Arclength is the length of the chords in the plane of ``p/T`` and ``a/L``; when the scales change only chords
+do, segments stay as they are.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene.loading import Control
 from validation.reference.path.polynomials import DEGREE, ORDERS, powers
 
 Array = NDArray[np.float64]
+
+
+AT_ONCE = 1e-9
+"""Of a leg: what sets the indenter going later finds it at rest."""
+
+
+@dataclass(frozen=True)
+class Leg:
+    """From parameter ``start`` to ``end``; ``rate``: of a penetration that is linear in time."""
+
+    control: Control
+    value: Callable[[float], float]
+    start: float
+    end: float
+    timed: bool
+    rate: float | None = None
+    compliance: float = 0.0
+
+    @property
+    def free(self) -> bool:
+        """Whether the penetration follows from the balance of forces."""
+        return self.control != "penetration"
+
+    @property
+    def presses(self) -> bool:
+        """Whether an indenter that is at the surface, and free of load, is pressed on from the start."""
+        soon = self.start + AT_ONCE * (self.end - self.start)
+        return self.control == "force" or self.value(soon) > 0.0
 
 
 @dataclass(frozen=True)

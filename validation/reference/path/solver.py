@@ -1,57 +1,98 @@
-"""``solve(scene, options) -> Trace``: the load steps of a scene, leg by leg, along the path of the edge.
+"""``solve(scene, options) -> Trace``, with estimates of its errors.
 
 Signs and units are the scene's: penetration and pressure positive downwards and in compression.
+
+**Error estimates** are what a run differs by from a second one at ten times the tolerance. The second run is
+the worse of the two, about by the ratio of the tolerances: the difference is its error, and so bounds that of
+the first. Scalars of two runs can agree by accident; curves cannot. The pull-off is therefore held to be no
+better than the curves are in the mean, and the loss of contact, at a limit point where the time is
+stationary, no better than the force is at half the rows. A curve ends no better than when contact is lost.
+
+A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
+equal times is no error. So curves are compared by their distance in a plane where time and value both count
+relative to their ranges; the second run has a row at each time of the first.
 """
 
 from __future__ import annotations
 
-import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import (
-    COLUMNS,
-    Counters,
-    Outcome,
-    OutcomeKind,
-    RunMonitor,
-    Scene,
-    Segment,
-    SurfaceProfile,
-    Trace,
-)
-from contact_scene.loading import pieces
-from contact_scene.machine import machine_columns
-from contact_scene.run_control import (
-    LoadingCursor,
-    below_zone_outcome,
-    budget_outcome,
-    interruption,
-    outcome_of_loss,
-    single_threaded,
-)
-from validation.reference.path import events
-from validation.reference.path.continuation import Continuation
-from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.equilibrium import elastic_start, scales, start_state
-from validation.reference.path.estimate import COARSER, estimated_errors
-from validation.reference.path.legs import Leg, Level, jump, timed_legs
-from validation.reference.path.options import Options
-from validation.reference.path.profiles import profile
-from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
-from validation.reference.path.rheology import Body, rheology
-from validation.reference.path.state import State
-from validation.reference.path.tracker import SMALL_PART, Kind
-from validation.reference.path.trial import Arrival, Trial
-from validation.reference.sneddon import transform
+from contact_scene import COLUMNS, OutcomeKind, RunMonitor, Scene, Trace
+from contact_scene.run_control import MAX_STEPS, moments, single_threaded, whole_number
+from contact_scene.value_checks import number
+from validation.reference.path.run import Run
 
 Array = NDArray[np.float64]
+Columns = Mapping[str, Array]
 NAME = "reference"
-NO_STABLE_CONTACT = "no stable contact is left"
+DEFAULT_RESOLUTION = 16
+"""Resolution of the default tolerance."""
+DEFAULT_TOLERANCE = 1e-5
+"""Misprediction of a step, in a tenth of the largest radius or in the time since the leg began."""
+COARSER = 10.0
+"""Tolerance of the second run, in that of the first."""
+NO_TENSION = 1e-9
+"""Tension, relative to the largest force, that is the rounding of a contact without adhesion when it ends."""
+LEAST_LOOP = 1e-3
+"""Work of a loop that almost closes, in the work done to and fro, to which errors are still relative."""
+CHUNK = 64
+"""Rows that are compared with all sides of the other polygon at once."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How finely to step, and what to report.
+
+    Parameters
+    ----------
+    resolution : int, optional
+        Another word for the tolerance, which falls with its square; 1 or more. Default 16.
+    tolerance : float, optional
+        How far a step may be mispredicted along the path of the edge, relative to the scales that the path
+        has there, and how far force and radius may leave the straight line between rows, relative to the
+        largest. Default 1e-5.
+    stop_times, profile_times : tuple of float
+        Times that get a row, and those at which surface profiles are returned, too; ignored outside the run.
+        No other number depends on them.
+    max_steps : int
+        Budget of accepted and rejected steps.
+    estimate_errors : bool
+        Run a second time at ten times the tolerance, and put estimates of the relative errors into
+        ``Trace.errors``.
+
+    Raises
+    ------
+    SceneError
+        If an option is not what it has to be.
+    """
+
+    resolution: int | None = None
+    tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
+    profile_times: tuple[float, ...] = ()
+    max_steps: int = MAX_STEPS
+    estimate_errors: bool = False
+
+    def __post_init__(self) -> None:
+        if self.resolution is not None:
+            object.__setattr__(self, "resolution", whole_number(self.resolution, "resolution", 1))
+        if self.tolerance is not None:
+            number(self.tolerance, "tolerance", "0 < tolerance < 1", low=0.0, high=1.0, open=True)
+        object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
+        object.__setattr__(self, "stop_times", moments(self.stop_times, "stop_times"))
+        object.__setattr__(self, "profile_times", moments(self.profile_times, "profile_times"))
+
+    @property
+    def step_tolerance(self) -> float:
+        """The tolerance that is asked for, in one way or the other."""
+        if self.tolerance is not None:
+            return self.tolerance
+        return DEFAULT_TOLERANCE * (DEFAULT_RESOLUTION / (self.resolution or DEFAULT_RESOLUTION)) ** 2
 
 
 @single_threaded()
@@ -88,12 +129,13 @@ def solve(
     """
     options = options or Options()
     began = time.perf_counter()
-    run = Run(scene, options, options.step_tolerance, progress, monitor)
+    asked = options.stop_times, options.profile_times, options.max_steps
+    run = Run(scene, options.step_tolerance, *asked, progress, monitor)
     columns, outcome = run.run()
     errors: dict[str, float] = {}
     if options.estimate_errors and outcome.finished:
         times = tuple(columns["time"].tolist())
-        coarser = Run(scene, replace(options, profile_times=(), stop_times=times), COARSER * run.tolerance)
+        coarser = Run(scene, COARSER * run.tolerance, times, max_steps=options.max_steps)
         others, ending = coarser.run()
         if ending.kind is not OutcomeKind.BREAKDOWN:
             detached = {outcome.kind, ending.kind} == {OutcomeKind.DETACHED}
@@ -112,207 +154,57 @@ def solve(
     )
 
 
-@dataclass
-class Run:
-    """A run of a scene at a tolerance."""
+def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> dict[str, float]:
+    """Relative errors of the finer run.
 
-    scene: Scene
-    options: Options = field(default_factory=Options)
-    tolerance: float = 0.0
-    progress: Callable[[float], None] | None = None
-    monitor: RunMonitor | None = None
-    profiles: list[SurfaceProfile] = field(default_factory=list)
-    outcome: Outcome | None = None
-    begun: bool = False
-    recorder: Recorder = field(init=False)
-    tracker: Continuation = field(init=False)
-
-    def run(self) -> tuple[dict[str, Array], Outcome]:
-        """All load steps: the columns of the rows, and how it ended."""
-        self.outcome = self._begin()
-        if self.outcome is not None:
-            return {name: np.empty(0) for name in (*COLUMNS, *EXTRA_COLUMNS)}, self.outcome
-        self.begun = True
-        with np.errstate(all="ignore"):  # what overflows belongs to trials beyond a limit point: no residual
-            outcome = self._load_steps()
-            columns = self.recorder.columns()
-        machine = self.scene.machine
-        if machine is not None and machine.compliance > 0.0:
-            columns |= machine_columns(columns, machine, self.recorder.events)
-        columns, outcome = _finite_rows(columns, outcome)
-        depth, radius = columns["penetration"], columns["contact_radius"]
-        return columns, outcome_of_loss(outcome, self.scene.is_adhesive, depth, radius)
-
-    @property
-    def counters(self) -> Counters:
-        """Work done."""
-        if not self.begun:
-            return Counters()
-        tracker = self.tracker
-        return Counters(
-            steps=tracker.steps,
-            rejected_steps=tracker.rejected,
-            closure_evaluations=tracker.evaluations,
-            history_updates=tracker.geometries,
-        )
-
-    def _begin(self) -> Outcome | None:
-        """The state at the start and what runs from there; the outcome if there is none."""
-        scene = self.scene
-        self.tolerance = self.tolerance or self.options.step_tolerance
-        try:
-            with np.errstate(over="raise", invalid="raise", divide="raise"):
-                body = Body(rheology(scene.material), transform(scene.indenter))
-                adhesion = scene.adhesion if scene.is_adhesive else None
-                start = elastic_start(scene, body)
-                if start is None:
-                    return Outcome(OutcomeKind.NO_EQUILIBRIUM, scene.loading.without_start, 0.0)
-                state = start_state(body, start.penetration, start.radius, scene.loading.start != "relaxed")
-                size = scales(scene, body, state)
-        except ArithmeticError as error:
-            reason = f"a number is beyond the range of floating point ({error})"
-            return Outcome(OutcomeKind.OUT_OF_RANGE, reason, 0.0)
-        law = EdgeLaw(adhesion, scene.indenter.edge, scene.bare_plane_tip)
-        stops = np.unique([*self.options.stop_times, *self.options.profile_times])
-        wanted = frozenset(self.options.profile_times)
-        self.recorder = Recorder(body, law, size, self.tolerance, stops, wanted, self._profile)
-        small = SMALL_PART * size.radius, SMALL_PART * size.depth
-        self.tracker = Continuation(
-            body, law, state, self.tolerance, *small, self._accepted, largest_force=size.force
-        )
-        self.recorder.begin(state)
-        return None
-
-    def _profile(self, state: State) -> None:
-        """The surface at a time at which it is asked for."""
-        self.profiles.append(profile(self.recorder.body, self.scene.indenter, state))
-
-    def _accepted(self, trial: Trial, arrival: Arrival, state: State, s: float) -> None:
-        """Record a step; the row before it belongs to its path unless there is a kink between."""
-        table = self.tracker.rows.table
-        back = (table[-2, 0] - table[-1, 0]) / (s - table[-1, 0]) if len(table) > 1 else None
-        self.recorder.step(trial, arrival, state, back)
-
-    # load steps ---
-
-    def _load_steps(self) -> Outcome:
-        loading, tracker, cursor = self.scene.loading, self.tracker, LoadingCursor()
-        while not cursor.done(loading):
-            state = tracker.state
-            segment = cursor.segment(loading, state.time, state.depth, state.force)
-            if segment.control == "force" and state.radius == 0.0:
-                segment = self._set_down(segment)
-            if self.outcome is None:
-                self._load_step(segment, cursor)
-            if self.outcome is not None:
-                return self.outcome
-            cursor.step_done()
-        return Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", tracker.state.time)
-
-    def _set_down(self, segment: Segment) -> Segment:
-        """A load on an indenter that touches nothing: it goes down to the surface, or stays without load."""
-        state = self.tracker.state
-        force, rate = segment.value(segment.start), segment.rate(segment.start)
-        if force < 0.0 or (force == 0.0 and rate < 0.0):
-            self._end(OutcomeKind.DETACHED, "pulled without contact")
-        elif force == rate == 0.0:
-            ends, depths = (segment.start, segment.end), (state.depth, state.depth)
-            return pieces("penetration", ends, depths, segment.trigger)
-        elif state.depth != 0.0:
-            self.tracker.state = replace(state, depth=0.0)
-            self.recorder.put(self.tracker.state)
-        return segment
-
-    def _load_step(self, segment: Segment, cursor: LoadingCursor) -> None:
-        """One load step: its jump, then its legs in time."""
-        tracker, length = self.tracker, segment.end - segment.start
-        if 0.0 < self.tolerance * length < math.ulp(segment.end):
-            reason = (
-                f"time steps of {self.tolerance * length:.2g}, in a load step of length {length:.3g}, "
-                f"are lost in the rounding of the time {segment.end:.3g}"
-            )
-            self._end(OutcomeKind.OUT_OF_RANGE, reason)
-            return
-        state = tracker.state
-        if cursor.triggered(segment, state.depth, state.force, state.radius):
-            return
-        self.recorder.linear = segment.linear
-        first = jump(segment, state.depth, state.force)
-        if first is not None:
-            self._follow(first, segment, cursor)
-            state = tracker.state
-            if self.outcome is not None or cursor.triggered(segment, state.depth, state.force, state.radius):
-                return
-        tracker.level = Level.of(segment.trigger, state)
-        for leg in timed_legs(segment, self.tolerance):
-            if self._follow(leg, segment, cursor) is Kind.LEVEL or self.outcome is not None:
-                return
-        if segment.trigger is not None:
-            self.outcome = segment.trigger.not_reached(tracker.state.time)
-
-    def _follow(self, leg: Leg, segment: Segment, cursor: LoadingCursor) -> Kind:
-        """One leg to its end, or to what ends the run before."""
-        tracker = self.tracker
-        radius = tracker.state.radius
-        tracker.begin(leg, SMALL_PART * self._shortest(leg, segment))
-        if tracker.state.radius != radius:
-            self.recorder.put(tracker.state)
-        while True:
-            now = tracker.state.time
-            self.outcome = interruption(self.monitor, now) or budget_outcome(
-                self.counters, self.options.max_steps, now
-            )
-            kind = Kind.LOST if self.outcome is not None else tracker.step()
-            if self.outcome is None:
-                self._ends_with(kind, leg)
-            if self.progress is not None and leg.timed:
-                self.progress(float(cursor.share(self.scene.loading, segment, tracker.state.time)))
-            if kind is Kind.LEVEL:
-                self.recorder.level("trigger")
-            if self.outcome is not None or kind in (Kind.END, Kind.LEVEL):
-                return kind
-
-    def _shortest(self, leg: Leg, segment: Segment) -> float:
-        """Length of a leg, or of the time in which its load changes by the largest of the run, if shorter."""
-        if not leg.timed:
-            return 1.0
-        size, rate = self.recorder.scales, abs(segment.rate(leg.start))
-        large = size.force if leg.control == "force" else size.depth
-        return min(leg.end - leg.start, large / rate if rate else math.inf)
-
-    def _ends_with(self, kind: Kind, leg: Leg) -> None:
-        """The end of the run, if what a step came to is one."""
-        tracker = self.tracker
-        if kind is Kind.LEAST and tracker.law.zone:
-            force = self.recorder.columns()["force"]
-            self.outcome = below_zone_outcome(force, tracker.state.time)
-        elif kind is Kind.LEAST or (kind in (Kind.END, Kind.LOST) and tracker.let_go):
-            self._lose_contact(leg)
-        elif kind in (Kind.LOST, Kind.FOLD) and events.lost(tracker, kind is Kind.FOLD):
-            if kind is Kind.FOLD:
-                self._lose_contact(leg)
-            else:
-                reason = "no step, however short, leads to a contact that satisfies the edge condition"
-                self._end(OutcomeKind.BREAKDOWN, reason)
-
-    def _lose_contact(self, leg: Leg) -> None:
-        """Contact ends here; the last row is the free surface, unless a force takes the indenter further."""
-        state = self.tracker.state
-        self.recorder.lost(self.scene.ends_in_a_point, events.SAME_FOLD * self.tolerance * self.tracker.L)
-        self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
-        if state.radius > 0.0 and leg.control != "force":
-            self.recorder.free(state, state.depth + self.scene.loading.compliance * state.force)
-
-    def _end(self, kind: OutcomeKind, reason: str) -> None:
-        self.outcome = Outcome(kind, reason, float(self.tracker.state.time))
+    ``pull_off_force`` and ``loop_energy`` as they are, ``contact_radius`` and ``force`` the largest over the
+    run, relative to the largest; of runs that both lose contact (``detached``) also ``detachment_time`` and
+    ``detachment_penetration``, relative to the largest. Columns are those of the traces by name; times of
+    ``fine`` are rows of ``coarse``, too.
+    """
+    errors = {}
+    apart = {name: _distances(fine, coarse, name) for name in ("contact_radius", "force")}
+    mean = max(float(np.sqrt(np.mean(each**2))) for each in apart.values())
+    turnover = float(np.abs(np.diff(fine["external_work"])).sum())
+    if turnover > 0.0:
+        loop = abs(float(fine["external_work"][-1]))
+        errors["loop_energy"] = _work_apart(fine, coarse) / max(loop, LEAST_LOOP * turnover)
+    tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
+    if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
+        errors["pull_off_force"] = max(abs(tension[0] - tension[1]) / tension[0], mean)
+    if detached:
+        ends = [int(np.flatnonzero(run["contact_radius"] > 0.0)[-1]) for run in (fine, coarse)]
+        for name in ("time", "penetration"):
+            values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
+            largest = float(np.abs(fine[name]).max())
+            if largest > 0.0:
+                errors[f"detachment_{name}"] = max(
+                    abs(values[0] - values[1]) / largest, float(np.median(apart["force"]))
+                )
+    for name, each in apart.items():
+        errors[name] = max(float(each.max()), errors.get("detachment_time", 0.0))
+    return errors
 
 
-def _finite_rows(columns: dict[str, Array], outcome: Outcome) -> tuple[dict[str, Array], Outcome]:
-    """The rows before the first that is beyond the range of floating point in one of its columns."""
-    finite = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
-    if finite.all():
-        return columns, outcome
-    first = int(np.argmin(finite))
-    reason = "energies are beyond the range of floating point"
-    failure = Outcome(OutcomeKind.OUT_OF_RANGE, reason, float(columns["time"][first]))
-    return {name: column[:first] for name, column in columns.items()}, failure
+def _work_apart(fine: Columns, coarse: Columns) -> float:
+    """Most that the works of two runs differ by at times of both, and at the end."""
+    _, here, there = np.intersect1d(fine["time"], coarse["time"], return_indices=True)
+    here, there = np.append(here, -1), np.append(there, -1)
+    return float(np.abs(fine["external_work"][here] - coarse["external_work"][there]).max())
+
+
+def _distances(fine: Columns, coarse: Columns, name: str) -> Array:
+    """Distances of the rows of the finer run from the polygon through those of the other."""
+    scale, span = float(np.abs(fine[name]).max()) or 1.0, float(np.ptp(fine["time"])) or 1.0
+    rows = np.column_stack((fine["time"] / span, fine[name] / scale))
+    corners = np.column_stack((coarse["time"] / span, coarse[name] / scale))
+    begin, side = corners[:-1], np.diff(corners, axis=0)
+    length = (side**2).sum(axis=1)
+    length[length == 0.0] = 1.0
+    least = [np.abs(rows[:0, 0])]
+    for chunk in np.array_split(rows, len(rows) // CHUNK + 1):
+        off = chunk[:, None] - begin
+        share = np.clip((off * side).sum(axis=2) / length, 0.0, 1.0)
+        least.append(np.sqrt(((off - share[:, :, None] * side) ** 2).sum(axis=2).min(axis=1, initial=np.inf)))
+    apart = np.concatenate(least)
+    return apart if len(corners) > 1 else np.hypot(*(rows - corners).T)

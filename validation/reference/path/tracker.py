@@ -18,14 +18,15 @@ from numpy.typing import NDArray
 from validation.reference.path import kinks
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import pressed_radius, start_state, touching_radius
-from validation.reference.path.legs import Leg, Level
-from validation.reference.path.path import Rows
+from validation.reference.path.path import Leg, Rows
 from validation.reference.path.polynomials import DEGREE
 from validation.reference.path.rheology import Body
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
+Level = Callable[[float, float, float], float]
+"""How far penetration, force and radius are beyond a level."""
 
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""

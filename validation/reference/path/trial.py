@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from validation.reference.path import fields
 from validation.reference.path.closure import BASE, Closure, closure
 from validation.reference.path.cohesive_zone import zone_length
-from validation.reference.path.legs import Leg
 from validation.reference.path.memory import (
     COLLOCATION,
     PATH_AT_NODES,
@@ -26,7 +25,7 @@ from validation.reference.path.memory import (
     Ramp,
     collocation,
 )
-from validation.reference.path.path import Segment
+from validation.reference.path.path import Leg, Segment
 from validation.reference.path.polynomials import horner, inverse, powers
 from validation.reference.path.rheology import Body, total
 from validation.reference.path.state import GRADING, State

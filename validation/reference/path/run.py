@@ -1,0 +1,300 @@
+"""A run: the load steps of a scene, leg by leg, along the path of the edge.
+
+A load step is a jump, if the load has one, and legs in time between its kinks. A level may end it before.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import (
+    COLUMNS,
+    Counters,
+    Outcome,
+    OutcomeKind,
+    RunMonitor,
+    Scene,
+    Segment,
+    SurfaceProfile,
+    Trigger,
+)
+from contact_scene.loading import pieces
+from contact_scene.machine import machine_columns
+from contact_scene.run_control import (
+    MAX_STEPS,
+    LoadingCursor,
+    below_zone_outcome,
+    budget_outcome,
+    interruption,
+    outcome_of_loss,
+)
+from validation.reference.path import events
+from validation.reference.path.continuation import Continuation
+from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.equilibrium import elastic_start, scales, start_state
+from validation.reference.path.path import Leg
+from validation.reference.path.profiles import profile
+from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
+from validation.reference.path.rheology import Body, rheology
+from validation.reference.path.state import State
+from validation.reference.path.tracker import SMALL_PART, Kind, Level
+from validation.reference.path.trial import Arrival, Trial
+from validation.reference.sneddon import transform
+
+Array = NDArray[np.float64]
+NO_STABLE_CONTACT = "no stable contact is left"
+SHORTEST = 16.0
+"""Leg, in units of the last place of its end, below which it is lost in rounding."""
+AT_LOAD = 1e-12
+"""Difference from the load that a leg begins with, relative to it, which is rounding and no jump."""
+
+
+def level(trigger: Trigger | None, state: State) -> Level | None:
+    """How far beyond the level that ends a load step, seen from the side on which the step begins."""
+    if trigger is None:
+        return None
+    side = trigger.side(trigger.excess(state.depth, state.force, state.radius))
+    return lambda depth, force, radius: -side * trigger.excess(depth, force, radius)
+
+
+def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
+    """The jump of the load with which a load step begins, if it does."""
+    have, first = segment.present(penetration, force), segment.value(segment.start)
+    if abs(first - have) <= AT_LOAD * max(abs(have), abs(first)):
+        return None
+
+    def value(share: float) -> float:
+        return have + (first - have) * share
+
+    return Leg(segment.control, value, 0.0, 1.0, False, None, segment.compliance)
+
+
+def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
+    """What a load step is made of between its kinks.
+
+    One at which the rate differs by less than the tolerance from that at which the leg began is none.
+    """
+    marks = sorted({segment.start, *segment.kinks})
+    kept = marks[:1]
+    for at in marks[1:]:
+        before, after = segment.rate(kept[-1]), segment.rate(at)
+        if abs(after - before) > tolerance * max(abs(before), abs(after)):
+            kept.append(at)
+    straight = segment.linear and segment.control == "penetration"
+    for begin, end in pairwise((*kept, segment.end)):
+        if end - begin >= SHORTEST * math.ulp(end):
+            rate = (segment.value(end) - segment.value(begin)) / (end - begin) if straight else None
+            yield Leg(segment.control, segment.value, begin, end, True, rate, segment.compliance)
+
+
+@dataclass
+class Run:
+    """A run of a scene at a tolerance; arguments are those of :class:`Options` and ``solve``."""
+
+    scene: Scene
+    tolerance: float
+    stop_times: tuple[float, ...] = ()
+    profile_times: tuple[float, ...] = ()
+    max_steps: int = MAX_STEPS
+    progress: Callable[[float], None] | None = None
+    monitor: RunMonitor | None = None
+    profiles: list[SurfaceProfile] = field(default_factory=list)
+    outcome: Outcome | None = None
+    begun: bool = False
+    recorder: Recorder = field(init=False)
+    tracker: Continuation = field(init=False)
+
+    def run(self) -> tuple[dict[str, Array], Outcome]:
+        """All load steps: the columns of the rows, and how it ended."""
+        self.outcome = self._begin()
+        if self.outcome is not None:
+            return {name: np.empty(0) for name in (*COLUMNS, *EXTRA_COLUMNS)}, self.outcome
+        self.begun = True
+        with np.errstate(all="ignore"):  # what overflows belongs to trials beyond a limit point: no residual
+            outcome = self._load_steps()
+            columns = self.recorder.columns()
+        machine = self.scene.machine
+        if machine is not None and machine.compliance > 0.0:
+            columns |= machine_columns(columns, machine, self.recorder.events)
+        columns, outcome = _finite_rows(columns, outcome)
+        depth, radius = columns["penetration"], columns["contact_radius"]
+        return columns, outcome_of_loss(outcome, self.scene.is_adhesive, depth, radius)
+
+    @property
+    def counters(self) -> Counters:
+        """Work done."""
+        if not self.begun:
+            return Counters()
+        tracker = self.tracker
+        return Counters(
+            steps=tracker.steps,
+            rejected_steps=tracker.rejected,
+            closure_evaluations=tracker.evaluations,
+            history_updates=tracker.geometries,
+        )
+
+    def _begin(self) -> Outcome | None:
+        """The state at the start and what runs from there; the outcome if there is none."""
+        scene = self.scene
+        try:
+            with np.errstate(over="raise", invalid="raise", divide="raise"):
+                body = Body(rheology(scene.material), transform(scene.indenter))
+                adhesion = scene.adhesion if scene.is_adhesive else None
+                start = elastic_start(scene, body)
+                if start is None:
+                    return Outcome(OutcomeKind.NO_EQUILIBRIUM, scene.loading.without_start, 0.0)
+                state = start_state(body, start.penetration, start.radius, scene.loading.start != "relaxed")
+                size = scales(scene, body, state)
+        except ArithmeticError as error:
+            reason = f"a number is beyond the range of floating point ({error})"
+            return Outcome(OutcomeKind.OUT_OF_RANGE, reason, 0.0)
+        law = EdgeLaw(adhesion, scene.indenter.edge, scene.bare_plane_tip)
+        stops = np.unique([*self.stop_times, *self.profile_times])
+        wanted = frozenset(self.profile_times)
+        self.recorder = Recorder(body, law, size, self.tolerance, stops, wanted, self._profile)
+        small = SMALL_PART * size.radius, SMALL_PART * size.depth
+        self.tracker = Continuation(
+            body, law, state, self.tolerance, *small, self._accepted, largest_force=size.force
+        )
+        self.recorder.begin(state)
+        return None
+
+    def _profile(self, state: State) -> None:
+        """The surface at a time at which it is asked for."""
+        self.profiles.append(profile(self.recorder.body, self.scene.indenter, state))
+
+    def _accepted(self, trial: Trial, arrival: Arrival, state: State, s: float) -> None:
+        """Record a step; the row before it belongs to its path unless there is a kink between."""
+        table = self.tracker.rows.table
+        back = (table[-2, 0] - table[-1, 0]) / (s - table[-1, 0]) if len(table) > 1 else None
+        self.recorder.step(trial, arrival, state, back)
+
+    # load steps ---
+
+    def _load_steps(self) -> Outcome:
+        loading, tracker, cursor = self.scene.loading, self.tracker, LoadingCursor()
+        while not cursor.done(loading):
+            state = tracker.state
+            segment = cursor.segment(loading, state.time, state.depth, state.force)
+            if segment.control == "force" and state.radius == 0.0:
+                segment = self._set_down(segment)
+            if self.outcome is None:
+                self._load_step(segment, cursor)
+            if self.outcome is not None:
+                return self.outcome
+            cursor.step_done()
+        return Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", tracker.state.time)
+
+    def _set_down(self, segment: Segment) -> Segment:
+        """A load on an indenter that touches nothing: it goes down to the surface, or stays without load."""
+        state = self.tracker.state
+        force, rate = segment.value(segment.start), segment.rate(segment.start)
+        if force < 0.0 or (force == 0.0 and rate < 0.0):
+            self._end(OutcomeKind.DETACHED, "pulled without contact")
+        elif force == rate == 0.0:
+            ends, depths = (segment.start, segment.end), (state.depth, state.depth)
+            return pieces("penetration", ends, depths, segment.trigger)
+        elif state.depth != 0.0:
+            self.tracker.state = replace(state, depth=0.0)
+            self.recorder.put(self.tracker.state)
+        return segment
+
+    def _load_step(self, segment: Segment, cursor: LoadingCursor) -> None:
+        """One load step: its jump, then its legs in time."""
+        tracker, length = self.tracker, segment.end - segment.start
+        if 0.0 < self.tolerance * length < math.ulp(segment.end):
+            reason = (
+                f"time steps of {self.tolerance * length:.2g}, in a load step of length {length:.3g}, "
+                f"are lost in the rounding of the time {segment.end:.3g}"
+            )
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
+            return
+        state = tracker.state
+        if cursor.triggered(segment, state.depth, state.force, state.radius):
+            return
+        self.recorder.linear = segment.linear
+        first = jump(segment, state.depth, state.force)
+        if first is not None:
+            self._follow(first, segment, cursor)
+            state = tracker.state
+            if self.outcome is not None or cursor.triggered(segment, state.depth, state.force, state.radius):
+                return
+        tracker.level = level(segment.trigger, state)
+        for leg in timed_legs(segment, self.tolerance):
+            if self._follow(leg, segment, cursor) is Kind.LEVEL or self.outcome is not None:
+                return
+        if segment.trigger is not None:
+            self.outcome = segment.trigger.not_reached(tracker.state.time)
+
+    def _follow(self, leg: Leg, segment: Segment, cursor: LoadingCursor) -> Kind:
+        """One leg to its end, or to what ends the run before."""
+        tracker = self.tracker
+        radius = tracker.state.radius
+        tracker.begin(leg, SMALL_PART * self._shortest(leg, segment))
+        if tracker.state.radius != radius:
+            self.recorder.put(tracker.state)
+        while True:
+            now = tracker.state.time
+            self.outcome = interruption(self.monitor, now) or budget_outcome(
+                self.counters, self.max_steps, now
+            )
+            kind = Kind.LOST if self.outcome is not None else tracker.step()
+            if self.outcome is None:
+                self._ends_with(kind, leg)
+            if self.progress is not None and leg.timed:
+                self.progress(float(cursor.share(self.scene.loading, segment, tracker.state.time)))
+            if kind is Kind.LEVEL:
+                self.recorder.level("trigger")
+            if self.outcome is not None or kind in (Kind.END, Kind.LEVEL):
+                return kind
+
+    def _shortest(self, leg: Leg, segment: Segment) -> float:
+        """Length of a leg, or of the time in which its load changes by the largest of the run, if shorter."""
+        if not leg.timed:
+            return 1.0
+        size, rate = self.recorder.scales, abs(segment.rate(leg.start))
+        large = size.force if leg.control == "force" else size.depth
+        return min(leg.end - leg.start, large / rate if rate else math.inf)
+
+    def _ends_with(self, kind: Kind, leg: Leg) -> None:
+        """The end of the run, if what a step came to is one."""
+        tracker = self.tracker
+        if kind is Kind.LEAST and tracker.law.zone:
+            force = self.recorder.columns()["force"]
+            self.outcome = below_zone_outcome(force, tracker.state.time)
+        elif kind is Kind.LEAST or (kind in (Kind.END, Kind.LOST) and tracker.let_go):
+            self._lose_contact(leg)
+        elif kind in (Kind.LOST, Kind.FOLD) and events.lost(tracker, kind is Kind.FOLD):
+            if kind is Kind.FOLD:
+                self._lose_contact(leg)
+            else:
+                reason = "no step, however short, leads to a contact that satisfies the edge condition"
+                self._end(OutcomeKind.BREAKDOWN, reason)
+
+    def _lose_contact(self, leg: Leg) -> None:
+        """Contact ends here; the last row is the free surface, unless a force takes the indenter further."""
+        state = self.tracker.state
+        self.recorder.lost(self.scene.ends_in_a_point, events.SAME_FOLD * self.tolerance * self.tracker.L)
+        self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
+        if state.radius > 0.0 and leg.control != "force":
+            self.recorder.free(state, state.depth + self.scene.loading.compliance * state.force)
+
+    def _end(self, kind: OutcomeKind, reason: str) -> None:
+        self.outcome = Outcome(kind, reason, float(self.tracker.state.time))
+
+
+def _finite_rows(columns: dict[str, Array], outcome: Outcome) -> tuple[dict[str, Array], Outcome]:
+    """The rows before the first that is beyond the range of floating point in one of its columns."""
+    finite = np.logical_and.reduce([np.isfinite(column) for column in columns.values()])
+    if finite.all():
+        return columns, outcome
+    first = int(np.argmin(finite))
+    reason = "energies are beyond the range of floating point"
+    failure = Outcome(OutcomeKind.OUT_OF_RANGE, reason, float(columns["time"][first]))
+    return {name: column[:first] for name, column in columns.items()}, failure
