@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.closed_forms.frozen_variants import FrozenSpring
 from support.invariants.checks import differences_in_units
 from support.invariants.coarse_solvers import SOLVERS
 
@@ -33,7 +34,7 @@ from contact_scene import (
 )
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-from validation.reference.spring import FrozenSpring, SpringContact
+from validation.reference.spring import SpringContact
 
 WORK, ZONE = 5.026548e-4, 0.03
 ELASTIC, RELAXING = Material(0.75, 0.5), Material(0.75, 0.5, (Branch(0.75, 1.0),))

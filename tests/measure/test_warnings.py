@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.closed_forms.starting_edge import closing
 from support.synthetic_traces import trace
 
 from contact_scene import Adhesion, Branch, Hold, Loading, Material, Oscillate, Ramp, Scene, Sphere
@@ -14,7 +15,6 @@ from validation.cases import Case, load
 from validation.compare.checks import check_case
 from validation.measure.observables import largest_fall, measure
 from validation.measure.warnings import fall_warnings, left_out_by_all, swing_warnings
-from validation.reference.starting_edge import closing
 from validation.runs.run import Run, run
 from validation.solvers import solver
 

@@ -7,11 +7,11 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import brentq
-from support.closed_forms import greenwood, persson_brener, schapery
+from support.closed_forms import greenwood, persson_brener, schapery, starting_edge
 from support.paper_scenes import ONE
 
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
-from validation.reference import prony_integrals, starting_edge, steady_crack
+from validation.reference import prony_integrals, steady_crack
 from validation.reference.creep_compliance import creep_compliance
 from validation.reference.path import solve
 

@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from support.closed_forms.frozen_variants import FrozenSpring, FrozenZone
 
 from contact_scene import Branch, Cone, Material, Sphere
 from validation.cases import load
 from validation.measure.scaling import unit_sizes
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.frozen import FrozenRetraction, FrozenZone
+from validation.reference.frozen import FrozenRetraction
 from validation.reference.jkr import JKR, NoEquilibrium
-from validation.reference.spring import FrozenSpring, SpringContact
+from validation.reference.spring import SpringContact
 
 WORK, MODULUS = 5e-4, 1.0
 LAW = JKR(Sphere(1.0), MODULUS, WORK)

@@ -153,8 +153,8 @@ def largest_fall(trace: Trace) -> tuple[float, int, int]:
     """Largest fall of the loss from any row to a later one, not negative, and the two rows.
 
     No material gives back what it has lost. The adhesive closure over a zone of finite length does not
-    balance energies where an edge sets off from rest (:mod:`validation.reference.starting_edge`), nor in
-    first order of zone over radius. All solvers share that: ``compare`` holds their falls against each other.
+    balance energies where an edge sets off from rest (``docs/explanation/model.md``), nor in first
+    order of zone over radius. All solvers share that: ``compare`` holds their falls against each other.
     Without adhesion a loss that falls is an error.
     """
     loss = trace.dissipated_energy

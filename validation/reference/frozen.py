@@ -26,7 +26,6 @@ from scipy.optimize import brentq, minimize_scalar
 
 from contact_scene import FlatPunch, Indenter, Material, TabulatedProfile
 from validation.reference import sneddon
-from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR, NoEquilibrium, State
 
 Array = NDArray[np.float64]
@@ -123,50 +122,3 @@ class FrozenRetraction:
         return float(
             brentq(lambda a: float(law.penetration(a)) - self.start, grid[k], grid[k + 1], xtol=1e-300)
         )
-
-
-@dataclass(frozen=True)
-class FrozenZone:
-    """The same for a sphere and a process zone of finite length, exact while the zone lies within ``a_B``.
-
-    Every stress since the relaxed state is ``Einf*`` times a displacement, and ``q = Einf* (D' - G/rho)``
-    with ``rho = Einf/E0`` and ``D' = D - D_B + D_B/rho`` is that of an elastic contact of modulus ``Einf*``,
-    radius ``rho R`` and penetration ``D'``: so are tractions, the gap within ``a_B``, and the closure.
-
-    Parameters
-    ----------
-    material : Material
-    radius : float
-        ``R``.
-    work, zone : float
-        Work of adhesion and process-zone length.
-    start : float
-        ``D_B``.
-    """
-
-    material: Material
-    radius: float
-    work: float
-    zone: float
-    start: float
-
-    @property
-    def relaxed(self) -> State:
-        """``a_B``, ``D_B``, ``F_B``."""
-        plane = self.material.relaxed_plane_modulus
-        return FiniteZone(self.radius, plane, self.work, self.zone).at_penetration(self.start)
-
-    @property
-    def equivalent(self) -> FiniteZone:
-        """The elastic contact at ``D'``."""
-        plane = self.material.glassy_plane_modulus
-        return FiniteZone(self._contrast * self.radius, plane, self.work, self.zone)
-
-    @property
-    def offset(self) -> float:
-        """``D - D'``."""
-        return self.start * (1.0 - 1.0 / self._contrast)
-
-    @property
-    def _contrast(self) -> float:
-        return self.material.glassy_modulus / self.material.modulus

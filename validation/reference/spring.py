@@ -21,13 +21,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
 
 from contact_scene import Indenter, Sphere
 from validation.reference import sneddon
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.frozen import FrozenRetraction
 from validation.reference.jkr import JKR, NoEquilibrium, State
 
 
@@ -49,7 +47,7 @@ class SpringContact:
         high = law.pull_off_force_control().contact_radius
         if isinstance(law, JKR):
             return law.state(float(brentq(self._slope, low, high, xtol=1e-300, rtol=1e-14)))
-        return law.state(_least(lambda a: self.stage(law.state(a)), low, high))
+        return law.state(least(lambda a: self.stage(law.state(a)), low, high))
 
     def largest_tension(self) -> State:
         """The state of largest tension of a slow retraction; before the pull-off, or at it."""
@@ -80,11 +78,8 @@ class SpringContact:
     def energy(self, state: State) -> float:
         """Elastic energy of half-space and spring."""
         indenter: Indenter = self.law.indenter if isinstance(self.law, JKR) else Sphere(self.law.radius)
-
-        def density(x: float) -> float:
-            return (state.penetration - float(sneddon.depth(indenter, x))) ** 2
-
-        half_space = self.law.plane_modulus * quad(density, 0.0, state.contact_radius, epsrel=1e-12)[0]
+        held = state.contact_radius, state.penetration
+        half_space = sneddon.stored_energy(indenter, *held, self.law.plane_modulus)
         return half_space + 0.5 * state.force**2 / self.stiffness
 
     def _slope(self, radius: float) -> float:
@@ -98,34 +93,7 @@ class SpringContact:
         return float(along - (k + 3.0 * soft) / (2.0 * k + 2.0 * soft) * stretch)
 
 
-@dataclass(frozen=True)
-class FrozenSpring:
-    """A relaxed contact pulled away, faster than anything can relax, by a stage and a spring."""
-
-    retraction: FrozenRetraction
-    stiffness: float
-
-    def stage(self, state: State) -> float:
-        """``X = D + F/k``."""
-        return state.penetration + state.force / self.stiffness
-
-    def pull_off(self) -> State:
-        """The state in which contact is lost: where the stage is least on the release branch."""
-        start = self.retraction.relaxed.contact_radius
-
-        def state(radius: float) -> State:
-            law = self.retraction
-            return State(radius, float(law.penetration(radius)), float(law.force(radius)))
-
-        return state(_least(lambda a: self.stage(state(a)), 0.0, start))
-
-    def largest_tension(self) -> State:
-        """The state of largest tension, which a stiff machine passes before contact is lost."""
-        best, lost = self.retraction.pull_off(), self.pull_off()
-        return best if best.contact_radius >= lost.contact_radius else lost
-
-
-def _least(curve: Callable[[float], float], low: float, high: float) -> float:
+def least(curve: Callable[[float], float], low: float, high: float) -> float:
     """Argument of the least value, at one of the ends if it is there."""
     fine = {"method": "bounded", "options": {"xatol": 1e-13 * high}}
     inner = float(minimize_scalar(curve, bounds=(low, high), **fine).x)

@@ -37,33 +37,13 @@ Array = NDArray[np.float64]
 def closing(ratio: float, travel: ArrayLike = 1.0) -> Array:
     """Fall of the loss where the edge advances, over work of adhesion, zone and length of the edge.
 
-    Parameters
-    ----------
-    ratio : float
-        Glassy over relaxed modulus; > 1.
-    travel : array_like
-        Of the edge since it was at rest, over the zone; what it goes beyond 1 changes nothing.
-
-    Returns
-    -------
-    ndarray
-        Of the shape of ``travel``; positive.
+    ``ratio`` is the glassy over the relaxed modulus, ``travel`` that of the edge since it rested, in zones.
     """
     return _fall(ratio, travel, 3.0, -1.0)
 
 
 def opening(ratio: float, travel: ArrayLike = 1.0) -> Array:
-    """The same where the edge recedes.
-
-    Parameters
-    ----------
-    ratio, travel
-        As of :func:`closing`.
-
-    Returns
-    -------
-    ndarray
-    """
+    """The same where the edge recedes."""
     return _fall(ratio, travel, 1.0, -3.0)
 
 
