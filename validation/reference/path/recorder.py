@@ -112,8 +112,9 @@ class Recorder:
     def put(self, state: State) -> None:
         """A state that takes neither time nor work to reach: a plane tip touches, an indenter is set down."""
         row = self._ends[-1].copy()
-        row[[DEPTH, RADIUS, FORCE]] = state.depth, state.radius, state.force
-        self._add(row[None, :])
+        if (row[DEPTH], row[RADIUS]) != (state.depth, state.radius):
+            row[[DEPTH, RADIUS, FORCE]] = state.depth, state.radius, state.force
+            self._add(row[None, :])
 
     def step(self, trial: Trial, arrival: Arrival, state: State, back: float | None) -> None:
         """A step to a state; ``back``: ``u < 0`` of the row before it, if the path is smooth there."""

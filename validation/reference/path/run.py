@@ -235,11 +235,9 @@ class Run:
     def _follow(self, leg: Leg, segment: Segment, cursor: LoadingCursor) -> Kind:
         """One leg to its end, or to what ends the run before."""
         tracker = self.tracker
-        radius = tracker.state.radius
         tracker.begin(leg, SMALL_PART * self._shortest(leg, segment))
-        if tracker.state.radius != radius:
-            self.recorder.put(tracker.state)
         while True:
+            self.recorder.put(tracker.state)
             now = tracker.state.time
             self.outcome = interruption(self.monitor, now) or budget_outcome(
                 self.counters, self.max_steps, now
