@@ -36,9 +36,14 @@ def test_a_contact_of_two_ages_is_two_punches():
     inner, outer = 0.6, 1.0
     left = np.zeros((2, 6, 2))
     left[:, 0, 1] = held = np.array([0.5, -0.2])
-    parabola = np.array([[0.0, inner, 1.0], [inner, outer - inner, 1.0]])
+    parabola = np.array([[-outer, inner, 1.0], [inner - outer, outer - inner, 1.0]])
     table = Passages(
-        np.array([0.0, inner, outer]), np.ones(2, bool), parabola, np.zeros(2), left, 0.0 * left[:, 0, 1:]
+        np.array([-outer, inner - outer, 0.0]),
+        np.ones(2, bool),
+        parabola,
+        np.zeros(2),
+        left,
+        0.0 * left[:, 0, 1:],
     )
     pressed = profile(body, FlatPunch(1.0), replace(start_state(body, 0.0, outer, False), surface=table))
     r, within = pressed.radius[:-1], pressed.radius < inner

@@ -1,7 +1,8 @@
 """Length of a process zone of fixed cohesive stress, from the tension behind the edge.
 
 The tension over the zone is that of the sharp edge, ``sigma = (1/pi) int_r^inf q'(x)/sqrt(x^2 - r^2) dx``.
-Integrated over ``r`` from ``b = a - da`` to ``a``, and by parts over ``x = b/cos(t)``,
+Integrated over ``r`` from ``b = a - da`` to ``a``, and by parts over ``x = b/cos(t)``, which lies
+``da - 2 b sin(t/2)^2/cos(t)`` behind the edge,
 
     int_b^a sigma dr = -(1/pi) int_0^arccos(b/a) q(b/cos t) dt = (4/pi) s da.
 
@@ -35,18 +36,18 @@ def zone_length(
     at_rest: float,
     guess: float,
 ) -> float:
-    """The length; ``stress``: ``q`` at radii in contact, ``edges``: where it may have kinks."""
+    """The length; ``stress``: ``q`` at distances from the edge, ``edges``: those where it may have kinks."""
 
     def lack(root: float) -> float:
         """Nearly straight in the root of the length: next to the edge the tension goes like ``K/sqrt(x)``."""
-        inner = radius - root * root
-        widest = math.acos(inner / radius)
-        breaks = np.concatenate(
-            (widest * _EVEN, np.arccos(inner / edges[(edges > inner) & (edges < radius)]))
-        )
-        angle, weight = points(np.unique(breaks))
-        tension = -float(weight @ stress(np.minimum(inner / np.cos(angle), radius)))
-        return (tension - 4.0 * cohesive * root * root) / root
+        zone = root * root
+        widest = 2.0 * math.asin(math.sqrt(0.5 * zone / radius))
+        near = edges[(edges > -zone) & (edges < 0.0)]
+        angles = 2.0 * np.arcsin(np.sqrt(0.5 * (zone + near) / (radius + near)))
+        angle, weight = points(np.unique(np.concatenate((widest * _EVEN, angles))))
+        behind = 2.0 * (radius - zone) * np.sin(0.5 * angle) ** 2 / np.cos(angle) - zone
+        tension = -float(weight @ stress(np.minimum(behind, 0.0)))
+        return (tension - 4.0 * cohesive * zone) / root
 
     low, high = math.sqrt(min(SHORTEST * at_rest, 0.5 * radius)), math.sqrt(LONGEST * radius)
     x = math.sqrt(guess)

@@ -33,6 +33,8 @@ DEPARTURES = 3
 """Times that a departure is looked for, each with the step that ended at the one before."""
 TURNED = 0.01
 """Slope back, in the mean slope of a step, from which on the edge has turned: 1e-5 of the step is lost."""
+NARROW = 1e-12
+"""Change of a root by a secant, relative to it, which is rounding."""
 SEEN = 1e6
 """Difference of two radii, in zones and the rounding of the residual, that tells the slope."""
 UNFORESEEN = 1e-2
@@ -70,8 +72,7 @@ class Continuation(Tracker):
         trial = correction.trial
         if plan.fixed is not Fixed.RADIUS or plan.event in (Kind.FOLD, Kind.END):
             return False
-        gained = correction.arrival.parameter - self.state.parameter
-        rise = trial.segment.parameter + gained * trial.segment.basis
+        rise = trial.segment.parameter + correction.arrival.rise * trial.segment.basis
         return float(rise @ np.arange(len(rise))) < 0.0 and (self.law.zone > 0.0 or trial.direction > 0.0)
 
     def _turns(self, trial: Trial) -> bool:
@@ -80,7 +81,7 @@ class Continuation(Tracker):
             return False
         way, orders = trial.segment.way, np.arange(DEGREE + 1)
         slopes = np.array([way[1], way @ orders]) * trial.direction
-        return bool(slopes.min() < -TURNED * abs(trial.radius - trial.state.radius) - self.still)
+        return bool(slopes.min() < -TURNED * abs(trial.travel) - self.still)
 
     def _order(self, plan: Plan, correction: Correction, error: float) -> tuple[int, float]:
         """How many rows are to predict the next step for it to be longest, and how long it is in this one.
@@ -97,7 +98,7 @@ class Continuation(Tracker):
         if plan.fixed is not Fixed.REST and known > 1:
             trial, arrival = correction.trial, correction.arrival
             force = trial.force(arrival.motion, arrival.duration)
-            row = np.array([arrival.parameter, trial.radius, arrival.depth, force])
+            row = np.array([arrival.rise, trial.travel, arrival.depth, force])
             scales = np.array([self.T, self.L, self.depth, self.largest_force or 1.0])
             p, a, D, F = self.rows.mispredicted(plan.h, row, scales).T
             across, along = (
@@ -140,14 +141,13 @@ class Continuation(Tracker):
                 return stopped
         return self._at_load(plan)
 
-    def chord(self, plan: Plan, p: float, a: float) -> float:
-        """Arclength of a point by its chord from the last row."""
-        last = self.rows.last
-        return float(last[0] + math.hypot((p - last[1]) / self.T, (a - last[4]) / self.L))
+    def chord(self, p: float, a: float) -> float:
+        """Arclength from the last row of a point that far from it."""
+        return math.hypot(p / self.T, a / self.L)
 
     def mispredicted(self, plan: Plan, trial: Trial, arrival: Arrival) -> float:
         """Distance of a corrected point from the predicted one: across the path, and in depth and force."""
-        off_p, off_a = arrival.parameter / self.T - plan.z[0], trial.radius / self.L - plan.z[1]
+        off_p, off_a = arrival.rise / self.T - plan.z[0], trial.travel / self.L - plan.z[1]
         across = off_p * plan.tangent[1] - off_a * plan.tangent[0]
         depth = arrival.depth / self.depth - plan.z[2] if self.leg.free else 0.0
         force = trial.force(arrival.motion, arrival.duration)
@@ -158,15 +158,15 @@ class Continuation(Tracker):
     def _at_radius(self, plan: Plan) -> Correction | None:
         """The load parameter at which the edge is at the predicted radius."""
         p, a = plan.z[0] * self.T, plan.z[1] * self.L
-        s = self.chord(plan, p, a)
+        s = self.chord(p, a)
         trial = self.trial(a, s)
         found = self.solve_parameter(trial, p, 1e-3 * self.h * self.T)
         if found is None:
             return None
         arrival, steepness = found
         new = len(self.rows) == 1
-        far = abs(arrival.parameter - p) > 10.0 * plan.h * self.T
-        if (far and not new) or arrival.parameter > self.leg.end * (1.0 + 1e-12):
+        far = abs(arrival.rise - p) > 10.0 * plan.h * self.T
+        if (far and not new) or self.state.parameter + arrival.rise > self.leg.end * (1.0 + 1e-12):
             return None
         error = self.mispredicted(plan, trial, arrival)
         rounding = self.noise / abs(steepness or math.inf) / self.T
@@ -180,40 +180,38 @@ class Continuation(Tracker):
             value, ends[at] = self.residual(trial, at)
             return value
 
-        earliest = self.state.parameter
-        p = max(p, earliest)
-        root = self._secants(function, p, size, Fixed.RADIUS, 1e-13 * self.T, earliest)
+        root = self._secants(function, max(p, 0.0), size, Fixed.RADIUS, 0.0)
         return None if root is None else (ends[root], self.slopes.get(Fixed.RADIUS, math.inf))
 
     def _load(self, plan: Plan) -> float:
-        """The load parameter that a step is to end at: exactly that at the end of a leg."""
-        return self.leg.end if plan.event is Kind.END else plan.z[0] * self.T
+        """The rise that a step is to end at: exactly that at the end of a leg."""
+        return self.leg.end - self.state.parameter if plan.event is Kind.END else plan.z[0] * self.T
 
     def _at_load(self, plan: Plan) -> Correction | None:
         """The radius at which the edge is at the predicted load."""
         p, guess = self._load(plan), plan.z[1] * self.L
-        if p <= self.state.parameter:
+        if p <= 0.0:
             return None
         zone = self.law.zone
         trials: dict[float, tuple[Trial, Arrival]] = {}
 
         def function(a: float) -> float:
-            if a < self.least_radius or a > self.law.rim:
+            if not self.least_radius <= self.state.radius + a <= self.law.rim:
                 return math.nan
-            trial = self.trial(a, self.chord(plan, p, a))
+            trial = self.trial(a, self.chord(p, a))
             value, arrival = self.residual(trial, p)
             trials[a] = trial, arrival
             return value
 
         size = 1e-3 * max(plan.h, 1e-6) * self.L * min(1.0, zone / self.L if zone else 1.0)
         size = max(size, zone * min(0.01, SEEN * self.noise))
-        if self.law.rated and guess >= self.state.radius and self.leg.timed:
-            function(self.state.radius)
-            allowed = self.law.allowed_speed(trials[self.state.radius][1].integral)
+        if self.law.rated and guess >= 0.0 and self.leg.timed:
+            function(0.0)
+            allowed = self.law.allowed_speed(trials[0.0][1].integral)
             if allowed > 0.0:
-                guess = self.state.radius - max(allowed * (p - self.state.parameter), 1e-3 * self.still)
-                size = 0.5 * (self.state.radius - guess)
-        root = self._secants(function, guess, size, Fixed.LOAD, 1e-14 * self.L, -math.inf)
+                guess = -max(allowed * p, 1e-3 * self.still)
+                size = -0.5 * guess
+        root = self._secants(function, guess, size, Fixed.LOAD, -math.inf)
         near = (
             10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN
         )  # after a kink no direction is known
@@ -221,12 +219,12 @@ class Continuation(Tracker):
             return None
         trial, arrival = trials[root]
         error = self.mispredicted(plan, trial, arrival)
-        return Correction(trial, arrival, error, self.chord(plan, p, root))
+        return Correction(trial, arrival, error, self.chord(p, root))
 
     def _at_rest(self, plan: Plan) -> Correction | None:
         """The edge stays; if it would set off, the step ends there. ``None``: it moves at once."""
-        p, a = self._load(plan), self.state.radius
-        trial = self.trial(a, self.chord(plan, p, a))
+        p = self._load(plan)
+        trial = self.trial(0.0, self.chord(p, 0.0))
 
         def pull(at: float) -> tuple[float, Arrival]:
             self.evaluations += 1
@@ -235,33 +233,33 @@ class Continuation(Tracker):
 
         value, arrival = pull(p)
         if value > 0.0 and self.law.rated and self.leg.timed:  # it has a speed, seen or not
-            travel = self.law.allowed_speed(arrival.integral) * (p - self.state.parameter)
+            travel = self.law.allowed_speed(arrival.integral) * p
             if travel > 0.1 * self.still:
                 return None
             value = 0.0
         if value != 0.0:
-            start, end = self.state.parameter, p
-            if pull(start)[0] != 0.0:
+            end = p
+            if pull(0.0)[0] != 0.0:
                 return None
             for _ in range(DEPARTURES):
-                p = events.departure(lambda at: pull(at)[0], start, end, 1e-13 * self.T)
-                trial = self.trial(a, self.chord(plan, p, a))
+                p = events.departure(lambda at: pull(at)[0], end, 1e-13 * self.T)
+                trial = self.trial(0.0, self.chord(p, 0.0))
             arrival = trial.arrive(p)
             plan.event = Kind.DEPARTURE
         error = 0.0 if plan.event is Kind.DEPARTURE else self.mispredicted(plan, trial, arrival)
-        return Correction(trial, arrival, error, self.chord(plan, p, a))
+        return Correction(trial, arrival, error, self.chord(p, 0.0))
 
     def _stopped(self, plan: Plan) -> Correction | None:
         """The edge, which moved, is at rest at the load: what it still travels in the step is the error."""
-        p, a = self._load(plan), self.state.radius
-        trial = self.trial(a, self.chord(plan, p, a), 1)
+        p = self._load(plan)
+        trial = self.trial(0.0, self.chord(p, 0.0), 1)
         arrival = trial.arrive(p)
         pulled = self.law.pulls(trial, arrival, not self.leg.timed, -self.noise)
-        if p <= self.state.parameter or pulled != 0.0:
+        if p <= 0.0 or pulled != 0.0:
             return None
         if plan.event is Kind.NONE:
             plan.event = Kind.TURN
-        return Correction(trial, arrival, self.mispredicted(plan, trial, arrival), self.chord(plan, p, a))
+        return Correction(trial, arrival, self.mispredicted(plan, trial, arrival), self.chord(p, 0.0))
 
     def _secants(
         self,
@@ -269,7 +267,6 @@ class Continuation(Tracker):
         x: float,
         size: float,
         of: Fixed,
-        narrow: float,
         least: float,
     ) -> float | None:
         """Root by secants; where rounding stops them, the best point if it is one."""
@@ -293,7 +290,7 @@ class Continuation(Tracker):
             best = min(best, (abs(value), after))
             x, f = after, value
             after = x - f / slope
-            if abs(f) < enough or abs(after - x) < narrow:
+            if abs(f) < enough or abs(after - x) < NARROW * abs(x):
                 self.slopes[of] = slope
                 return x
         return best[1] if best[0] < 10.0 * self.noise else None

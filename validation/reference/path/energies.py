@@ -62,8 +62,8 @@ def stored_energy(body: Body, state: State) -> float:
 
 def stored_when_free(body: Body, state: State) -> float:
     """``U`` right after all contact is lost: the whole contact released at once."""
-    edges = state.edges_between(0.0, state.radius)
-    breaks = np.unique(np.concatenate((state.radius * _QUARTERS, edges)))
+    edges = state.edges_between(-state.radius, 0.0)
+    breaks = np.unique(np.concatenate((-state.radius * _QUARTERS, edges)))
     width = np.diff(breaks)[:, None]
     x = (breaks[:-1, None] + width * _POINTS).ravel()
     units = body.rheology.release(*state.in_contact(body, x))
@@ -117,7 +117,7 @@ def course(
     for column, change in ((TIME, clock), (DEPTH, depth), (RADIUS, way)):
         coefficients[: len(change), column] = change
     coefficients[0, :FORCE] = first[:FORCE]
-    if arrival.parameter == trial.state.parameter:  # at a fixed load: no way of equilibria
+    if arrival.rise == 0.0:  # at a fixed load: no way of equilibria
         ends[:] = end - first[_SMOOTH]
         before = None
     elif trial.direction and arrival.duration > FAST * body.rheology.shortest:

@@ -135,11 +135,11 @@ def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:
         radius=radius,
         force=2.0 * (rheology.relaxed + float(moduli.sum())) * whole,
         memory=np.zeros_like(moduli),
-        surface=untouched(radius, 0.0, moduli * depth, -moduli),
+        surface=untouched(radius, moduli * depth, -moduli),
         held=moduli * whole,
         held_squares=moduli**2 * body.strain_squared(depth, radius),
         free_squares=np.zeros_like(moduli),
-        kinks=(radius,),
+        kinks=(0.0,),
     )
 
 

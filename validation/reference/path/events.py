@@ -68,13 +68,12 @@ def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correct
     at = bracketed(along, 1e-9, 1.0, 1e-13) if along(1e-9) < 0.0 < along(1.0) else 1.0
     part, end = correction.trial.part(at, correction.arrival)
     planned.event = excess(part, end)[1]
-    last = tracker.rows.last[0]
-    return replace(correction, trial=part, arrival=end, s=last + at * (correction.s - last))
+    return replace(correction, trial=part, arrival=end, s=at * correction.s)
 
 
-def departure(pull: Callable[[float], float], start: float, end: float, narrow: float) -> float:
-    """The first load parameter at which a resting edge sets off: by halves, as the pull is zero before."""
-    low, high = start, end
+def departure(pull: Callable[[float], float], end: float, narrow: float) -> float:
+    """The least rise at which a resting edge sets off: by halves, as the pull is zero before."""
+    low, high = 0.0, end
     while high - low > max(narrow, 2.0 * math.ulp(high)):
         middle = 0.5 * (low + high)
         if pull(middle) == 0.0:
@@ -88,7 +87,7 @@ def plan(tracker: Tracker) -> Plan:
     """The next step, shortened to the first event on its way."""
     coefficients = tracker.rows.predictor(tracker.T, tracker.L, tracker.depth, tracker.tangent)
     orders = np.arange(len(coefficients))
-    end = tracker.leg.end / tracker.T
+    end = (tracker.leg.end - tracker.state.parameter) / tracker.T
     m = tracker.rows.order
 
     def place(h: float) -> Array:
@@ -101,21 +100,21 @@ def plan(tracker: Tracker) -> Plan:
         there, tangent = place(h), slope(h)
         tangent = tangent / np.hypot(*tangent[:2])
         if fixed is None:
-            moves = abs(tangent[1]) > MOVING and abs(there[1] - here[1]) * tracker.L > tracker.still
+            moves = abs(tangent[1]) > MOVING and abs(there[1]) * tracker.L > tracker.still
             fixed = Fixed.RADIUS if moves else Fixed.LOAD
         return Plan(h, there, tangent, fixed, event)
 
-    h, here, first = tracker.h, coefficients[0], slope(0.0)
+    h, first = tracker.h, slope(0.0)
     resting = tracker.law.rests(tracker.state.radius) and not tracker.moving
     last = place(h)
     if last[0] >= end - 1e-9 * h:
-        if m > 1 and last[0] > end and here[0] < end:
+        if m > 1 and last[0] > end > 0.0:
             h = bracketed(lambda x: place(x)[0] - end, 0.0, h)
         planned = made(h, Kind.END, Fixed.REST if resting else Fixed.LOAD)
         planned.z[0] = end
     elif resting:
         return made(h, fixed=Fixed.REST)
-    elif m > 1 and last[0] + 0.3 * (last[0] - here[0]) > end:
+    elif m > 1 and 1.3 * last[0] > end:
         planned = made(0.6 * h)
     else:
         planned = made(h)
@@ -149,7 +148,7 @@ def _turn_or_fold(
         at = bracketed(lambda x: slope(x)[1], 0.0, AHEAD * h)
         if at > h:
             return made(0.6 * at)
-        if place(at)[0] > place(0.0)[0]:
+        if place(at)[0] > 0.0:
             return made(at, Kind.TURN, Fixed.LOAD)
     if (
         planned.fixed is Fixed.RADIUS
@@ -157,34 +156,33 @@ def _turn_or_fold(
         and (tracker.law.zone > 0.0 or first[1] > 0.0)
     ):
         at = bracketed(lambda x: slope(x)[0], 0.0, AHEAD * h)
-        vertex, before = float(place(at)[1]), tracker.vertex
+        vertex, before = float(place(at)[1]) * tracker.L, tracker.vertex
         tracker.vertex = vertex
         lost = 8.0 * math.ulp(tracker.state.parameter) / tracker.T  # gains on the way that are rounding
-        if abs(vertex - before) < SAME_FOLD * tracker.tolerance or place(at)[0] - place(0.0)[0] < lost:
+        if abs(vertex - before) < SAME_FOLD * tracker.tolerance * tracker.L or place(at)[0] < lost:
             return made(at, Kind.FOLD, Fixed.RADIUS)
         return made(min(h, TOWARDS_FOLD * at), Kind.TOWARDS if TOWARDS_FOLD * at < h else Kind.NONE)
     return planned
 
 
 def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind, float] | None:
-    """The first radius on the way at which the slope of the residual changes by more than the tolerance.
+    """The first place on the way at which the slope of the residual changes by more than the tolerance.
 
     Beside what is there, and the first step from there in the last one.
     """
-    L = tracker.L
-    a, end = tracker.state.radius, planned.z[1] * L
-    way = math.copysign(1.0, end - a) if end != a else 0.0
+    a, travel = tracker.state.radius, planned.z[1] * tracker.L
+    way = float(np.sign(travel))
     found: list[tuple[float, Kind, float]] = []
-    if way < 0.0 and end < tracker.least_radius:
-        found.append((tracker.least_radius, Kind.LEAST, 1.0))
-    if way > 0.0 and end > tracker.law.rim * (1.0 + 1e-12):
-        found.append((tracker.law.rim, Kind.RIM, 1.0))
+    if way < 0.0 and a + travel < tracker.least_radius:
+        found.append((tracker.least_radius - a, Kind.LEAST, 1.0))
+    if way > 0.0 and a + travel > tracker.law.rim * (1.0 + 1e-12):
+        found.append((tracker.law.rim - a, Kind.RIM, 1.0))
     if way and len(tracker.rows) > 1 and abs(planned.tangent[1]) > 1e-7:
         state, law = tracker.state, tracker.law
-        at, sources = kinks.corners(state, law, way, end)
+        at, sources = kinks.corners(state, law, travel)
         if len(at):
             seen = tracker.gradient(planned.tangent) * tracker.tolerance
-            weight, after = kinks.weights(state, tracker.body, law, abs(end - a), seen, at, sources)
+            weight, after = kinks.weights(state, tracker.body, law, abs(travel), seen, at, sources)
             for i in np.flatnonzero(weight > OVER):
                 found.append((float(at[i]), Kind.CORNER, float(after[i])))
     return min(found, key=lambda each: way * each[0]) if found else None
@@ -241,8 +239,11 @@ def accept(tracker: Tracker, correction: Correction) -> None:
     """Commit a step."""
     state = correction.trial.state_after(correction.arrival)
     tracker.accepted(correction.trial, correction.arrival, state, correction.s)
-    tracker.rows.append(correction.s, state.parameter, state.time, state.depth, state.radius, state.force)
+    rise, travel = correction.arrival.rise, correction.trial.travel
+    tracker.rows.append(correction.s, rise, travel, state.depth, state.force)
     tracker.state = state
+    tracker.lasted, tracker.travelled = tracker.lasted + rise, tracker.travelled + travel
+    tracker.vertex -= travel
     tracker.zone = correction.trial.zone
     tracker.steps += 1
     if correction.trial.direction:
@@ -256,9 +257,9 @@ def runs_away(tracker: Tracker) -> bool:
     state = tracker.state
     values = []
     for share in (0.01, 0.02):
-        radius = state.radius + tracker.direction * share * (tracker.law.zone or state.radius)
-        trial = tracker.trial(radius, tracker.rows.last[0] + share, 1)
-        values.append(tracker.residual(trial, state.parameter)[0] * tracker.direction)
+        travel = tracker.direction * share * (tracker.law.zone or state.radius)
+        trial = tracker.trial(travel, share, 1)
+        values.append(tracker.residual(trial, 0.0)[0] * tracker.direction)
     return values[0] < 0.0 and values[1] < SAME * values[0]
 
 
@@ -266,37 +267,36 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
     """Whether there is no other stable edge at the same load; if there is, the contact goes there."""
     tracker.restart()
     state, zone = tracker.state, tracker.law.zone
-    a, p = state.radius, state.parameter
-    way = tracker.direction
+    a, way = state.radius, tracker.direction
     least = tracker.least_radius
     ends = {}
 
-    def residual(radius: float) -> float:
-        trial = tracker.trial(radius, tracker.rows.last[0] + abs(radius - a) / tracker.L, 1)
-        value, arrival = tracker.residual(trial, p)
-        ends[radius] = trial, arrival
+    def residual(travel: float) -> float:
+        trial = tracker.trial(travel, abs(travel) / tracker.L, 1)
+        value, arrival = tracker.residual(trial, 0.0)
+        ends[travel] = trial, arrival
         return value
 
-    near = a + way * (max(0.05 * zone, 1e-3 * a) if at_fold else 1e-3 * (zone or a))
-    before = near, residual(near) if near > least else math.nan
+    near = way * (max(0.05 * zone, 1e-3 * a) if at_fold else 1e-3 * (zone or a))
+    before = near, residual(near) if a + near > least else math.nan
     if before[1] * way > 0.0:
         if tracker.stuck_at == tracker.steps:
             return True
         tracker.stuck_at = tracker.steps
         return False
-    radii = (
-        a + (least - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5
+    travels = (
+        (least - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5
         if way < 0.0
-        else a * np.geomspace(1.0, 3.0, 17)[1:]
+        else a * (np.geomspace(1.0, 3.0, 17)[1:] - 1.0)
     )
-    for radius in radii[way * (radii - near) > 0.0]:
-        value = residual(float(radius))
+    for travel in travels[way * (travels - near) > 0.0].tolist():
+        value = residual(travel)
         if before[1] * way < 0.0 <= value * way:
-            at = bracketed(residual, before[0], float(radius), 1e-14 * a)
+            at = bracketed(residual, before[0], travel, 1e-14 * a)
             residual(at)
             trial, arrival = ends[at]
-            accept(tracker, Correction(trial, arrival, 0.0, tracker.rows.last[0] + abs(at - a) / tracker.L))
+            accept(tracker, Correction(trial, arrival, 0.0, abs(at) / tracker.L))
             tracker.restart()
             return False
-        before = float(radius), value
+        before = travel, value
     return True

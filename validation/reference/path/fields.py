@@ -11,11 +11,14 @@ radius: where the edge turns they go with the root of the distance. So they are 
 the parabola that leaves and arrives with the slopes of the path. What a step leaves behind depends on what
 was there before; where two entries met before, the new ones meet, too. Where neighbours disagree the edge has
 turned, or rested: a kink, found by looking at it.
+
+The table is seen from the edge, and from now: radii are distances from the edge, negative in contact, times
+are those since now. So the zone is as sharp where it is 1e-8 of the radius as where it is a tenth of it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -35,9 +38,9 @@ _TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
 class Passages:
     """Entry i holds the radii in ``(edges[i], edges[i + 1]]``; beyond the last nothing has ever been.
 
-    ``parabola`` (l, 3): ``x_0, X, c``. ``time`` (l,). ``left`` (l, 6, n + 1): coefficients of the time of
-    passage after ``time``, and of what is carried. ``shape`` (l, n): a part of that which goes as the
-    indenter, ``G(x)``: exact in the state of a start.
+    ``edges`` begin at the axis. ``parabola`` (l, 3): ``x_0, X, c``. ``time`` (l,). ``left`` (l, 6, n + 1):
+    coefficients of the time of passage after ``time``, and of what is carried. ``shape`` (l, n): a part of
+    that which goes as the indenter, ``G(x)``: exact in the state of a start.
     """
 
     edges: Array
@@ -47,37 +50,44 @@ class Passages:
     left: Array
     shape: Array
 
-    def at(self, x: Array, G: Array, time: float, times: Array, retardation: Array) -> tuple[Flags, Array]:
-        """Which radii (m,) are in contact, and what they carry (m, n) at a time."""
+    def at(self, x: Array, G: Array, times: Array, retardation: Array) -> tuple[Flags, Array]:
+        """Which radii (m,) are in contact, and what they carry (m, n) now."""
         if not len(self.held):
             return np.zeros(len(x), bool), np.zeros((len(x), len(times)))
         entry = self.edges.searchsorted(x) - 1
         beyond = x > self.edges[-1]
-        np.minimum(entry, len(self.held) - 1, out=entry)
+        np.clip(entry, 0, len(self.held) - 1, out=entry)
         start, whole, linear = self.parabola.take(entry, axis=0).T
         share = np.minimum(np.maximum((x - start) / whole, 0.0), 1.0)
         root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
         g = 2.0 * share / np.maximum(linear + root, 1e-300)
         left = np.einsum("mk,mkn->mn", powers(g, len(NODES) - 1), self.left.take(entry, axis=0))
         held = self.held.take(entry)
-        elapsed = np.maximum(time - self.time.take(entry) - left[:, 0], 0.0)  # nothing is passed later
+        elapsed = np.maximum(-self.time.take(entry) - left[:, 0], 0.0)  # nothing is passed later
         carried = left[:, 1:] + self.shape.take(entry, axis=0) * G[:, None]
         carried *= np.exp(-elapsed[:, None] / np.where(held[:, None], times, retardation))
         if beyond.any():
             carried[beyond], held = 0.0, held & ~beyond
         return held, carried
 
+    def seen_from(self, travel: float, radius: float, later: float) -> Passages:
+        """The same when the edge has gone that far, to a radius, in that time."""
+        edges, parabola = self.edges - travel, self.parabola.copy()
+        edges[0] = -radius
+        parabola[:, 0] -= travel
+        return replace(self, edges=edges, parabola=parabola, time=self.time - later)
 
-def untouched(radius: float, time: float, held: Array, shape: Array) -> Passages:
+
+def untouched(radius: float, held: Array, shape: Array) -> Passages:
     """A contact of that radius on a surface never touched before; what it carries is ``held + shape G``."""
     entries = 1 if radius > 0.0 else 0
     left = np.zeros((entries, len(NODES), len(held) + 1))
     left[:, 0, 1:] = held
     return Passages(
-        np.array([0.0, radius][: entries + 1]),
+        np.array([-radius, 0.0][: entries + 1]),
         np.ones(entries, bool),
-        np.array([[0.0, radius, 1.0]])[:entries],
-        np.array([time])[:entries],
+        np.array([[-radius, radius, 1.0]])[:entries],
+        np.zeros(entries),
         left,
         np.tile(shape, (entries, 1)),
     )
@@ -98,10 +108,10 @@ class Sweep:
     weight: Array
 
 
-def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
-    """Points of a step from ``radius`` along ``radius + way(u)``, cut at radii in their order along it."""
+def sweep(way: Array, cuts: Array) -> Sweep:
+    """Points of a step along ``way(u)``, cut at distances in their order along it, the first zero."""
     ends = np.zeros(len(cuts))
-    ends[1:-1], ends[-1] = inverse(way, cuts[1:-1] - radius), 1.0
+    ends[1:-1], ends[-1] = inverse(way, cuts[1:-1]), 1.0
     whole = cuts[1:] - cuts[:-1]
     slopes = horner(derivative(way), ends)
     linear = 1.0 + 0.5 * (ends[1:] - ends[:-1]) * (slopes[:-1] - slopes[1:]) / whole
@@ -110,7 +120,7 @@ def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
     weight = np.abs(whole[:, None]) * WEIGHTS * (linear + 2.0 * (1.0 - linear) * NODES)
     parabola = np.column_stack((cuts[:-1], whole, linear))
     x = np.concatenate((cuts[:1], x.ravel(), cuts[-1:]))
-    u = inverse(way, x - radius)
+    u = inverse(way, x)
     u[0], u[-1] = 0.0, 1.0
     return Sweep(cuts, parabola, u, x, np.concatenate(([0.0], weight.ravel(), [0.0])))
 
@@ -118,14 +128,13 @@ def sweep(radius: float, way: Array, cuts: Array) -> Sweep:
 def passed(
     before: Passages,
     swept: Sweep,
-    time: float,
     elapsed: Array,
     carried: Array,
     held: bool,
     G: Array,
     moduli: Array,
 ) -> Passages:
-    """The table after a step: ``carried`` (m, n) by points of the sweep at ``elapsed`` (m,) from ``time``.
+    """The table after a step, seen from its start: ``carried`` (m, n) by points of the sweep at ``elapsed``.
 
     What is touched for the first time carries ``-moduli G`` (n,) beside what is smooth along the path.
     """
@@ -139,7 +148,7 @@ def passed(
     new: tuple[NDArray[Any], ...] = (
         np.full(entries, held),
         parabola,
-        np.full(entries, time),
+        np.zeros(entries),
         left,
         shape,
     )

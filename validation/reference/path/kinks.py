@@ -28,15 +28,15 @@ FADED = 1e-3
 """Jump, in tolerances and the field at the edge, below which a kink is forgotten."""
 
 
-def corners(state: State, law: EdgeLaw, way: float, end: float) -> tuple[Array, Array]:
-    """Radii on the way at which the residual may have a kink, and the kinks they come from."""
+def corners(state: State, law: EdgeLaw, travel: float) -> tuple[Array, Array]:
+    """Distances on the way at which the residual may have a kink, and the kinks they come from."""
     zone = law.zone
     kinks = np.array(state.kinks)
     shifts = (-zone, 0.0, zone) if zone and not law.cohesive else (0.0,)
     at = np.concatenate([kinks + shift for shift in shifts])
-    ahead = way * (at - state.radius)
+    ahead = math.copysign(1.0, travel) * at
     near = 1e-7 * zone if zone else 1e-9 * state.radius
-    within = np.flatnonzero((at > 0.0) & (ahead > near) & (ahead < 1.01 * way * (end - state.radius)))
+    within = np.flatnonzero((at > -state.radius) & (ahead > near) & (ahead < 1.01 * abs(travel)))
     return at[within], np.tile(kinks, len(shifts))[within]
 
 
@@ -51,7 +51,7 @@ def weights(
     if not zone or not seen:
         return np.full(len(at), math.inf), np.full(len(at), AFTER_CORNER)
     jump, bend, apart, (inner, stress, opening, outer) = _probed(state, body, zone, kinks)
-    inside = kinks < a
+    inside = kinks < 0.0
     partner = np.where(inside, opening, stress)
     partner = np.where(at == kinks, np.where(inside, outer, inner), partner)
     factor = 0.5 * math.pi / (a * math.pi**2 * zone * (law.adhesion.work if law.adhesion else 1.0))
@@ -67,14 +67,14 @@ def _probed(state: State, body: Body, zone: float, kinks: Array) -> tuple[Array,
     Jumps are those of the straight lines through two points on either side: a slope is none. The fields at
     the edge are ``q`` at ``a - da`` and ``a``, ``d`` at ``a`` and ``a + da``.
     """
-    rheology, a = body.rheology, state.radius
-    size = zone or 0.1 * a
-    apart = np.minimum(NEARBY * size, np.maximum(np.abs(kinks - a) / 3.0, 1e-9 * a))
+    rheology = body.rheology
+    size = zone or 0.1 * state.radius
+    apart = np.minimum(NEARBY * size, np.maximum(np.abs(kinks) / 3.0, 1e-9 * size))
     probes = (kinks[:, None] + apart[:, None] * np.array([-2.0, -1.0, 1.0, 2.0])).ravel()
-    edge = np.array([a - size, a * (1.0 - 1e-12), a * (1.0 + 1e-12), a + size])
-    x = np.concatenate((np.maximum(probes, 0.0), edge))
-    G = body.transform(x)
-    held, carried = state.surface.at(x, G, state.time, rheology.times, rheology.retardation)
+    edge = size * np.array([-1.0, -1e-12, 1e-12, 1.0])
+    x = np.concatenate((probes, edge))
+    G = body.transform(np.maximum(state.radius + x, 0.0))
+    held, carried = state.surface.at(x, G, rheology.times, rheology.retardation)
     gap = state.depth - G
     stress = rheology.relaxed * gap + float(rheology.moduli @ state.memory)
     field = total(carried) + np.where(held, stress, -gap)
@@ -88,7 +88,7 @@ def faded(state: State, body: Body, zone: float, tolerance: float) -> tuple[floa
     if state.radius == 0.0 or len(kinks) < 2:
         return state.kinks
     jump, bend, _, edge = _probed(state, body, zone, kinks)
-    scale = np.where(kinks < state.radius, np.abs(edge[:2]).max(), np.abs(edge[2:]).max())
+    scale = np.where(kinks < 0.0, np.abs(edge[:2]).max(), np.abs(edge[2:]).max())
     left = jump + bend > FADED * tolerance * scale
-    left |= np.abs(kinks - state.radius) < 1e-6 * (zone or state.radius)
+    left |= np.abs(kinks) < 1e-6 * (zone or state.radius)
     return tuple(kinks[left].tolist())

@@ -39,7 +39,7 @@ _TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
 def profile(body: Body, indenter: Indenter, state: State) -> SurfaceProfile:
     """State of the surface, at points crowded towards the edge but not on it."""
     a, edges = state.radius, state.surface.edges
-    far = 1.5 * max(a, float(edges[-1]) if edges.size else 0.0) or 1.0
+    far = 1.5 * (a + max(float(edges[-1]) if edges.size else 0.0, 0.0)) or 1.0
     within = a * np.sin(0.5 * np.pi * np.arange(POINTS) / POINTS) if a > 0.0 else np.empty(0)
     beyond = a + (far - a) * (np.arange(1 if a > 0.0 else 0, POINTS + 1) / POINTS) ** 2
     radius = np.concatenate((within, beyond))
@@ -61,7 +61,10 @@ def pressure(body: Body, state: State, radius: Array) -> Array:
     """``p(r)`` for ``0 <= r < a``, shape (m,); positive in compression."""
     a = state.radius
     breaks = _breaks(body, state, 0.0, a)
-    width, q = np.diff(breaks), _panels(lambda x: body.rheology.stress(*state.in_contact(body, x)), breaks)
+    width, q = (
+        np.diff(breaks),
+        _panels(lambda x: body.rheology.stress(*state.in_contact(body, x - a)), breaks),
+    )
     slopes = _ORDERS[1:, None] * q[1:] / width
     jumps = np.append(q[0, 1:], 0.0) - q.sum(axis=0)  # at the outer end of each panel
 
@@ -83,7 +86,7 @@ def gap(body: Body, state: State, radius: Array) -> Array:
     breaks = _breaks(body, state, a, far)
 
     def opening(y: Array) -> Array:
-        G, carried = state.carried(body, y)
+        G, carried = state.carried(body, y - a)
         return total(carried) - (state.depth - G)
 
     width, d = np.diff(breaks), _panels(opening, breaks)
@@ -116,8 +119,9 @@ def _breaks(body: Body, state: State, low: float, high: float) -> Array:
     """Radii between which the fields are smooth, with the ends."""
     knots = body.transform.knots
     marks = np.append(knots[(knots > low) & (knots < high)], (low, state.radius))[:, None]
+    edges = state.radius + state.edges_between(low - state.radius, high - state.radius)
     near = marks + (high - low) * np.append(_GRADED, -_GRADED)
-    breaks = np.unique(np.concatenate((near.ravel(), marks.ravel(), state.edges_between(low, high))))
+    breaks = np.unique(np.concatenate((near.ravel(), marks.ravel(), edges)))
     breaks = breaks[(breaks > low + LEAST * high) & (breaks < high * (1.0 - LEAST))]
     apart = np.diff(breaks, prepend=low) > LEAST * high
     return np.concatenate(([low], breaks[apart], [high]))

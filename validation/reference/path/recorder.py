@@ -103,7 +103,7 @@ class Recorder:
         """The state from which a run starts."""
         stored, stress = stored_energy(self.body, state), 0.0
         if state.radius > 0.0:
-            at_edge = state.in_contact(self.body, np.array([state.radius]))
+            at_edge = state.in_contact(self.body, np.zeros(1))
             stress = float(self.body.rheology.stress(*at_edge)[0])
         self._add([[state.time, state.depth, state.radius, state.force, stored, 0.0, 0.0, 0.0, stress]])
         if state.time in self.wanted:
@@ -121,7 +121,7 @@ class Recorder:
         before = None if back is None else (back, self._ends[-2])
         way = course(self.body, self.law, trial, arrival, state, self._ends[-1], before)
         marked, stops = {}, {}
-        if arrival.parameter > trial.state.parameter:
+        if arrival.rise > 0.0:
             marked = self._extrema(trial, arrival, way)
         elif trial.direction:
             self._jumped(trial)

@@ -172,7 +172,7 @@ class Run:
     def _accepted(self, trial: Trial, arrival: Arrival, state: State, s: float) -> None:
         """Record a step; the row before it belongs to its path unless there is a kink between."""
         table = self.tracker.rows.table
-        back = (table[-2, 0] - table[-1, 0]) / (s - table[-1, 0]) if len(table) > 1 else None
+        back = table[-2, 0] / s if len(table) > 1 else None
         self.recorder.step(trial, arrival, state, back)
 
     # load steps ---

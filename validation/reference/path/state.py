@@ -31,8 +31,8 @@ class State:
 
     ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``: ``int
     e_j^2 dx`` over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
-    how deep what it covers still relaxes. ``kinks``: radii at which the load had a kink or the edge turned;
-    ``corners``: at which the path had one for that.
+    how deep what it covers still relaxes. ``kinks``: where the load had a kink or the edge turned, in
+    distances from the edge as in the table; ``corners``: where the path had one for that.
     """
 
     parameter: float
@@ -50,12 +50,12 @@ class State:
     corners: tuple[float, ...] = ()
 
     def carried(self, body: Body, x: Array) -> tuple[Array, Array]:
-        """``G`` at radii (m,), and what they carry (m, n)."""
-        rheology, G = body.rheology, body.transform(x)
-        return G, self.surface.at(x, G, self.time, rheology.times, rheology.retardation)[1]
+        """``G`` at distances (m,) from the edge, and what is carried there (m, n)."""
+        rheology, G = body.rheology, body.transform(np.maximum(self.radius + x, 0.0))
+        return G, self.surface.at(x, G, rheology.times, rheology.retardation)[1]
 
     def in_contact(self, body: Body, x: Array) -> tuple[Array, Array]:
-        """Branch forces (m, n) and strain (m,) at radii in contact."""
+        """Branch forces (m, n) and strain (m,) at distances from the edge, in contact."""
         G, carried = self.carried(body, x)
         return carried + body.rheology.moduli * self.memory, self.depth - G
 
@@ -65,7 +65,7 @@ class State:
         return np.array([-math.inf, *sorted(self.kinks + self.corners), math.inf])
 
     def edges_between(self, low: float, high: float) -> Array:
-        """Edges of the table strictly between two radii."""
+        """Edges of the table strictly between two distances from the edge."""
         edges = self.surface.edges
         first, last = edges.searchsorted(low, side="right"), edges.searchsorted(high, side="left")
         return edges[first:last]
@@ -80,7 +80,7 @@ class State:
         gaps[1:-1] = edges[1:] - edges[:-1]
         width = np.minimum(gaps[1:], gaps[:-1])
         least = np.minimum(np.maximum(SKIPPED * width, np.minimum(0.3 * away, SPARSE * size)), SPACING * size)
-        sure = away < 1e-12 * edges
+        sure = away < 1e-12 * size
         kept, last = [], -math.inf
         for x, apart, mark in zip(edges.tolist(), least.tolist(), sure.tolist(), strict=True):
             if mark or x - last >= apart:
@@ -88,34 +88,34 @@ class State:
                 last = x
         return np.array(kept)
 
-    def cuts(self, radius: float, zone: float, knots: Array) -> Array:
-        """Radii from here to another, in that order, between which profile and fields passed are smooth."""
-        low, high = sorted((self.radius, radius))
-        inner = self.thinned(self.edges_between(low, high), zone or 0.1 * high)
+    def cuts(self, travel: float, zone: float, knots: Array) -> Array:
+        """Distances on the way, in its order, between which profile and fields passed are smooth."""
+        low, high = sorted((0.0, travel))
+        inner = self.thinned(self.edges_between(low, high), zone or 0.1 * (self.radius + high))
+        knots = knots - self.radius
         inner = np.union1d(inner, knots) if len(knots) else inner
         inner = inner[(inner - low > 1e-9 * (high - low)) & (high - inner > 1e-9 * (high - low))]
-        travel, way = high - low, math.copysign(1.0, radius - self.radius)
-        if zone and travel > 2.0 * GRADED * zone:  # what a closure looks at is known on its own scale
-            count = int(math.log(travel / (GRADED * zone)) / math.log(GRADING)) + 1
-            near = radius - way * GRADED * zone * GRADING ** np.arange(count)
+        if zone and high - low > 2.0 * GRADED * zone:  # what a closure looks at is known on its own scale
+            count = int(math.log((high - low) / (GRADED * zone)) / math.log(GRADING)) + 1
+            near = travel - math.copysign(GRADED * zone, travel) * GRADING ** np.arange(count)
             inner = np.union1d(inner, near[(near > low) & (near < high)])
         cuts = np.concatenate(([low], inner, [high]))
-        return cuts if radius > self.radius else cuts[::-1]
+        return cuts if travel > 0.0 else cuts[::-1]
 
-    def breaks(self, radius: float, zone: float) -> Array:
-        """Breaks of the closure at a radius, from the inner end of the zone."""
-        behind = self.thinned(self.edges_between(radius - zone, radius), zone) - (radius - zone)
-        ahead = self.thinned(self.edges_between(radius, radius + zone), zone) - radius
-        breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(radius, zone)))
+    def breaks(self, travel: float, zone: float) -> Array:
+        """Breaks of the closure after some travel, from the inner end of the zone."""
+        behind = self.thinned(self.edges_between(travel - zone, travel), zone) - (travel - zone)
+        ahead = self.thinned(self.edges_between(travel, travel + zone), zone) - travel
+        breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(travel, zone)))
         breaks = np.sort(breaks[(breaks >= 0.0) & (breaks <= zone)])
-        apart = breaks[1:] - breaks[:-1] > max(1e-12 * zone, 4.0 * math.ulp(radius))
+        apart = breaks[1:] - breaks[:-1] > 1e-12 * zone
         breaks = breaks[np.append(True, apart)]
         breaks[-1] = zone
         return breaks
 
-    def _layers(self, radius: float, zone: float) -> Array:
-        """Where the radius it began from lies as seen from a zone that passes it, and layers that relax."""
-        both = np.array([self.radius - radius, self.radius - radius + zone])
+    def _layers(self, travel: float, zone: float) -> Array:
+        """Where the edge was before, as seen from a zone that passes it, and layers that relax."""
+        both = np.array([-travel, zone - travel])
         near = (both[:, None] + zone * _NEAR).ravel()
         thickest = LAYER * zone
         if not 0.0 < self.layer < thickest:

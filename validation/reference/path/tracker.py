@@ -31,8 +31,7 @@ Level = Callable[[float, float, float], float]
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
 SEEN_TIME = 1e-9
-"""Least first step, in the scale of time. Where branches hold something from the start it is in the time that
-has passed, if that is shorter: the rounding of the time is then 1e-6 of it."""
+"""Least first step, in the scale of time, where no branch holds anything that would relax sooner."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 CORNERS = 8
@@ -78,7 +77,7 @@ class Fixed(StrEnum):
 class Plan:
     """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and its slopes there.
 
-    ``after``: the first step beyond a corner, in the last one.
+    ``p`` and ``a`` are those since the step began. ``after``: the first step beyond a corner, in the last.
     """
 
     h: float
@@ -104,8 +103,8 @@ class Tracker:
     """A run in progress.
 
     ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration; ``L_run`` the largest of the
-    radius, ``turn`` where the edge set off. ``slopes``: of the residual over the load parameter and the
-    radius, as last seen; they save evaluations.
+    radius. ``lasted``, ``travelled``: since the leg began and the edge set off. ``slopes``: of the residual
+    over the load parameter and the radius, as last seen; they save evaluations.
     """
 
     body: Body
@@ -119,8 +118,8 @@ class Tracker:
     rows: Rows = None  # type: ignore[assignment]
     T: float = 1.0
     L: float = 1.0
-    began: float = 0.0
-    turn: float = 0.0
+    lasted: float = 0.0
+    travelled: float = 0.0
     zone: float = 0.0
     T_leg: float = 1.0
     T_first: float = 1.0
@@ -143,10 +142,7 @@ class Tracker:
     @property
     def noise(self) -> float:
         """Residual below which there is only rounding."""
-        zone = self.law.zone
-        return (
-            max(10.0 * RESIDUAL, 8.0 * math.ulp(1.0) * self.state.radius / zone) if zone else 10.0 * RESIDUAL
-        )
+        return 10.0 * RESIDUAL
 
     @property
     def least_scale(self) -> float:
@@ -158,19 +154,19 @@ class Tracker:
         """Travel that changes nothing an edge can see."""
         return STILL * self.least_scale
 
-    def trial(self, radius: float, s: float, order: int = DEGREE) -> Trial:
-        """The step from here to a radius."""
+    def trial(self, travel: float, s: float, order: int = DEGREE) -> Trial:
+        """The step that goes that far."""
         self.geometries += 1
-        segment = self.rows.segment(s, radius, order)
+        segment = self.rows.segment(s, travel, order)
         if self.law.cohesive:
-            zone = min(self.zone or self.law.zone, 0.5 * radius)
+            zone = min(self.zone or self.law.zone, 0.5 * (self.state.radius + travel))
             return Trial(self.body, self.state, self.leg, segment, zone, self.law.cohesive, self.law.zone)
         return Trial(self.body, self.state, self.leg, segment, self.law.zone)
 
-    def residual(self, trial: Trial, parameter: float) -> tuple[float, Arrival]:
-        """Of the edge condition, at the end of a trial at a load parameter."""
+    def residual(self, trial: Trial, rise: float) -> tuple[float, Arrival]:
+        """Of the edge condition, at the end of a trial after a rise of the load parameter."""
         self.evaluations += 1
-        arrival = trial.arrive(parameter)
+        arrival = trial.arrive(rise)
         return self.law.residual(trial, arrival, not self.leg.timed), arrival
 
     def gradient(self, tangent: Array) -> float:
@@ -185,10 +181,10 @@ class Tracker:
         """A new leg: a kink of the path."""
         self.leg, self.T_leg, self.T = leg, T_leg, T_leg
         self.steepness = {}
-        self.L, self.began = min(self.L_run, self.least_scale), leg.start
+        self.L, self.lasted = min(self.L_run, self.least_scale), 0.0
         self.state = replace(self.state, parameter=leg.start)
         state = self.state
-        self.rows = Rows.at(leg.start, state.time, state.depth, state.radius, state.force)
+        self.rows = Rows.at(state.depth, state.force)
         if state.radius == 0.0 and state.depth >= 0.0 and leg.presses:
             self.touch()
             return
@@ -206,7 +202,6 @@ class Tracker:
         if self.law.tip:
             begun = start_state(self.body, self.state.depth, self.law.tip, True)
             self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
-            self.rows.table[-1, 4] = self.law.tip
             self.restart()
             return
         leg, deepest = self.leg, LEAST_CHANGE * self.depth / SMALL_PART
@@ -217,7 +212,7 @@ class Tracker:
         change = abs(leg.value(leg.end) - leg.value(leg.start)) or load
         p = (leg.end - leg.start) * min(load / change, 1.0)
         self.T_first, self.L = max(2.0 * p, 1e-300) if leg.timed else SMALL_PART, a
-        self.T, self.began = self.T_first, self.state.parameter
+        self.T, self.lasted = self.T_first, 0.0
         way = np.array([p / self.T, a / self.L])
         self.restart(way / np.hypot(*way), float(np.hypot(*way)))
         self.moving = True
@@ -232,26 +227,26 @@ class Tracker:
         if h is None:
             quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
-            known = min(self.state.parameter, self.T) if self.state.held.any() else self.T
-            h = max(h, SEEN_TIME * known / self.T if self.leg.timed else 1e-4)
+            least = 0.0 if self.state.held.any() else SEEN_TIME
+            h = max(h, least if self.leg.timed else 1e-4)
         self.h = h
         state = self.state
         if declare:
-            self.turn = radius
+            self.travelled = 0.0
             state = replace(state, kinks=kinks.faded(self.state, self.body, zone, self.tolerance))
-        if all(abs(radius - kink) > 1e-9 * radius for kink in state.kinks + state.corners):
+        if all(abs(kink) > 1e-9 * (zone or radius) for kink in state.kinks + state.corners):
             if declare:
-                state = replace(state, kinks=(*state.kinks, radius))
+                state = replace(state, kinks=(*state.kinks, 0.0))
             else:
-                state = replace(state, corners=(*state.corners, radius)[-CORNERS:])
+                state = replace(state, corners=(*state.corners, 0.0)[-CORNERS:])
         self.state = state
 
     def turn_at(self, h: float) -> None:
         """The edge turns at the last row; the next step is ``h``, and the scales grow anew from there."""
         self.restart(h=h)
         if self.leg.timed:
-            self.began = self.state.parameter
-            self.T_first = max(h * self.T, SEEN_TIME * self.began)
+            self.lasted = 0.0
+            self.T_first = h * self.T
 
     def rescale(self) -> None:
         """Scales grow with the time since the leg began and the way since the edge turned.
@@ -260,15 +255,15 @@ class Tracker:
         """
         T, L = self.T, self.L_run
         if self.leg.timed:
-            T = min(self.T_leg, max(0.5 * (self.state.parameter - self.began), self.T_first))
-        L = min(L, max(0.5 * abs(self.state.radius - self.turn), self.least_scale))
+            T = min(self.T_leg, max(0.5 * self.lasted, self.T_first))
+        L = min(L, max(0.5 * abs(self.travelled), self.least_scale))
         if (T, L) == (self.T, self.L):
             return
         ratio = np.array([self.T / T, self.L / L])
         table = self.rows.table
         direction = self.tangent
         if len(table) > 1:
-            direction = (table[-1, [1, 4]] - table[-2, [1, 4]]) / (self.T, self.L)
+            direction = -table[-2, 1:3] / (self.T, self.L)
             direction = direction / np.hypot(*direction)
         self.h *= math.hypot(*(direction * ratio))
         self.tangent = self.tangent * ratio
@@ -279,7 +274,7 @@ class Tracker:
     @property
     def let_go(self) -> bool:
         """Whether a contact without adhesion has come to a force that is nothing."""
-        forces = self.rows.table[-2:, 5]
+        forces = self.rows.table[-2:, 4]
         falling = len(forces) > 1 and forces[1] < forces[0]
         return falling and self.law.adhesion is None and forces[1] <= LOST_FORCE * self.largest_force
 

@@ -35,7 +35,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Radii with what they carry when the step begins; ``passed`` change sides where ``u_powers`` say."""
+    """Distances from the edge that a step begins with, ``G`` there, and what is carried then.
+
+    ``passed`` change sides where ``u_powers`` say.
+    """
 
     x: Array
     G: Array
@@ -56,9 +59,12 @@ class Passing:
 
 @dataclass(frozen=True)
 class Arrival:
-    """The end of a step at one load parameter; ``integral`` is that of the closure, or the edge strain."""
+    """The end of a step after a rise of the load parameter.
 
-    parameter: float
+    ``integral`` is that of the closure, or the edge strain.
+    """
+
+    rise: float
     duration: float
     motion: Motion
     integral: float
@@ -76,6 +82,8 @@ _NONE = np.zeros(0, int), np.zeros((0, COLLOCATION + 1))
 class Trial:
     """The step from a state along a segment; its end radius is where the segment ends.
 
+    What has the radius in it is measured from the edge where the step begins, and so is the load parameter.
+
     ``zone`` 0: without adhesion. ``cohesive``: stress of a zone whose length follows, ``zone`` is a guess.
     """
 
@@ -92,9 +100,11 @@ class Trial:
     ) -> None:
         self.body, self.state, self.leg, self.segment = body, state, leg, segment
         self.zone, self.cohesive, self.zone_at_rest = zone, cohesive, at_rest
-        radius = state.radius + float(segment.way.sum())
-        self.radius = radius if radius > 4.0 * math.ulp(state.radius) else 0.0
-        self.direction = float(np.sign(self.radius - state.radius))
+        self.travel = segment.travel
+        self.radius = state.radius + self.travel
+        if self.radius <= 4.0 * math.ulp(state.radius):
+            self.radius, self.travel = 0.0, -state.radius
+        self.direction = float(np.sign(self.travel))
         self.closure: Closure | None = None
         self._layered: dict[int, tuple[fields.Sweep, Points]] = {}
         self._passings: dict[tuple[Points, Motion], Passing] = {}
@@ -103,33 +113,33 @@ class Trial:
         if closed and zone > 0.0 and not cohesive:
             self._close(zone)
         elif zone == 0.0:
-            self.behind, self.ahead = self._points(np.array([self.radius]), np.array([self.radius]))
+            self.behind, self.ahead = self._points(np.array([self.travel]), np.array([self.travel]))
         self.closed = closed
 
     def _close(self, zone: float, breaks: Array | None = None) -> None:
         """Set up the closure over a zone."""
         self.zone = zone
         self.closure = closure(
-            self.radius, zone, self.state.breaks(self.radius, zone) if breaks is None else breaks
+            self.radius, zone, self.state.breaks(self.travel, zone) if breaks is None else breaks
         )
         s = self.closure.s
-        self.behind, self.ahead = self._points(self.radius - zone + s, self.radius + s)
+        self.behind, self.ahead = self._points(self.travel - zone + s, self.travel + s)
 
     def zone_at_stress(self, motion: Motion, duration: float) -> float:
         """Length of the zone that a cohesive stress makes at this end of the step."""
 
         def stress(x: Array) -> Array:
-            return self.stress(self._points(x, x[:0])[0], motion, duration)
+            return self.stress(self._points(self.travel + x, x[:0])[0], motion, duration)
 
-        within = self.state.thinned(self.state.edges_between(0.0, self.radius), self.zone)
-        edges = np.union1d(within, self.radius - self.zone * (1.0 - BASE))
+        within = self.state.thinned(self.state.edges_between(-self.state.radius, self.travel), self.zone)
+        edges = np.union1d(within - self.travel, self.zone * (BASE - 1.0))
         return zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
 
     # what does not depend on the end ---
 
     def _points(self, behind: Array, ahead: Array) -> tuple[Points, Points]:
         """Points behind and ahead of the end; those that change sides are all on one side."""
-        edge = self.radius  # a point that rounds onto it is in contact, as in the table
+        edge = self.travel  # a point that rounds onto it is in contact, as in the table
         x = np.concatenate((np.minimum(behind, edge), np.maximum(ahead, np.nextafter(edge, np.inf))))
         G, carried = self.state.carried(self.body, x)
         sides = []
@@ -139,36 +149,36 @@ class Trial:
         ):
             passed, u_powers = _NONE
             if moves:
-                low, high = sorted((self.state.radius, self.radius))
+                low, high = sorted((0.0, self.travel))
                 passed = ((x[side] > low) & (x[side] <= high)).nonzero()[0]
-                u_powers = powers(inverse(self.segment.way, x[side][passed] - self.state.radius), COLLOCATION)
+                u_powers = powers(inverse(self.segment.way, x[side][passed]), COLLOCATION)
             sides.append(Points(x[side], G[side], carried[side], passed, u_powers))
         return sides[0], sides[1]
 
     @cached_property
     def swept(self) -> tuple[fields.Sweep, Points]:
         """The points that a moving edge passes, and the ends, in the entries they will be kept in."""
-        return self._sweep(self.state.cuts(self.radius, self.zone, self.body.transform.knots))
+        return self._sweep(self.state.cuts(self.travel, self.zone, self.body.transform.knots))
 
     def _sweep(self, cuts: Array) -> tuple[fields.Sweep, Points]:
-        """Points of the sweep between these radii."""
-        swept = fields.sweep(self.state.radius, self.segment.way, cuts)
+        """Points of the sweep between these cuts."""
+        swept = fields.sweep(self.segment.way, cuts)
         u_powers = powers(swept.u, COLLOCATION)
-        x = np.maximum(swept.x, np.nextafter(min(self.radius, self.state.radius), np.inf))
+        x = np.maximum(swept.x, np.nextafter(min(self.travel, 0.0), np.inf))
         return swept, Points(x, *self.state.carried(self.body, x), np.arange(len(x)), u_powers)
 
     # an end ---
 
-    def arrive(self, parameter: float) -> Arrival:
-        """The end of the step at a load parameter."""
+    def arrive(self, rise: float) -> Arrival:
+        """The end of the step after a rise of the load parameter."""
         state, leg, rheology = self.state, self.leg, self.body.rheology
-        rise = self.segment.parameter + (parameter - state.parameter) * self.segment.basis
-        clock = rise if leg.timed else np.zeros_like(rise)
+        course = self.segment.parameter + rise * self.segment.basis
+        clock = course if leg.timed else np.zeros_like(course)
         free = 0.0
         if leg.rate is not None:
             motion: Motion = Ramp(rheology.times, clock, state.memory, state.depth, leg.rate)
         elif leg.control == "penetration":
-            at = state.parameter + PATH_AT_NODES @ rise
+            at = state.parameter + PATH_AT_NODES @ course
             given = np.array([leg.value(p) for p in at]) - state.depth
             given[0] = 0.0
             motion = collocation(
@@ -183,10 +193,10 @@ class Trial:
                 PATH_AT_NODES @ self.segment.depth,
                 PATH_AT_NODES @ self.segment.basis,
             )
-            free = self._balance(family, clock, parameter)
+            free = self._balance(family, clock, state.parameter + rise)
             motion = family.motion(free)
         duration = float(clock.sum())
-        return Arrival(parameter, duration, motion, self._integral(motion, duration), free)
+        return Arrival(rise, duration, motion, self._integral(motion, duration), free)
 
     def _balance(self, family: Collocation, clock: Array, parameter: float) -> float:
         """Change of the penetration in the step for the load to be as it has to: it is affine in it."""
@@ -280,7 +290,7 @@ class Trial:
         """``u`` and ``q`` just inside the edge, at both ends of the step and where it passes its points."""
         if self.direction == 0.0:
             u = np.concatenate(([0.0], fields.NODES, [1.0]))
-            x = np.full(len(u), self.radius)
+            x = np.zeros(len(u))
             points = Points(x, *self.state.carried(self.body, x), np.arange(len(x)), powers(u, COLLOCATION))
         else:
             swept, points = self.swept
@@ -299,8 +309,8 @@ class Trial:
             count = int(math.log(duration / shortest) / math.log(GRADING))
             if count not in self._layered:
                 cuts = swept.cuts
-                near = self.radius - (self.radius - cuts[-2]) / GRADING ** np.arange(1, count + 1)
-                near = near[(near > cuts[-2]) & (near < self.radius)]
+                near = self.travel - (self.travel - cuts[-2]) / GRADING ** np.arange(1, count + 1)
+                near = near[(near > cuts[-2]) & (near < self.travel)]
                 self._layered[count] = self._sweep(np.concatenate((cuts[:-1], near, cuts[-1:])))
             swept, points = self._layered[count]
         covered = self._covered(self._swept_passing(points, motion), motion, duration)
@@ -370,37 +380,43 @@ class Trial:
             surface = fields.passed(
                 surface,
                 swept,
-                state.time,
                 passing.elapsed,
                 carried,
                 not receding,
                 points.G,
                 rheology.moduli,
             )
+        parameter = self.parameter(arrival)
         return replace(
             state,
-            parameter=arrival.parameter,
-            time=float(arrival.parameter) if self.leg.timed else state.time,
-            depth=self.leg.value(arrival.parameter) if self.leg.control == "penetration" else depth,
+            parameter=parameter,
+            time=parameter if self.leg.timed else state.time,
+            depth=self.leg.value(parameter) if self.leg.control == "penetration" else depth,
             radius=self.radius,
             force=self.force(motion, arrival.duration),
             memory=memory,
-            surface=surface,
+            surface=surface.seen_from(self.travel, self.radius, arrival.duration),
             held=held,
             held_squares=squares,
             free_squares=free,
             layer=rheology.shortest * self.speed(arrival)
             if self.direction > 0.0 and arrival.duration
             else state.layer,
+            kinks=tuple(kink - self.travel for kink in state.kinks),
+            corners=tuple(corner - self.travel for corner in state.corners),
         )
+
+    def parameter(self, arrival: Arrival) -> float:
+        """Load parameter at an end; that of the leg where it rounds onto its end."""
+        start, end = self.state.parameter, self.leg.end
+        return end if arrival.rise == end - start else start + arrival.rise
 
     def part(self, u: float, arrival: Arrival) -> tuple[Trial, Arrival]:
         """The step cut off at ``u``, without closure, and its end: a point of the dense path."""
-        rise = arrival.parameter - self.state.parameter
-        segment = self.segment.cut(u, rise, arrival.free)
+        segment = self.segment.cut(u, arrival.rise, arrival.free)
         zones = self.zone, self.cohesive, self.zone_at_rest
         trial = Trial(self.body, self.state, self.leg, segment, *zones, closed=False)
-        return trial, trial.arrive(self.state.parameter + float(segment.parameter.sum()))
+        return trial, trial.arrive(float(segment.parameter.sum()))
 
     def speed(self, arrival: Arrival) -> float:
         """``da/dt`` at the end."""
