@@ -124,7 +124,7 @@ class Continuation(Tracker):
         self.slopes = {}
         if self.h < SMALLEST_STEP or self.fails > 40:
             self.fails = 0
-            return Kind.LOST
+            return Kind.FOLD if self.moving and events.runs_away(self) else Kind.LOST
         return Kind.REJECTED
 
     def _correct(self, plan: Plan) -> Correction | None:
