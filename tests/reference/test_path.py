@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.reference_path import measures, of_trace, scene_of
-from contact_scene import Adhesion, Branch, OutcomeKind, Table
+from contact_scene import Adhesion, Branch, Cone, Force, Loading, Material, OutcomeKind, Scene, Table
 from validation.cases import load
 from validation.reference.path.fields import NODES, WEIGHTS
 from validation.reference.path.path import Segment
@@ -54,6 +54,10 @@ DRAWN = {
     "plain:414": (OutcomeKind.DETACHED, 0.0, 1.8, 5e-5, 0.0),
     # a fold in the rounding of the time
     "short-zones:114": (OutcomeKind.DETACHED, 9.5425067e-8, 0.2271324912, 1.8e-5, -5.16334464e-14),
+    # a fold of which the place is lost in the noise of the closure
+    "usual:604": (OutcomeKind.DETACHED, 8.201314858e-3, 233.7079552366, 0.2, 1.080082523e-4),
+    # a blunt indenter is let go in the rounding of its load
+    "plain:606": (OutcomeKind.DETACHED, 0.0, 0.2, 1.088365502e-3, 0.0),
     # a closing edge with a rate law sets off
     "short-zones:306": (OutcomeKind.COMPLETED, 0.09641103255, 0.1736204712, 0.6123592674, 5.31348063e-3),
 }
@@ -133,6 +137,25 @@ def test_the_least_force(name, pull_off):
     trace = solve(scene_of(name))
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert -trace.force.min() == pytest.approx(pull_off, rel=1e-5)
+
+
+@pytest.mark.parametrize("depth", [0.0, -0.003])
+def test_a_contact_that_only_a_stage_holds_snaps_in_where_its_load_is_given(depth):
+    """It lies on the branch that is unstable under a force: the load that rises drives it to the other."""
+    loading = Loading("relaxed", depth, ())
+    material, adhesion = Material(0.75, 0.5), Adhesion(1e-3, 1e-5)
+
+    def start(depth):
+        return solve(Scene(material, Cone(80.0), replace(loading, penetration=depth), adhesion))
+
+    held = start(depth)
+    given = replace(loading, steps=(Force(0.9 * held.force[0], 1.0),))
+    trace = solve(Scene(material, Cone(80.0), given, adhesion))
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert [event.kind for event in trace.events] == ["snap-in"]
+    there = start(float(trace.penetration[-1]))
+    assert trace.contact_radius[-1] == pytest.approx(there.contact_radius[0], rel=1e-6)
+    assert trace.force[-1] == pytest.approx(there.force[0], rel=1e-6)
 
 
 def test_rows_of_a_table_on_a_straight_line_are_no_kinks():

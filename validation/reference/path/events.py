@@ -39,6 +39,8 @@ TOWARDS_FOLD = 0.75
 """Share of the way to a fold that a step goes until the place of the fold is known."""
 FILLED = 1.0 - 1e-5
 """Zone of fixed stress, in the contact radius, at which the contact ends."""
+LARGEST_JUMP = 1e4
+"""Radius up to which a stable contact is looked for, in that at which one runs away."""
 SAME = 1.0 - 1e-6
 """Ratio of two drives that are the same."""
 OVER = 10.0
@@ -263,6 +265,17 @@ def runs_away(tracker: Tracker) -> bool:
     return values[0] < 0.0 and values[1] < SAME * values[0]
 
 
+def unstable(tracker: Tracker) -> bool:
+    """Whether a contact that another control held runs away under this one, where the load drives it."""
+    state = tracker.state
+    if state.radius == 0.0 or tracker.law.adhesion is None or tracker.law.rests(state.radius):
+        return False
+    here = tracker.trial(0.0, tracker.h, 1)
+    start, soon = (tracker.residual(here, rise)[0] for rise in (0.0, tracker.h * tracker.T))
+    tracker.direction = 1.0 if soon < start else -1.0
+    return runs_away(tracker)
+
+
 def lost(tracker: Tracker, at_fold: bool) -> bool:
     """Whether there is no other stable edge at the same load; if there is, the contact goes there."""
     tracker.restart()
@@ -287,7 +300,7 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
     travels = (
         (least - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5
         if way < 0.0
-        else a * (np.geomspace(1.0, 3.0, 17)[1:] - 1.0)
+        else a * (np.geomspace(1.0, LARGEST_JUMP, 129)[1:] - 1.0)
     )
     for travel in travels[way * (travels - near) > 0.0].tolist():
         value = residual(travel)

@@ -235,7 +235,13 @@ class Run:
     def _follow(self, leg: Leg, segment: Segment, cursor: LoadingCursor) -> Kind:
         """One leg to its end, or to what ends the run before."""
         tracker = self.tracker
+        before = tracker.leg
         tracker.begin(leg, SMALL_PART * self._shortest(leg, segment))
+        self.recorder.put(tracker.state)
+        if leg.free and (before is None or before.control != leg.control) and events.unstable(tracker):
+            self._ends_with(Kind.FOLD, leg)
+            if self.outcome is not None:
+                return Kind.FOLD
         while True:
             self.recorder.put(tracker.state)
             now = tracker.state.time
