@@ -139,7 +139,10 @@ class Tracker:
 
     @property
     def noise(self) -> float:
-        """Residual below which there is only rounding."""
+        """Residual below which there is only rounding: where a load is given, that of the largest load."""
+        force = abs(self.state.force)
+        if self.law.adhesion is None and self.leg.free and force > 0.0:
+            return max(10.0 * RESIDUAL, math.ulp(1.0) * self.largest_force / force)
         return 10.0 * RESIDUAL
 
     @property
