@@ -1,5 +1,6 @@
 """Adhesionless viscoelastic closed forms: Lee-Radok, Ting, the oscillating punch, and Prony averages."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad, solve_ivp
 from support.closed_forms import hertz, lee_radok
+from support.closed_forms.separate_bulk import equivalent_material
 from support.paper_scenes import ONE
 
 from contact_scene import (
@@ -18,7 +20,6 @@ from contact_scene import (
     PowerLaw,
     Sphere,
     TabulatedProfile,
-    UnsupportedScene,
 )
 from validation.reference import prony_integrals, punch_oscillation, sneddon
 from validation.reference.ting import Ting
@@ -56,10 +57,15 @@ def test_prony_averages(material, time):
         assert_allclose(mean(material, np.inf), function(material, 1e12), rtol=1e-12)
 
 
-def test_a_poisson_ratio_that_varies_is_refused():
+def test_a_poisson_ratio_that_varies_enters_by_the_plane_modulus():
     separate = Material(1.0, 0.3, (Branch(1.0, 1.0),), BulkRelaxation(2.0))
-    with pytest.raises(UnsupportedScene, match="constant Poisson's ratio"):
-        Ting(separate, Sphere(1.0), 0.05, 1.0, 0.05).force(0.5)
+    time = np.array([0.5, 1.2])
+    force, same = (
+        Ting(material, Sphere(1.0), 0.05, 1.0, 0.05).force(time)
+        for material in (separate, equivalent_material(separate))
+    )
+    assert_allclose(force, same, rtol=1e-12)
+    assert np.all(force != Ting(replace(separate, bulk=None), Sphere(1.0), 0.05, 1.0, 0.05).force(time))
 
 
 def test_check_values_of_the_one_branch_cycle():

@@ -10,8 +10,8 @@ from support.closed_forms.separate_bulk import equivalent_material
 
 from contact_scene import Branch, BulkRelaxation, Material
 from validation.cases import load
-from validation.reference.path.rheology import plane_spectrum
 from validation.reference.path.solver import solve
+from validation.reference.prony_integrals import plane_spectrum
 
 SHEAR = (Branch(1.0, 1.0), Branch(4.0, 30.0))
 

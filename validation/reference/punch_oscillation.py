@@ -4,9 +4,9 @@ The contact does not change, so the half-space is one linear element (Boussinesq
 correspondence principle; Sneddon 1965): ``F(w) = 2 a E*(w) D(w)`` with the complex modulus ``E*(w)``.
 For ``D = A sin(w t)`` switched on at ``t = 0`` from rest, branch ``k`` carries
 
-    b_k = E_k A y/(1 + y^2) [cos(w t) + y sin(w t) - exp(-t/tau_k)],   y = w tau_k,
+    b_k = E_k* A y/(1 + y^2) [cos(w t) + y sin(w t) - exp(-t/tau_k)],   y = w tau_k,
 
-and ``F = 2 a/(1 - nu^2) [E0 A sin(w t) + sum_k b_k]``. ``F > 0`` presses, ``D > 0`` downwards.
+and ``F = 2 a [E0* A sin(w t) + sum_k b_k]``. ``F > 0`` presses, ``D > 0`` downwards.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact_scene import Material
-from validation.reference.prony_integrals import plane_factor
+from validation.reference.prony_integrals import plane_spectrum
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,9 @@ def dynamic_stiffness(
     ndarray of complex
         Force over length, of the shape of ``angular_frequency``.
     """
-    return 2.0 * radius * plane_factor(material) * material.complex_modulus(angular_frequency)
+    relaxed, moduli, times = plane_spectrum(material)
+    lag = 1j * np.asarray(angular_frequency, float)[..., None] * times
+    return np.asarray(2.0 * radius * (relaxed + lag / (1.0 + lag) @ moduli))
 
 
 def loss_per_cycle(material: Material, radius: float, angular_frequency: float, amplitude: float) -> float:
@@ -81,10 +83,10 @@ def force(
     ndarray
         Force, of the shape of ``time``.
     """
-    moduli, times = material.spectrum
+    relaxed, moduli, times = plane_spectrum(material)
     t = np.asarray(time, float)
     phase = angular_frequency * t
     y = angular_frequency * times
     swing = np.cos(phase)[..., None] + y * np.sin(phase)[..., None] - np.exp(-t[..., None] / times)
-    stress = material.modulus * np.sin(phase) + swing @ (moduli * y / (1.0 + y**2))
-    return 2.0 * radius * plane_factor(material) * amplitude * stress
+    stress = relaxed * np.sin(phase) + swing @ (moduli * y / (1.0 + y**2))
+    return 2.0 * radius * amplitude * stress

@@ -44,11 +44,10 @@ def ramp_integral(material: Material, indenter: Indenter, rate: float, covered: 
     law = indenter.power
     if law is not None:
         p = 1.0 + 1.0 / law[0]
-        moduli, times = material.spectrum
+        relaxed, moduli, times = prony_integrals.plane_spectrum(material)
         memory = np.exp(-(time - covered) / times) * hyp1f1(1.0, 1.0 + p, -covered / times)
-        swept = radius * covered / p * prony_integrals.plane_factor(material)
         late = radius * float(prony_integrals.relaxation_integral(material, time - covered))
-        return swept * (material.modulus + float(memory @ moduli)) + late
+        return radius * covered / p * (relaxed + float(memory @ moduli)) + late
 
     def carried(x: float) -> float:
         age = max(time - float(sneddon.depth(indenter, x)) / rate, 0.0)

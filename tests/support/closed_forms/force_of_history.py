@@ -44,14 +44,13 @@ def force_of_history(
         raise ValueError("the edge advances over points that it has released")
     if material.bulk is not None:
         material = equivalent_material(material)
-    factor = prony_integrals.plane_factor(material)
-    moduli, times = material.spectrum
-    elastic = factor * material.modulus * (depth * radius - sneddon.depth_integral(indenter, radius))
+    relaxed, moduli, times = prony_integrals.plane_spectrum(material)
+    elastic = relaxed * (depth * radius - sneddon.depth_integral(indenter, radius))
     memory = _memory(t, depth, times)
     first = depth[0] * np.minimum(radius, radius[0])
     first = first - sneddon.depth_integral(indenter, np.minimum(radius, radius[0]))
     total = elastic.copy()
-    for k, (modulus, tau) in enumerate(zip(factor * moduli, times, strict=True)):
+    for k, (modulus, tau) in enumerate(zip(moduli, times, strict=True)):
         total += modulus * radius * memory[:, k]
         if start == "jump-in":
             total += modulus * first * np.exp(-(t - t[0]) / tau)

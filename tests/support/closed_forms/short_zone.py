@@ -39,7 +39,7 @@ from support.closed_forms.short_zone_integration import (
 
 from contact_scene import Sphere
 from validation.reference.jkr import JKR, State
-from validation.reference.prony_integrals import plane_factor
+from validation.reference.prony_integrals import plane_spectrum
 
 Array = NDArray[np.float64]
 
@@ -145,11 +145,8 @@ class ShortZone(ShortZoneEdge):
 
     @cached_property
     def _branches(self) -> _Branches:
-        moduli, times = self.material.spectrum
-        factor = plane_factor(self.material)
-        return _Branches(
-            factor * np.concatenate(([self.material.modulus], moduli)), np.concatenate(([0.0], 1.0 / times))
-        )
+        relaxed, moduli, times = plane_spectrum(self.material)
+        return _Branches(np.append(relaxed, moduli), np.append(0.0, 1.0 / times))
 
     def _rates(self, state: Array, rate: float, speed: float, edge_loads: Array) -> Array:
         """Rates of radius, loads ``f_k`` and work, where the edge moves outwards at ``speed``."""

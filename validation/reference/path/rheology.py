@@ -21,14 +21,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import BulkRelaxation, Material
-from validation.reference.creep_compliance import creep_spectrum, relaxation_spectrum
+from contact_scene import Material
+from validation.reference.creep_compliance import creep_spectrum
+from validation.reference.prony_integrals import NEGLIGIBLE, plane_spectrum
 from validation.reference.sneddon import Transform
 
 Array = NDArray[np.float64]
-
-NEGLIGIBLE = 1e-13
-"""Branch modulus over the glassy one, and distance of two times, below which they are round-off of others."""
 
 
 @dataclass(frozen=True)
@@ -112,39 +110,3 @@ def rheology(material: Material) -> Rheology:
         branches_of_units=((moduli * times)[:, None] / shift).T,
         units_of_branches=compliances[None, :] * times[:, None] / shift,
     )
-
-
-def plane_spectrum(material: Material) -> tuple[float, Array, Array]:
-    """Relaxed plane modulus, and moduli and times of its branches, ascending in time.
-
-    It is that of ``E/(1 - nu^2)``; where the bulk relaxes by itself, of operators with
-    ``1/E* = 1/(4 G) + 3/(4 (3 K + G))``: two creep compliances in series.
-    """
-    moduli, times = material.spectrum
-    bulk = material.bulk
-    if bulk is None:
-        return material.relaxed_plane_modulus, moduli / (1.0 - material.poisson**2), times
-    twice = 2.0 * (1.0 + material.poisson)
-    shear, own = material.modulus / twice, bulk.modulus if isinstance(bulk, BulkRelaxation) else None
-    stiffness = own or material.modulus / (3.0 * (1.0 - 2.0 * material.poisson))
-    branches = bulk.branches if isinstance(bulk, BulkRelaxation) else ()
-    volume, slow = Material(stiffness, 0.0, branches).spectrum
-    mixed = _joined(np.concatenate((times, slow)), np.concatenate((moduli / twice, 3.0 * volume)))
-    series = (
-        (4.0 * shear, 4.0 * moduli / twice, times),
-        (4.0 * stiffness + 4.0 / 3.0 * shear, 4.0 / 3.0 * mixed[1], mixed[0]),
-    )
-    creep = [creep_spectrum(*one) for one in series]
-    glassy = sum(1.0 / (one[0] + float(one[1].sum())) for one in series)
-    retardation, compliances = _joined(*(np.concatenate([one[k] for one in creep]) for k in (1, 0)))
-    return relaxation_spectrum(glassy, compliances, retardation)
-
-
-def _joined(times: Array, strengths: Array) -> tuple[Array, Array]:
-    """Times that rise, each once, and the sums of what belongs to them."""
-    if not times.size:
-        return times, strengths
-    order = times.argsort()
-    times, strengths = times[order], strengths[order]
-    first = np.flatnonzero(np.append(True, np.diff(times) > NEGLIGIBLE * times[1:]))
-    return times[first], np.add.reduceat(strengths, first)
