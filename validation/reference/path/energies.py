@@ -34,19 +34,8 @@ Array = NDArray[np.float64]
 _POINTS, _WEIGHTS = gauss(8)
 _QUARTERS = np.linspace(0.0, 1.0, 5)
 
-QUANTITIES = (
-    "time",
-    "penetration",
-    "contact_radius",
-    "force",
-    "stored_energy",
-    "tip_energy",
-    "separation_energy",
-    "external_work",
-    "edge_stress",
-)
-"""What a row holds; tip energy, separation energy and work are sums since the start."""
-TIME, DEPTH, RADIUS, FORCE, STORED, TIP, SEPARATION, WORK, STRESS = range(len(QUANTITIES))
+TIME, DEPTH, RADIUS, FORCE, STORED, TIP, SEPARATION, WORK, STRESS = range(9)
+"""Columns of a row. Tip energy, separation energy and work are sums since the start, stress is ``q(a)``."""
 _SMOOTH = slice(FORCE, WORK)
 """Quantities with known slopes."""
 _SIZE = 2 * COLLOCATION + 1

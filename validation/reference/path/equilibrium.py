@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,14 +36,7 @@ RATIO = 1.03
 """Ratio of the radii among which an equilibrium is bracketed."""
 
 
-class Start(NamedTuple):
-    """An elastic contact."""
-
-    penetration: float
-    radius: float
-
-
-def elastic_start(scene: Scene, body: Body) -> Start | None:
+def elastic_start(scene: Scene, body: Body) -> State | None:
     """The contact a scene starts from; ``None`` if the indenter does not hold one.
 
     Raises
@@ -54,19 +46,22 @@ def elastic_start(scene: Scene, body: Body) -> Start | None:
     """
     depth, rim, adhesion = scene.loading.penetration, scene.indenter.edge, scene.adhesion
     rheology = body.rheology
-    modulus = rheology.relaxed if scene.loading.start == "relaxed" else rheology.glassy
+    glassy = scene.loading.start != "relaxed"
+    modulus = rheology.glassy if glassy else rheology.relaxed
     staged = scene.loading.start_control == "stage"
     softness = 2.0 * modulus * scene.loading.compliance if staged else 0.0
 
     def depth_at(radius: float) -> float:
         return (depth + softness * body.transform.integral(radius)) / (1.0 + softness * radius)
 
+    def start(radius: float) -> State:
+        return start_state(body, depth_at(radius), radius, glassy)
+
     def strain(radius: float) -> float:
         return depth_at(radius) - body.shape(radius)
 
     if not scene.is_adhesive or adhesion is None:
-        touching = _rising(lambda a: -strain(a), rim)
-        return Start(depth_at(touching), touching)
+        return start(_rising(lambda a: -strain(a), rim))
 
     def zone_at(radius: float) -> float:
         """Length of the zone, that of a fixed stress too."""
@@ -105,7 +100,7 @@ def elastic_start(scene: Scene, body: Body) -> Start | None:
         while residual(highest) <= max(residual(0.5 * highest), 0.0):
             highest *= 2.0
     elif released(rim) <= adhesion.work:  # a flat face is in contact up to its rim unless that opens
-        return Start(depth_at(rim), rim)
+        return start(rim)
     radius = _outermost(residual, _between(highest, zone, body.transform.knots))
     if radius is None:
         short = _outermost(sharp, _between(zone, SHORTEST, body.transform.knots))
@@ -120,7 +115,7 @@ def elastic_start(scene: Scene, body: Body) -> Start | None:
         )
     if zone_at(radius) >= LONGEST * radius and adhesion.stress is not None:
         raise zone_too_long(zone_at(radius), radius)
-    return Start(depth_at(radius), radius)
+    return start(radius)
 
 
 def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:

@@ -37,7 +37,7 @@ from contact_scene.run_control import (
 from validation.reference.path import events
 from validation.reference.path.continuation import Continuation
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.equilibrium import elastic_start, scales, start_state
+from validation.reference.path.equilibrium import elastic_start, scales
 from validation.reference.path.path import Leg
 from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
@@ -146,10 +146,9 @@ class Run:
             with np.errstate(over="raise", invalid="raise", divide="raise"):
                 body = Body(rheology(scene.material), transform(scene.indenter))
                 adhesion = scene.adhesion if scene.is_adhesive else None
-                start = elastic_start(scene, body)
-                if start is None:
+                state = elastic_start(scene, body)
+                if state is None:
                     return Outcome(OutcomeKind.NO_EQUILIBRIUM, scene.loading.without_start, 0.0)
-                state = start_state(body, start.penetration, start.radius, scene.loading.start != "relaxed")
                 size = scales(scene, body, state)
         except ArithmeticError as error:
             reason = f"a number is beyond the range of floating point ({error})"
