@@ -248,6 +248,8 @@ class Run:
                 self.counters, self.max_steps, now
             )
             kind = Kind.LOST if self.outcome is not None else tracker.step()
+            if kind is Kind.DEPARTURE and tracker.law.tip and tracker.state.radius > radius:
+                self.recorder.put(tracker.state)
             if self.outcome is None:
                 self._ends_with(kind, leg)
             if self.progress is not None and leg.timed:
@@ -262,7 +264,7 @@ class Run:
         if not leg.timed:
             return 1.0
         size, rate = self.recorder.scales, abs(segment.rate(leg.start))
-        large = size.force if leg.control == "force" else size.depth
+        large = size.force if leg.control == "force" else size.depth + leg.compliance * size.force
         return min(leg.end - leg.start, large / rate if rate else math.inf)
 
     def _ends_with(self, kind: Kind, leg: Leg) -> None:

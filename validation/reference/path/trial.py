@@ -393,7 +393,9 @@ class Trial:
             time=parameter if self.leg.timed else state.time,
             depth=self.leg.value(parameter) if self.leg.control == "penetration" else depth,
             radius=self.radius,
-            force=self.force(motion, arrival.duration),
+            force=self.leg.value(arrival.parameter)
+            if self.leg.control == "force"
+            else self.force(motion, arrival.duration),
             memory=memory,
             surface=surface.seen_from(self.travel, self.radius, arrival.duration),
             held=held,
