@@ -127,12 +127,19 @@ class Collocation:
         faded = layer * np.exp(-self.clock.sum() / self.times)
         depths = self.depth + depths
         last = memories[-1] + faded, float(depths[-1])
-        return Collocated(self.times, self.clock, _TO_POWERS @ memories, layer, _TO_POWERS @ depths, last)
+        return Collocated(self.times, self.clock, _in_powers(memories), layer, _in_powers(depths), last)
 
 
 def through_nodes(value: Callable[[float], float], start: float, clock: Array) -> Array:
     """Coefficients of a load that is given over the time, along a step."""
-    return _TO_POWERS @ [value(time) for time in (start + PATH_AT_NODES @ clock).tolist()]
+    return _in_powers(np.array([value(time) for time in (start + PATH_AT_NODES @ clock).tolist()]))
+
+
+def _in_powers(values: Array) -> Array:
+    """Coefficients through values at the nodes: of their change, as it is their rounding that grows."""
+    coefficients = np.asarray(_TO_POWERS @ (values - values[0]))
+    coefficients[0] += values[0]
+    return coefficients
 
 
 def collocation(
