@@ -10,7 +10,7 @@ from support.closed_forms.separate_bulk import equivalent_material
 
 from contact_scene import Branch, BulkRelaxation, Material
 from validation.cases import load
-from validation.reference.path.solver import solve
+from validation.reference.path.solver import DEFAULT_TOLERANCE, solve
 from validation.reference.prony_integrals import plane_spectrum
 
 SHEAR = (Branch(1.0, 1.0), Branch(4.0, 30.0))
@@ -55,4 +55,4 @@ def test_a_run_is_that_of_the_closed_form_of_constant_bulk():
     scene = load("bulk-retraction-100nm").scene
     run, same = solve(scene), solve(replace(scene, material=equivalent_material(scene.material)))
     for name in ("time", "force", "stored_energy", "dissipated_energy"):
-        assert getattr(run, name)[-2] == pytest.approx(getattr(same, name)[-2], rel=1e-6)
+        assert getattr(run, name)[-2] == pytest.approx(getattr(same, name)[-2], rel=DEFAULT_TOLERANCE)

@@ -31,8 +31,9 @@ _REST = ((1.0 - POINTS[:, None] ** np.arange(1, COUNT + 1)) / np.arange(1, COUNT
     powers(POINTS, COUNT - 1)
 )
 _RUNNING = np.vstack((_REST, WEIGHTS)).T
-_GRADED = np.array([2e-3, 2e-2, 0.2])
-"""Breaks near the ends of a zone: fresh surface fades within a small part of it (two levels: 2e-6)."""
+_GRADED = 2e-3 * 4.0 ** np.arange(4)
+"""Breaks near the ends of a zone: a layer that relaxes behind a slow edge is an exponential of any thickness,
+which five points follow to 1e-6 over a ratio of 4 (of 10: 1e-4)."""
 BASE = np.unique(np.concatenate(([0.0, 0.5, 1.0], _GRADED, 1.0 - _GRADED)))
 NEAR_AXIS = 0.5
 """Zone over radius from which on the kernel is no polynomial of degree 5 but taken point by point."""
