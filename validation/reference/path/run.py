@@ -248,8 +248,6 @@ class Run:
                 self.counters, self.max_steps, now
             )
             kind = Kind.LOST if self.outcome is not None else tracker.step()
-            if kind is Kind.DEPARTURE and tracker.law.tip and tracker.state.radius > radius:
-                self.recorder.put(tracker.state)
             if self.outcome is None:
                 self._ends_with(kind, leg)
             if self.progress is not None and leg.timed:

@@ -393,7 +393,7 @@ class Trial:
             time=parameter if self.leg.timed else state.time,
             depth=self.leg.value(parameter) if self.leg.control == "penetration" else depth,
             radius=self.radius,
-            force=self.leg.value(arrival.parameter)
+            force=self.leg.value(parameter)
             if self.leg.control == "force"
             else self.force(motion, arrival.duration),
             memory=memory,
