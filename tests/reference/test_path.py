@@ -179,3 +179,9 @@ def test_an_edge_that_closes_on_a_ragged_profile_jumps_ahead():
 def test_rows_within_a_step_are_right_where_branches_relax_in_a_small_part_of_it():
     trace = solve(scene_of("plain:211"))
     assert -trace.force.min() == pytest.approx(0.0217459, rel=1e-4)
+
+
+def test_what_the_half_space_loses_does_not_come_back_in_a_step_of_many_relaxation_times():
+    """The layer of the released surface that recovers was not seen: rows within a step were off by 4 %."""
+    loss = solve(load("spring-relaxed-si").scene).dissipated_energy
+    assert (np.maximum.accumulate(loss) - loss).max() < 5e-3 * loss.max()

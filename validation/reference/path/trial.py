@@ -298,21 +298,24 @@ class Trial:
         passing = self._swept_passing(points, arrival.motion)
         return u, self.body.rheology.stress(passing.branches, passing.strain)
 
-    def _gained(self, motion: Motion, duration: float) -> tuple[Array, Array]:
-        """``int b_k dx`` and ``int b_k^2 dx`` over what the step covered.
-
-        What a fast branch still holds is a layer at the edge: the last panel is cut until it is seen.
-        """
+    def _seen(self, duration: float) -> tuple[fields.Sweep, Points]:
+        """The sweep with its last panel cut until the layer is seen in which the fastest branch relaxes."""
         swept, points = self.swept
-        shortest = self.body.rheology.shortest
+        rheology = self.body.rheology
+        shortest = rheology.shortest if self.direction > 0.0 else rheology.retardation.min(initial=math.inf)
         if duration > GRADING * shortest:
             count = int(math.log(duration / shortest) / math.log(GRADING))
             if count not in self._layered:
                 cuts = swept.cuts
                 near = self.travel - (self.travel - cuts[-2]) / GRADING ** np.arange(1, count + 1)
-                near = near[(near > cuts[-2]) & (near < self.travel)]
+                near = near[(near - cuts[-2]) * (self.travel - near) > 0.0]
                 self._layered[count] = self._sweep(np.concatenate((cuts[:-1], near, cuts[-1:])))
             swept, points = self._layered[count]
+        return swept, points
+
+    def _gained(self, motion: Motion, duration: float) -> tuple[Array, Array]:
+        """``int b_k dx`` and ``int b_k^2 dx`` over what the step covered."""
+        swept, points = self._seen(duration)
         covered = self._covered(self._swept_passing(points, motion), motion, duration)
         return swept.weight @ covered, swept.weight @ covered**2
 
@@ -371,8 +374,10 @@ class Trial:
             swept, points = self.swept
             passing = self._swept_passing(points, motion)
             if receding:
-                carried, strains = self._released(passing, arrival.duration)
-                free = free + swept.weight @ strains**2
+                carried, _ = self._released(passing, arrival.duration)
+                fine, near = self._seen(arrival.duration)
+                _, strains = self._released(self._swept_passing(near, motion), arrival.duration)
+                free = free + fine.weight @ strains**2
             else:
                 gains = self._gained(motion, arrival.duration)
                 held, squares = held + gains[0], squares + gains[1]
