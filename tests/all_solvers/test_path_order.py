@@ -48,10 +48,10 @@ def by_finite_elements(h, radii):
 
 
 def by_the_path(h, radii):
-    rows = Rows.at(-EARLIER * h, -EARLIER * h, 0.0, float(edge(-EARLIER * h)), 0.0)
+    rows = Rows.at(0.0, 0.0)
     for n in range(EARLIER - 1, -1, -1):
-        rows.append(rows.last[0] + h, -n * h, -n * h, 0.0, float(edge(-n * h)), 0.0)
-    way = rows.segment(rows.last[0] + h, float(edge(h))).way
+        rows.append(h, h, float(edge(-n * h) - edge(-(n + 1) * h)), 0.0, 0.0)
+    way = rows.segment(h, float(edge(h) - edge(0.0))).way
     return polynomials.inverse(way, radii - float(edge(0.0)))
 
 

@@ -28,7 +28,7 @@ def test_closure_of_a_contact_hardly_longer_than_its_zone(ratio: float) -> None:
     a, zone, depth = 0.2, ratio * 0.2, 0.03
     form = closure(a, zone, zone * np.linspace(0.0, 1.0, 17))
     shape = transform(Sphere(1.0))
-    got = form.integral(depth - shape(a - zone + form.s), shape(a + form.s) - depth)
+    got = form.between(depth - shape(a - zone + form.s), shape(a + form.s) - depth)
     assert got == pytest.approx(FiniteZone(1.0, 1.0, WORK, zone).closure(a, depth), rel=1e-7)
 
 

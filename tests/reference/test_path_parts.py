@@ -137,7 +137,7 @@ def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> N
     a, depth = 0.2, 0.03
     da = ratio * a
     here = closure(a, da, da * np.linspace(0.0, 1.0, 17))
-    got = here.integral(depth - (a - da + here.s) ** 2, (a + here.s) ** 2 - depth)
+    got = here.between(depth - (a - da + here.s) ** 2, (a + here.s) ** 2 - depth)
     nodes, weights = np.polynomial.legendre.leggauss(24)
     nodes, weights = 0.5 * (nodes + 1.0), 0.5 * weights
     ring = np.cos(math.pi * (np.arange(60) + 0.5) / 60)
@@ -160,9 +160,9 @@ def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> N
 
 @pytest.mark.parametrize("time", [1e-6, 0.03, 1.0, 1e4])
 def test_memory_by_collocation_is_that_of_a_ramp(time: float) -> None:
-    times, memory, clock = np.array([time]), np.array([0.3]), np.array([0.0, 0.5, 0.4, 0.1, 0.0])
-    exact = Ramp(times, clock, memory, 0.1, 0.7).end
-    end = collocation(times, clock, memory, 0.1, 0.7 * (PATH_AT_NODES @ clock), np.zeros(9)).motion().end
+    times, moduli, clock = np.array([time]), np.array([0.3]), np.array([0.0, 0.5, 0.4, 0.1, 0.0])
+    exact = Ramp(times, clock, moduli, 0.1, 0.7).end
+    end = collocation(times, clock, moduli, 0.1, 0.7 * (PATH_AT_NODES @ clock), np.zeros(9)).motion().end
     assert end[1] == pytest.approx(exact[1], rel=1e-12)
     assert end[0][0] == pytest.approx(exact[0][0], rel=1e-6, abs=1e-7)
 

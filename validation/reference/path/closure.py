@@ -31,6 +31,7 @@ _REST = ((1.0 - POINTS[:, None] ** np.arange(1, COUNT + 1)) / np.arange(1, COUNT
     powers(POINTS, COUNT - 1)
 )
 _RUNNING = np.vstack((_REST, WEIGHTS)).T
+_BEFORE = np.column_stack((_REST, np.ones(COUNT)))
 _GRADED = 2e-3 * 4.0 ** np.arange(4)
 """Breaks near the ends of a zone: a layer that relaxes behind a slow edge is an exponential of any thickness,
 which five points follow to 1e-6 over a ratio of 4 (of 10: 1e-4)."""
@@ -55,31 +56,57 @@ def points(breaks: Array) -> tuple[Array, Array]:
 class Closure:
     """The closure at a radius.
 
-    ``s``, ``weight`` (m,): points and weights from the inner end of the zone; ``width``: of their panels.
+    ``s``, ``weight`` (m,): points and weights from the inner end of the zone. ``moments`` (6, m): powers of
+    their places in it; ``within``: times the widths of their panels. ``kernel`` (6, 6); (m, m) near the axis.
     """
 
     zone: float
     s: Array
     weight: Array
-    width: Array
     main: Array
     moments: Array
+    within: Array
     kernel: Array
 
-    def integral(self, q: Array, d: Array) -> float:
-        """``I`` of stresses behind and openings ahead; negative where both are those of a pressed edge."""
+    @property
+    def _pointwise(self) -> bool:
+        return self.kernel.shape != (ORDER, ORDER)
+
+    def of_stresses(self, q: Array) -> Array:
+        """What openings (m,) are to be multiplied with for the form, of stresses behind (c, m)."""
+        if self._pointwise:
+            return self.weight * (self.main * q + q @ self.kernel.T)
+        count = len(q)
+        parts = (self.within[:, None] * q).reshape(-1, COUNT) @ _RUNNING
+        parts = parts.reshape(ORDER * count, -1, COUNT + 1)
+        totals = parts[:, :, COUNT]
+        later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
+        rest = self.kernel @ (parts[:, :, :COUNT] + later[:, :, None]).reshape(ORDER, -1)
+        inner = (self.moments[:, None] * rest.reshape(ORDER, count, -1)).sum(axis=0)
+        return self.weight * (self.main * q + inner)
+
+    def of_openings(self, d: Array) -> Array:
+        """What stresses (m,) are to be multiplied with, of openings ahead (c, m)."""
         opened = self.weight * d
-        if self.kernel.shape != (ORDER, ORDER):  # near the axis: point by point
-            inner = float(opened @ (self.kernel @ q))
-        else:
-            parts = (self.moments * (self.width * q)).reshape(-1, COUNT) @ _RUNNING
-            parts = parts.reshape(ORDER, -1, COUNT + 1)
-            totals = parts[:, :, COUNT]
-            later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
-            rest = (parts[:, :, :COUNT] + later[:, :, None]).reshape(ORDER, -1)
-            inner = float((self.kernel * (self.moments * opened @ rest.T)).sum())
-        value = (float(opened @ (self.main * q)) + inner) * (-1.0 / (math.pi**2 * self.zone))
-        return -abs(value) if self.weight @ q > 0.0 and opened.sum() < 0.0 else value
+        if self._pointwise:
+            return self.main * opened + opened @ self.kernel
+        count = len(d)
+        parts = ((self.kernel.T @ self.moments)[:, None] * opened).reshape(-1, COUNT) @ _BEFORE
+        parts = parts.reshape(ORDER * count, -1, COUNT + 1)
+        totals = parts[:, :, COUNT]
+        earlier = totals.cumsum(axis=1) - totals
+        before = (parts[:, :, :COUNT] + earlier[:, :, None] * WEIGHTS).reshape(ORDER, count, -1)
+        return self.main * opened + (self.within[:, None] * before).sum(axis=0)
+
+    def integral(self, product: float, stress: float, opening: float) -> float:
+        """``I`` of the product of both, and integrals of each: negative where they are those of pressing."""
+        value = product * (-1.0 / (math.pi**2 * self.zone))
+        return -abs(value) if stress > 0.0 and opening < 0.0 else value
+
+    def between(self, q: Array, d: Array) -> float:
+        """``I`` of stresses and openings (m,)."""
+        product = float(self.of_stresses(q[None])[0] @ d)
+        return self.integral(product, float(self.weight @ q), float(self.weight @ d))
 
 
 def closure(radius: float, zone: float, breaks: Array) -> Closure:
@@ -102,10 +129,11 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
             matrix[first : first + COUNT, first : first + COUNT] = h * _REST
         row, column = matrix.nonzero()
         matrix[row, column] *= _kernel_slopes(x[column], (y - zone)[row], zone)
-        return Closure(zone, s, weight, width, main, s[None, :], matrix)
+        return Closure(zone, s, weight, main, s[None, :], s[None, :], matrix)
     moments = np.ones((ORDER, len(s)))
     np.multiply.accumulate(np.broadcast_to(s / zone, (ORDER - 1, len(s))), axis=0, out=moments[1:])
-    return Closure(zone, s, weight, width, main, moments, kernel_slope(radius - zone, zone).T)
+    kernel = kernel_slope(radius - zone, zone).T
+    return Closure(zone, s, weight, main, moments, moments * width, kernel)
 
 
 def kernel_slope(start: float, zone: float) -> Array:

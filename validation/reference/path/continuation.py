@@ -21,8 +21,9 @@ from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 
-REJECTED = 1.5
-"""Error, in tolerances, above which a step is repeated."""
+REJECTED = 4.0
+"""Misprediction, in tolerances, above which a step is repeated: its row is on the path, and the path between
+rows is off by a twentieth of that."""
 LARGEST_GROWTH, LEAST_GROWTH = 3.0, 0.3
 """Ratio of successive steps."""
 SAFETY = 0.9
@@ -97,7 +98,7 @@ class Continuation(Tracker):
         known, off = len(self.rows), np.array([error])
         if plan.fixed is not Fixed.REST and known > 1:
             trial, arrival = correction.trial, correction.arrival
-            force = trial.force(arrival.motion, arrival.duration)
+            force = trial.force_at(arrival)
             row = np.array([arrival.rise, trial.travel, arrival.depth, force])
             scales = np.array([self.T, self.L, self.depth, self.largest_force or 1.0])
             p, a, D, F = self.rows.mispredicted(plan.h, row, scales).T
@@ -150,7 +151,7 @@ class Continuation(Tracker):
         off_p, off_a = arrival.rise / self.T - plan.z[0], trial.travel / self.L - plan.z[1]
         across = off_p * plan.tangent[1] - off_a * plan.tangent[0]
         depth = arrival.depth / self.depth - plan.z[2] if self.leg.free else 0.0
-        force = trial.force(arrival.motion, arrival.duration)
+        force = trial.force_at(arrival)
         self.largest_force = max(self.largest_force, abs(self.state.force))
         load = (force - plan.z[3]) / (self.largest_force or 1.0)
         return math.hypot(across, depth, load)

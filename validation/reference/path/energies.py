@@ -99,8 +99,8 @@ def course(
     ends[0] = _slopes(body, law, trial.state, stress[0], *(float(change[1]) for change in changes))
     arriving = (float(change @ np.arange(len(change))) for change in changes)
     ends[1] = _slopes(body, law, after, stress[-1], *arriving)
-    if trial.direction:
-        end[2] += trial.direction * float(trial.swept[0].weight @ stress**2) / body.rheology.glassy
+    if trial.passed is not None:
+        end[2] += trial.direction * float(trial.passed.sweep.weight @ stress**2) / body.rheology.glassy
         end[3] += _separation(law, trial, arrival)
     coefficients = np.zeros((_SIZE, STRESS))
     for column, change in ((TIME, clock), (DEPTH, depth), (RADIUS, way)):

@@ -83,7 +83,7 @@ def elastic_start(scene: Scene, body: Body) -> State | None:
         knots = np.concatenate((body.transform.knots - radius + zone, body.transform.knots - radius))
         form = closure(radius, zone, np.union1d(zone * BASE, knots[(knots > 0.0) & (knots < zone)]))
         behind, ahead = (held - body.transform(radius + form.s - shift) for shift in (zone, 0.0))
-        return form.integral(modulus * behind, -ahead)
+        return form.between(modulus * behind, -ahead)
 
     def residual(radius: float) -> float:
         return released(radius) / adhesion.closing - 1.0

@@ -54,10 +54,10 @@ def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correct
     def excess(trial: Trial, arrival: Arrival) -> tuple[float, Kind]:
         found = [(-math.inf, Kind.NONE)]
         if level is not None:
-            force = trial.force(arrival.motion, arrival.duration)
+            force = trial.force_at(arrival)
             found.append((level(arrival.depth, force, trial.radius), Kind.LEVEL))
         if trial.cohesive:
-            zone = trial.zone_at_stress(arrival.motion, arrival.duration)
+            zone = trial.zone_at_stress(arrival.motion)
             found.append((zone / trial.radius - FILLED, Kind.LEAST))
         return max(found)
 

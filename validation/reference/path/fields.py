@@ -97,13 +97,11 @@ def untouched(radius: float, held: Array, shape: Array) -> Passages:
 class Sweep:
     """The radii a step passes, in the entries it will leave between ``cuts``, in their order along the way.
 
-    ``u`` (l * 6 + 2,): where on the step, with both its ends; ``x`` and ``weight``: radii, and weights of an
-    integral over them, zero at the ends.
+    ``x`` and ``weight`` (l * 6 + 2,): radii, with both ends, and weights of an integral over them, 0 there.
     """
 
     cuts: Array
     parabola: Array
-    u: Array
     x: Array
     weight: Array
 
@@ -120,9 +118,7 @@ def sweep(way: Array, cuts: Array) -> Sweep:
     weight = np.abs(whole[:, None]) * WEIGHTS * (linear + 2.0 * (1.0 - linear) * NODES)
     parabola = np.column_stack((cuts[:-1], whole, linear))
     x = np.concatenate((cuts[:1], x.ravel(), cuts[-1:]))
-    u = inverse(way, x)
-    u[0], u[-1] = 0.0, 1.0
-    return Sweep(cuts, parabola, u, x, np.concatenate(([0.0], weight.ravel(), [0.0])))
+    return Sweep(cuts, parabola, x, np.concatenate(([0.0], weight.ravel(), [0.0])))
 
 
 def passed(

@@ -1,10 +1,10 @@
-"""What branches in contact remember of the penetration: ``M_k(t) = int exp(-(t - s)/tau_k) dD(s)``.
+"""What branches in contact gain by the penetration in a step: ``g_k(t) = E_k int exp(-(t - s)/tau_k) dD(s)``.
 
 It is the same for every radius in contact. Over one step the time is a polynomial of ``u`` in [0, 1]. If the
-penetration is linear in time, ``M`` is known in closed form. Otherwise, and where time stands while the load
+penetration is linear in time, ``g`` is known in closed form. Otherwise, and where time stands while the load
 jumps, it follows by collocation of
 
-    dM/du + (t'(u)/tau_k) M = D'(u)
+    dg/du + (t'(u)/tau_k) g = E_k D'(u),    g(0) = 0,
 
 which is as good for branches much faster than the step as for slow ones. It is linear in ``D``, so that a
 penetration known but for its end value, under a force or a spring, costs a second right-hand side.
@@ -44,34 +44,44 @@ _SLOPES = (
 )
 
 
-def times_since(clock: Array, u_powers: Array) -> Array:
-    """Times (m, 1) since a step began; not outside of it, where rounding would grow without bound."""
-    return np.minimum(np.maximum(u_powers[:, : DEGREE + 1] @ clock, 0.0), clock.sum())[:, None]
-
-
 @dataclass(frozen=True, eq=False)
-class Ramp:
-    """A step during which the penetration is linear in time."""
+class Clock:
+    """The time of a step, whose coefficients are ``clock``."""
 
     times: Array
     clock: Array
-    memory: Array
+
+    @cached_property
+    def duration(self) -> float:
+        """Length of the step."""
+        return float(self.clock.sum())
+
+    def elapsed(self, u_powers: Array) -> Array:
+        """Times (m, 1) since the step began; not outside of it, where rounding would grow without bound."""
+        elapsed = u_powers[:, : DEGREE + 1] @ self.clock
+        return np.minimum(np.maximum(elapsed, 0.0), self.duration)[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Ramp(Clock):
+    """A step during which the penetration is linear in time; ``moduli``: ``E_k``."""
+
+    moduli: Array
     depth: float
     rate: float
 
-    def during(self, u_powers: Array) -> tuple[Array, Array, Array]:
-        """Time since the step began (m, 1), ``M`` (m, n) and ``D`` (m,) on the way, at powers of ``u``."""
-        elapsed = times_since(self.clock, u_powers)
-        faded = np.expm1(-elapsed / self.times)
-        memories = self.memory * (1.0 + faded) - self.rate * self.times * faded
-        return elapsed, memories, self.depth + self.rate * elapsed[:, 0]
+    @cached_property
+    def _pace(self) -> Array:
+        return -self.rate * self.moduli * self.times
+
+    def during(self, _: Array, elapsed: Array, faded: Array) -> tuple[Array, Array]:
+        """Gains (m, n) and ``D`` (m,) on the way; ``faded``: ``exp(-t/tau) - 1``."""
+        return self._pace * faded, self.depth + self.rate * elapsed[:, 0]
 
     @cached_property
     def end(self) -> tuple[Array, float]:
-        """``M`` and ``D`` at the end."""
-        elapsed = float(self.clock.sum())
-        faded = np.expm1(-elapsed / self.times)
-        return self.memory * (1.0 + faded) - self.rate * self.times * faded, self.depth + self.rate * elapsed
+        """Gains and ``D`` at the end."""
+        return self._pace * np.expm1(-self.duration / self.times), self.depth + self.rate * self.duration
 
     def depth_slope(self) -> Array:
         """Coefficients of ``D(u) - D(0)``."""
@@ -79,26 +89,23 @@ class Ramp:
 
 
 @dataclass(frozen=True, eq=False)
-class Collocated:
-    """A step with a penetration (c,) that is a polynomial of ``u``, as is the memory (c, n) beside a layer.
+class Collocated(Clock):
+    """A step with a penetration (c,) that is a polynomial of ``u``, as are the gains (c, n) beside a layer.
 
-    ``layer`` (n,): what fades as ``exp(-t/tau)`` from the start; ``end``: memory and penetration at the end.
+    ``layer`` (n,): what fades as ``exp(-t/tau)`` from the start; ``end``: gains and penetration at the end.
     """
 
-    times: Array
-    clock: Array
-    memories: Array
+    gains: Array
     layer: Array
     depths: Array
     end: tuple[Array, float]
 
-    def during(self, u_powers: Array) -> tuple[Array, Array, Array]:
+    def during(self, u_powers: Array, _: Array, faded: Array) -> tuple[Array, Array]:
         """As of :class:`Ramp`."""
-        elapsed = times_since(self.clock, u_powers)
-        memories = u_powers @ self.memories
+        gains = u_powers @ self.gains
         if self.layer.any():
-            memories += self.layer * np.exp(-elapsed / self.times)
-        return elapsed, memories, u_powers @ self.depths
+            gains += self.layer * (1.0 + faded)
+        return gains, u_powers @ self.depths
 
     def depth_slope(self) -> Array:
         """As of :class:`Ramp`."""
@@ -109,25 +116,27 @@ Motion = Ramp | Collocated
 
 
 @dataclass(frozen=True)
-class Collocation:
-    """Steps with penetrations ``D(0) + given + v free`` at nodes; memory and layer are affine in ``v``."""
+class Collocation(Clock):
+    """Steps with penetrations ``D(0) + given + v free`` at nodes; gains and layer are affine in ``v``."""
 
-    times: Array
-    clock: Array
     depth: float
     depths: tuple[Array, Array]
-    memories: tuple[Array, Array]
+    gains: tuple[Array, Array]
     layers: tuple[Array, Array]
 
     def motion(self, v: float = 0.0) -> Collocated:
         """The motion of one of them."""
-        memories, depths, layer = (
-            given + v * free for given, free in (self.memories, self.depths, self.layers)
-        )
-        faded = layer * np.exp(-self.clock.sum() / self.times)
-        depths = self.depth + depths
-        last = memories[-1] + faded, float(depths[-1])
-        return Collocated(self.times, self.clock, _in_powers(memories), layer, _in_powers(depths), last)
+        gains, depths, layer = (given + v * free for given, free in (self.gains, self.depths, self.layers))
+        return self._made(gains, self.depth + depths, layer)
+
+    @property
+    def free(self) -> Collocated:
+        """What ``v`` adds to them."""
+        return self._made(self.gains[1], self.depths[1], self.layers[1])
+
+    def _made(self, gains: Array, depths: Array, layer: Array) -> Collocated:
+        end = gains[-1] + layer * np.exp(-self.duration / self.times), float(depths[-1])
+        return Collocated(self.times, self.clock, _in_powers(gains), layer, _in_powers(depths), end)
 
 
 def through_nodes(value: Callable[[float], float], start: float, clock: Array) -> Array:
@@ -143,12 +152,12 @@ def _in_powers(values: Array) -> Array:
 
 
 def collocation(
-    times: Array, clock: Array, memory: Array, depth: float, given: Array, free: Array
+    times: Array, clock: Array, moduli: Array, depth: float, given: Array, free: Array
 ) -> Collocation:
-    """Memories under two penetrations relative to the first, given at the nodes.
+    """Gains under two penetrations relative to the first, given at the nodes.
 
-    A branch slower than the step starts from its memory. A faster one has a smooth solution of its own, which
-    it falls onto: that is collocated at all nodes, and what the memory differs from it by fades.
+    A branch slower than the step starts from nothing. A faster one has a smooth solution of its own, which it
+    falls onto: that is collocated at all nodes, and what it begins with fades.
     """
     count = COLLOCATION + 1
     rates = PATH_AT_NODES @ clock @ _SLOPES.T  # t'(u)
@@ -156,11 +165,11 @@ def collocation(
     matrix = np.broadcast_to(_SLOPES, (len(times), count, count)).copy()
     at = np.arange(count)
     matrix[:, at, at] += rates / times[:, None]
+    matrix[~fast, 0] = at == 0
     right = np.empty((len(times), count, 2))
     right[:, :, 0], right[:, :, 1] = _SLOPES @ given, _SLOPES @ free
-    slow = ~fast
-    matrix[slow, 0] = np.eye(count)[0]
-    right[slow, 0, 0], right[slow, 0, 1] = memory[slow], 0.0
-    solved = np.linalg.solve(matrix, right).transpose(1, 0, 2) if len(times) else np.zeros((count, 0, 2))
-    layers = np.where(fast, memory - solved[0, :, 0], 0.0), np.where(fast, -solved[0, :, 1], 0.0)
-    return Collocation(times, clock, depth, (given, free), (solved[:, :, 0], solved[:, :, 1]), layers)
+    right[~fast, 0] = 0.0
+    solved = np.linalg.solve(matrix, right) if len(times) else right
+    first, second = (solved * moduli[:, None, None]).transpose(2, 1, 0)
+    layers = np.where(fast, -first[0], 0.0), np.where(fast, -second[0], 0.0)
+    return Collocation(times, clock, depth, (given, free), (first, second), layers)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.loading import Control
-from validation.reference.path.polynomials import DEGREE, ORDERS, powers
+from validation.reference.path.polynomials import DEGREE, ORDERS
 
 Array = NDArray[np.float64]
 
@@ -73,11 +73,16 @@ class Segment:
 
 @dataclass
 class Rows:
-    """The last rows since a kink, at most as many as a polynomial takes; the newest last."""
+    """The last rows since a kink, at most as many as a polynomial takes; the newest last.
+
+    Polynomials of the way ``h`` from the newest row are in the form of Newton: products of the distances from
+    the last 1, 2, ... rows, times divided differences.
+    """
 
     table: Array
     kept: int = field(default=DEGREE + 1, repr=False)
     order: int = 1
+    _newton: tuple[Array, Array, Array] | None = field(default=None, repr=False)
 
     @classmethod
     def at(cls, D: float, F: float) -> Rows:
@@ -97,52 +102,63 @@ class Rows:
         self.table = np.vstack((older, [0.0, 0.0, 0.0, D, F]))
         self.order = min(self.order + 1, len(self.table))
 
-    def mispredicted(self, h: float, values: Array, scales: Array) -> Array:
-        """Differences (m, 4) of ``p, a, D, F`` after a way from what the last 1, 2, ... m rows predict.
-
-        They are divided differences times the distances from these rows.
-        """
-        at = np.append(h, self.table[::-1, 0])
-        differences = np.vstack((values, self.table[::-1, 1:])) / scales
-        found, reach = np.empty((len(self.table), 4)), 1.0
-        for k in range(1, len(at)):
-            differences = (differences[1:] - differences[:-1]) / (at[k:] - at[:-k])[:, None]
-            reach = reach * (at[k] - at[0])
-            found[k - 1] = differences[0] * reach
-        return found
-
     def measure(self, T: float, L: float) -> None:
         """Arclengths anew in other scales."""
         if len(self.table) > 1:
             rise = self.table[1:] - self.table[:-1]
             chord = np.hypot(rise[:, 1] / T, rise[:, 2] / L)
+            self.table = self.table.copy()
             self.table[:-1, 0] = -chord[::-1].cumsum()[::-1]
 
-    def _through(self, s: float, order: int) -> tuple[Array, Array]:
-        """Rows less the newest, and the matrix that takes them and the same for the end to powers."""
-        rows = self.table[-min(order, self.order) :]
-        at = np.append(rows[:, 0] / s, 1.0)
-        matrix = np.asarray(np.linalg.inv(powers(at, len(rows))), dtype=np.float64)
-        return rows - (0.0, 0.0, 0.0, *rows[-1, 3:]), matrix
+    @property
+    def newton(self) -> tuple[Array, Array]:
+        """Products (m + 1, m + 1) in powers of ``h``, and differences (m, 4) of ``p, a, D, F``."""
+        if self._newton is None or self._newton[0] is not self.table:
+            count, ways = len(self.table), self.table[::-1, 0]
+            products = np.zeros((count + 1, count + 1))
+            products[0, 0] = 1.0
+            for k, way in enumerate(ways.tolist()):
+                products[k + 1, 1:] = products[k, :-1]
+                products[k + 1] -= way * products[k]
+            each = self.table[::-1, 1:] - self.table[-1, 1:]
+            differences = each.copy()
+            for k in range(1, count):
+                each = (each[1:] - each[:-1]) / (ways[k:] - ways[:-k])[:, None]
+                differences[k] = each[0]
+            self._newton = self.table, products, differences
+        return self._newton[1:]
+
+    def mispredicted(self, h: float, values: Array, scales: Array) -> Array:
+        """Differences (m, 4) of ``p, a, D, F`` after a way from what the last 1, 2, ... m rows predict."""
+        products, differences = self.newton
+        count = len(differences)
+        terms = (products[:count] @ h ** np.arange(count + 1))[:, None] * differences
+        found: Array = (values - self.table[-1, 1:] - terms.cumsum(axis=0)) / scales
+        return found
 
     def segment(self, s: float, a: float, order: int = DEGREE) -> Segment:
         """The step that ends at an arclength, and that far from the radius, of the newest row."""
-        rows, matrix = self._through(s, order)
+        products, differences = self.newton
+        count = min(order, self.order, len(differences))
+        scale = s ** ORDERS[: count + 1]
+        basis = products[count, : count + 1] * scale
+        basis /= basis.sum()
         coefficients = np.zeros((DEGREE + 1, 4))
-        n = len(matrix)
-        coefficients[:n, 0] = matrix @ np.append(rows[:, 2], a)
-        coefficients[:n, 1] = matrix[:, :-1] @ rows[:, 1]
-        coefficients[:n, 2] = matrix[:, :-1] @ rows[:, 3]
-        coefficients[:n, 3] = matrix[:, -1]
-        coefficients[0] = 0.0  # but for rounding, of which a fast branch would make anything
-        return Segment(a, *coefficients.T.copy())
+        coefficients[: count + 1, :3] = products[:count, : count + 1].T @ differences[:count, :3]
+        coefficients[: count + 1, :3] *= scale[:, None]
+        lack = -coefficients[:, :3].sum(axis=0)
+        lack[1] += a
+        coefficients[: count + 1, :3] += basis[:, None] * lack
+        coefficients[: count + 1, 3] = basis
+        parameter, way, depth, basis = coefficients.T.copy()
+        return Segment(a, way, parameter, depth, basis)
 
     def predictor(self, T: float, L: float, depth: float, tangent: Array) -> Array:
         """``(p/T, a/L, D/depth, F)`` in powers of the way from the newest row (m, 4); ``p, a`` from there."""
-        table = self.table[-self.order :]
-        values = table[:, 1:] / (T, L, depth, 1.0)
-        if len(values) == 1:
-            return np.vstack((values, [*tangent, 0.0, 0.0]))
-        way = table[:, 0]
-        matrix = powers(way / -way[0], len(way) - 1)
-        return np.linalg.solve(matrix, values) / ((-way[0]) ** np.arange(len(way)))[:, None]
+        products, differences = self.newton
+        m, scales = min(self.order, len(differences)), np.array([T, L, depth, 1.0])
+        if m == 1:
+            return np.vstack((self.table[-1, 1:] / scales, [*tangent, 0.0, 0.0]))
+        coefficients = products[:m, :m].T @ differences[:m]
+        coefficients[0] = self.table[-1, 1:]
+        return coefficients / scales

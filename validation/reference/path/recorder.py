@@ -244,7 +244,7 @@ class Recorder:
         if slope(ends[0]) * slope(ends[1]) < 0.0:  # else a step too short for a dense path
             at = bracketed(slope, *ends, NARROW**2)
         part, end = trial.part(at, arrival)
-        return at, part.force(end.motion, end.duration)
+        return at, part.force_at(end)
 
     @staticmethod
     def _spread(way: Course, at: float, apart: float) -> Array:

@@ -50,14 +50,16 @@ class State:
     corners: tuple[float, ...] = ()
 
     def carried(self, body: Body, x: Array) -> tuple[Array, Array]:
-        """``G`` at distances (m,) from the edge, and what is carried there (m, n)."""
+        """``G`` at distances (m,) from the edge, and branch forces or unit strains there (m, n)."""
         rheology, G = body.rheology, body.transform(np.maximum(self.radius + x, 0.0))
-        return G, self.surface.at(x, G, rheology.times, rheology.retardation)[1]
+        held, carried = self.surface.at(x, G, rheology.times, rheology.retardation)
+        carried[held] += rheology.moduli * self.memory
+        return G, carried
 
     def in_contact(self, body: Body, x: Array) -> tuple[Array, Array]:
         """Branch forces (m, n) and strain (m,) at distances from the edge, in contact."""
-        G, carried = self.carried(body, x)
-        return carried + body.rheology.moduli * self.memory, self.depth - G
+        G, branches = self.carried(body, x)
+        return branches, self.depth - G
 
     @cached_property
     def _marks(self) -> Array:

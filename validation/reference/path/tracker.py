@@ -198,7 +198,8 @@ class Tracker:
     def touch(self) -> None:
         """The first step of a new contact, as if it were elastic: to a small part of the largest penetration.
 
-        A plane tip is in contact as a whole.
+        Until the shortest relaxation time only the load changes with time. A plane tip is in contact as a
+        whole.
         """
         if self.law.tip:
             begun = start_state(self.body, self.state.depth, self.law.tip, True)
@@ -212,7 +213,8 @@ class Tracker:
             load = 2.0 * self.body.rheology.glassy * (a * depth - self.body.transform.integral(a))
         change = abs(leg.value(leg.end) - leg.value(leg.start)) or load
         p = (leg.end - leg.start) * min(load / change, 1.0)
-        self.T_first, self.L = max(2.0 * p, 1e-300) if leg.timed else SMALL_PART, a
+        elastic = min(self.T_leg, self.body.rheology.shortest)
+        self.T_first, self.L = max(2.0 * p, elastic, 1e-300) if leg.timed else SMALL_PART, a
         self.T, self.lasted = self.T_first, 0.0
         way = np.array([p / self.T, a / self.L])
         self.restart(way / np.hypot(*way), float(np.hypot(*way)))

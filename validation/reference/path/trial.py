@@ -1,8 +1,8 @@
 """A step to a given radius, ending at any load parameter: what is the same for all of them is computed once.
 
-That is where the quadrature points lie and what they carry when the step begins, where on the step the edge
-passes those that change sides, and the matrix of the closure. What is left is to fade: two to four
-exponentials an array, and two products.
+That is where the quadrature points lie and what they hold when the step begins, where on the step the edge
+passes those that change sides, and the closure of the side that it does not pass. What is left is to fade:
+two to four exponentials, and two products.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ from validation.reference.path.memory import (
     collocation,
 )
 from validation.reference.path.path import Leg, Segment
-from validation.reference.path.polynomials import horner, inverse, powers
+from validation.reference.path.polynomials import inverse, powers
 from validation.reference.path.rheology import Body, total
 from validation.reference.path.state import GRADING, State
 
@@ -34,30 +35,38 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
-    """Distances from the edge that a step begins with, ``G`` there, and what is carried then.
+class Passed:
+    """Points that change sides where ``u_powers`` say, and the branch forces or unit strains before.
 
-    ``passed`` change sides where ``u_powers`` say.
+    The last of them are those of the ``sweep``.
     """
 
-    x: Array
-    G: Array
-    carried: Array
-    passed: NDArray[np.intp]
+    sweep: fields.Sweep
     u_powers: Array
+    G: Array
+    begun: Array
+
+    @cached_property
+    def swept(self) -> slice:
+        """Those of the sweep."""
+        return slice(-len(self.sweep.weight), None)
 
 
-@dataclass(frozen=True)
-class Passing:
-    """Points in contact as the edge passes them, and when that is, since the step began (m, 1)."""
+class Passing(NamedTuple):
+    """Points in contact as the edge passes them, ``elapsed`` (m, 1) after the step began.
 
-    branches: Array
-    strain: Array
-    memory: Array
+    ``left``: what they take along, unit strains of those released, branch forces less the gain of the step of
+    those covered; ``end``: unit strains or branch forces at the end of the step.
+    """
+
     elapsed: Array
+    strain: Array
+    branches: Array
+    left: Array
+    end: Array
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Arrival:
     """The end of a step after a rise of the load parameter.
 
@@ -65,18 +74,21 @@ class Arrival:
     """
 
     rise: float
-    duration: float
     motion: Motion
+    passing: Passing | None
     integral: float
     free: float = 0.0
+    force: float | None = None
+
+    @property
+    def duration(self) -> float:
+        """Length of the step in time."""
+        return self.motion.duration
 
     @property
     def depth(self) -> float:
         """Penetration."""
         return self.motion.end[1]
-
-
-_NONE = np.zeros(0, int), np.zeros((0, COLLOCATION + 1))
 
 
 class Trial:
@@ -99,73 +111,78 @@ class Trial:
         closed: bool = True,
     ) -> None:
         self.body, self.state, self.leg, self.segment = body, state, leg, segment
-        self.zone, self.cohesive, self.zone_at_rest = zone, cohesive, at_rest
+        self.zone, self.cohesive, self.zone_at_rest, self.closed = zone, cohesive, at_rest, closed
         self.travel = segment.travel
         self.radius = state.radius + self.travel
         if self.radius <= 4.0 * math.ulp(state.radius):
             self.radius, self.travel = 0.0, -state.radius
         self.direction = float(np.sign(self.travel))
         self.closure: Closure | None = None
-        self._layered: dict[int, tuple[fields.Sweep, Points]] = {}
-        self._passings: dict[tuple[Points, Motion], Passing] = {}
-        self._forces: dict[Motion, float] = {}
-        self.guess = 0.0
+        self._remembered = body.rheology.moduli * state.memory
+        self._layered: dict[int, Passed] = {}
+        self._cuts = state.cuts(self.travel, zone, body.transform.knots)
+        none, edge = np.zeros(0), np.array([self.travel])
         if closed and zone > 0.0 and not cohesive:
             self._close(zone)
-        elif zone == 0.0:
-            self.behind, self.ahead = self._points(np.array([self.travel]), np.array([self.travel]))
-        self.closed = closed
-
-    def _close(self, zone: float, breaks: Array | None = None) -> None:
-        """Set up the closure over a zone."""
-        self.zone = zone
-        self.closure = closure(
-            self.radius, zone, self.state.breaks(self.travel, zone) if breaks is None else breaks
-        )
-        s = self.closure.s
-        self.behind, self.ahead = self._points(self.travel - zone + s, self.travel + s)
-
-    def zone_at_stress(self, motion: Motion, duration: float) -> float:
-        """Length of the zone that a cohesive stress makes at this end of the step."""
-
-        def stress(x: Array) -> Array:
-            return self.stress(self._points(self.travel + x, x[:0])[0], motion, duration)
-
-        within = self.state.thinned(self.state.edges_between(-self.state.radius, self.travel), self.zone)
-        edges = np.union1d(within - self.travel, self.zone * (BASE - 1.0))
-        return zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
+        elif closed and zone == 0.0:
+            self._lay(none, edge) if self.direction > 0.0 else self._lay(edge, none)
+        else:
+            self._lay(none, none)
 
     # what does not depend on the end ---
 
-    def _points(self, behind: Array, ahead: Array) -> tuple[Points, Points]:
-        """Points behind and ahead of the end; those that change sides are all on one side."""
+    def _close(self, zone: float) -> None:
+        """Set up the closure over a zone, and what it makes of the side that the edge does not pass."""
+        self.zone = zone
+        form = self.closure = closure(self.radius, zone, self.state.breaks(self.travel, zone))
+        count = len(form.s)
+        self._lay(self.travel - zone + form.s, self.travel + form.s)
+        side = slice(count, None) if self.direction > 0.0 else slice(0, count)
+        rows = np.vstack((np.ones(count), self._G[side] - self._G[count], self._begun[side].T))
+        self._factors = form.of_openings(rows) if self.direction > 0.0 else form.of_stresses(rows)
+        self._sums = rows @ form.weight
+
+    def _lay(self, behind: Array, ahead: Array) -> None:
+        """Points behind and ahead of the end, and of the sweep; those that change sides are on one side."""
         edge = self.travel  # a point that rounds onto it is in contact, as in the table
         x = np.concatenate((np.minimum(behind, edge), np.maximum(ahead, np.nextafter(edge, np.inf))))
-        G, carried = self.state.carried(self.body, x)
-        sides = []
-        for side, moves in (
-            (slice(0, len(behind)), self.direction > 0.0),
-            (slice(len(behind), None), self.direction < 0.0),
-        ):
-            passed, u_powers = _NONE
-            if moves:
-                low, high = sorted((0.0, self.travel))
-                passed = ((x[side] > low) & (x[side] <= high)).nonzero()[0]
-                u_powers = powers(inverse(self.segment.way, x[side][passed]), COLLOCATION)
-            sides.append(Points(x[side], G[side], carried[side], passed, u_powers))
-        return sides[0], sides[1]
+        self.passed: Passed | None = None
+        if not self.direction:
+            self._G, self._begun = self.state.carried(self.body, x)
+            return
+        low, high = sorted((0.0, edge))
+        changing = (x > low) & (x <= high)
+        changing[slice(0, len(behind)) if edge < 0.0 else slice(len(behind), None)] = False
+        self._changing = changing.nonzero()[0]
+        sweep, u_powers = self._swept(self._cuts, x[self._changing])
+        G, begun = self.state.carried(
+            self.body, np.concatenate((x, np.maximum(sweep.x, np.nextafter(low, np.inf))))
+        )
+        at = np.concatenate((self._changing, np.arange(len(x), len(G))))
+        self._G, self._begun = G[: len(x)], begun[: len(x)]
+        self.passed = Passed(sweep, u_powers, G[at], begun[at])
 
-    @cached_property
-    def swept(self) -> tuple[fields.Sweep, Points]:
-        """The points that a moving edge passes, and the ends, in the entries they will be kept in."""
-        return self._sweep(self.state.cuts(self.travel, self.zone, self.body.transform.knots))
+    def _swept(self, cuts: Array, before: Array) -> tuple[fields.Sweep, Array]:
+        """A sweep, and powers of ``u`` at radii and at its own, from the beginning to the end of the step."""
+        sweep = fields.sweep(self.segment.way, cuts)
+        u = inverse(self.segment.way, np.concatenate((before, sweep.x)))
+        u[len(before)], u[-1] = 0.0, 1.0
+        return sweep, powers(u, COLLOCATION)
 
-    def _sweep(self, cuts: Array) -> tuple[fields.Sweep, Points]:
-        """Points of the sweep between these cuts."""
-        swept = fields.sweep(self.segment.way, cuts)
-        u_powers = powers(swept.u, COLLOCATION)
-        x = np.maximum(swept.x, np.nextafter(min(self.travel, 0.0), np.inf))
-        return swept, Points(x, *self.state.carried(self.body, x), np.arange(len(x)), u_powers)
+    def _over(self, passed: Passed, duration: float) -> Passed:
+        """A sweep that sees what fast branches hold at the end of a step that covers: a layer at the edge."""
+        shortest = self.body.rheology.shortest
+        if not duration > GRADING * shortest:
+            return passed
+        count = int(math.log(duration / shortest) / math.log(GRADING))
+        if count not in self._layered:
+            cuts = self._cuts
+            near = self.travel - (self.travel - cuts[-2]) / GRADING ** np.arange(1, count + 1)
+            near = near[(near > cuts[-2]) & (near < self.travel)]
+            sweep, u_powers = self._swept(np.concatenate((cuts[:-1], near, cuts[-1:])), cuts[:0])
+            carried = self.state.carried(self.body, np.maximum(sweep.x, np.nextafter(0.0, np.inf)))
+            self._layered[count] = Passed(sweep, u_powers, *carried)
+        return self._layered[count]
 
     # an end ---
 
@@ -174,223 +191,199 @@ class Trial:
         state, leg, rheology = self.state, self.leg, self.body.rheology
         course = self.segment.parameter + rise * self.segment.basis
         clock = course if leg.timed else np.zeros_like(course)
-        free = 0.0
         if leg.rate is not None:
-            motion: Motion = Ramp(rheology.times, clock, state.memory, state.depth, leg.rate)
-        elif leg.control == "penetration":
+            return self._arrived(rise, Ramp(rheology.times, clock, rheology.moduli, state.depth, leg.rate))
+        if leg.control == "penetration":
             at = state.parameter + PATH_AT_NODES @ course
             given = np.array([leg.value(p) for p in at]) - state.depth
             given[0] = 0.0
-            motion = collocation(
-                rheology.times, clock, state.memory, state.depth, given, 0.0 * given
-            ).motion()
+            basis = 0.0 * given
         else:
-            family = collocation(
-                rheology.times,
-                clock,
-                state.memory,
-                state.depth,
-                PATH_AT_NODES @ self.segment.depth,
-                PATH_AT_NODES @ self.segment.basis,
-            )
-            free = self._balance(family, clock, state.parameter + rise)
-            motion = family.motion(free)
-        duration = float(clock.sum())
-        return Arrival(rise, duration, motion, self._integral(motion, duration), free)
+            given, basis = PATH_AT_NODES @ self.segment.depth, PATH_AT_NODES @ self.segment.basis
+        family = collocation(rheology.times, clock, rheology.moduli, state.depth, given, basis)
+        if not basis.any():  # the penetration is known
+            return self._arrived(rise, family.motion())
+        return self._balanced(rise, family)
 
-    def _balance(self, family: Collocation, clock: Array, parameter: float) -> float:
-        """Change of the penetration in the step for the load to be as it has to: it is affine in it."""
-        leg, state = self.leg, self.state
-        if not self.segment.basis.any():  # a part of a step that is known
-            return 0.0
-        size = 1e-2 * max(abs(state.depth), abs(float(self.body.transform(np.array([self.radius]))[0])))
-        size = size or 1e-3 * self.radius  # of any size, as the force is affine
-        duration = float(clock.sum())
-        one = self.force(family.motion(self.guess), duration)
-        slope = (self.force(family.motion(self.guess + size), duration) - one) / size
-        lack = leg.value(parameter) - leg.compliance * one
+    def _balanced(self, rise: float, family: Collocation) -> Arrival:
+        """The end at which the load is as it has to be: it is affine in the change of the penetration."""
+        leg, value = self.leg, self.leg.value(self.state.parameter + rise)
+        one, slope = self.force(family.motion()), self.force(family.free, unit=True)
         if leg.control == "force":
-            free = self.guess + (leg.value(parameter) - one) / slope
+            free = (value - one) / slope
         else:
-            free = self.guess + (lack - state.depth - self.guess) / (1.0 + leg.compliance * slope)
-        if math.isfinite(free):
-            self.guess = free
-        return free
+            free = (value - leg.compliance * one - self.state.depth) / (1.0 + leg.compliance * slope)
+        arrival = self._arrived(rise, family.motion(free))
+        arrival.free, arrival.force = free, one + free * slope
+        return arrival
 
-    def _integral(self, motion: Motion, duration: float) -> float:
+    def _arrived(self, rise: float, motion: Motion) -> Arrival:
+        if self.cohesive and self.closed:
+            zone = self.zone_at_stress(motion)
+            if math.isfinite(zone) and (self.closure is None or abs(zone - self.zone) > 1e-13 * zone):
+                self._close(zone)
+        passing = self._passes(self.passed, motion) if self.passed else None
+        integral = self._integral(motion, passing) if self.closed else 0.0
+        if self.cohesive and self.closed and not math.isfinite(zone):
+            integral = math.nan
+        return Arrival(rise, motion, passing, integral)
+
+    def _integral(self, motion: Motion, passing: Passing | None) -> float:
         """Closure integral; without a zone the strain at the edge."""
-        rheology = self.body.rheology
-        if self.zone > 0.0:
-            if not self.closed:
-                return 0.0
-            if self.cohesive:
-                zone = self.zone_at_stress(motion, duration)
-                if not math.isfinite(zone):
-                    return math.nan
-                if self.closure is None or abs(zone - self.zone) > 1e-13 * zone:
-                    self._close(zone)
-            assert self.closure is not None
-            q, d = self.stress(self.behind, motion, duration), self.opening(self.ahead, motion, duration)
-            return self.closure.integral(q, d)
-        if self.direction > 0.0:
-            return -float(self.opening(self.ahead, motion, duration)[0])
-        return float(self.stress(self.behind, motion, duration)[0]) / rheology.glassy
-
-    def stress(self, points: Points, motion: Motion, duration: float) -> Array:
-        """``q`` of points in contact at the end."""
-        rheology = self.body.rheology
-        memory, depth = motion.end
-        q = rheology.relaxed * (depth - points.G) + points.carried @ np.exp(-duration / rheology.times)
-        q += rheology.moduli @ memory
-        if self.direction > 0.0 and len(points.passed):
-            at = points.passed
-            covered = self._covered(self._passing(points, motion), motion, duration)
-            q[at] = rheology.relaxed * (depth - points.G[at]) + total(covered)
-        return q
-
-    def opening(self, points: Points, motion: Motion, duration: float) -> Array:
-        """``d`` of free points at the end."""
-        rheology = self.body.rheology
-        d = points.carried @ np.exp(-duration / rheology.retardation)
-        if self.direction < 0.0 and len(points.passed):
-            d[points.passed] = total(self._released(self._passing(points, motion), duration)[1])
-        return d - (motion.end[1] - points.G)
-
-    def _passing(self, points: Points, motion: Motion) -> Passing:
-        """Points in contact at the edge."""
-        rheology, at = self.body.rheology, points.passed
-        elapsed, memory, depth = motion.during(points.u_powers)
-        strain, carried = depth - points.G[at], points.carried[at]
-        if self.direction > 0.0:
-            branches = rheology.cover(carried * np.exp(-elapsed / rheology.retardation), strain)
+        rheology, form, covers = self.body.rheology, self.closure, self.direction > 0.0
+        gained, depth = motion.end
+        fresh = np.exp(-motion.duration / rheology.retardation)
+        if form is None:
+            if covers:
+                return -float(self._begun[0] @ fresh) + depth - float(self._G[0])
+            return float(self.stress(self._G, self._begun, motion)[0]) / rheology.glassy
+        count = len(form.s)
+        side, strain = (slice(0, count) if covers else slice(count, None)), depth - self._G
+        other = self._begun[side]
+        if covers:
+            field = self.stress(self._G[side], other, motion)
+            still = np.concatenate(([-strain[count], 1.0], fresh))
         else:
-            branches = carried * np.exp(-elapsed / rheology.times) + rheology.moduli * memory
-        return Passing(branches, strain, memory, elapsed)
+            field = other @ fresh - strain[side]
+            fading = np.exp(-motion.duration / rheology.times)
+            constant = rheology.relaxed * strain[count] + gained.sum()
+            still = np.concatenate(([constant, -rheology.relaxed], fading))
+        if passing is not None and len(self._changing):
+            changed = total(passing.end[: len(self._changing)])
+            changed += (rheology.relaxed if covers else -1.0) * strain[self._changing]
+            field[self._changing - (0 if covers else count)] = changed
+        sums = float(still @ self._sums), float(form.weight @ field)
+        return form.integral(float(still @ (self._factors @ field)), *(sums[::-1] if covers else sums))
 
-    def _swept_passing(self, points: Points, motion: Motion) -> Passing:
-        """Points of a sweep, for force, energies and what is left."""
-        key = points, motion
-        if key not in self._passings:
-            self._passings[key] = self._passing(points, motion)
-        return self._passings[key]
-
-    def _released(self, passing: Passing, duration: float) -> tuple[Array, Array]:
-        """Unit strains of points released on the way, when they were and at the end."""
+    def stress(self, G: Array, begun: Array, motion: Motion) -> Array:
+        """``q`` at the end at points that stay in contact."""
         rheology = self.body.rheology
-        units = rheology.release(passing.branches, passing.strain)
-        return units, units * np.exp((passing.elapsed - duration) / rheology.retardation)
+        gained, depth = motion.end
+        q: Array = rheology.relaxed * (depth - G) + begun @ np.exp(-motion.duration / rheology.times)
+        return q + gained.sum()
 
-    def _covered(self, passing: Passing, motion: Motion, duration: float) -> Array:
-        """Branch forces of points covered on the way at the end."""
+    def zone_at_stress(self, motion: Motion) -> float:
+        """Length of the zone that a cohesive stress makes at this end of the step."""
+        rheology, depth = self.body.rheology, motion.end[1]
+
+        def stress(x: Array) -> Array:
+            x = np.minimum(self.travel + x, self.travel)
+            G, begun = self.state.carried(self.body, x)
+            q = self.stress(G, begun, motion)
+            if self.direction > 0.0:
+                new = (x > 0.0).nonzero()[0]
+                u_powers = powers(inverse(self.segment.way, x[new]), COLLOCATION)
+                passing = self._passing(G[new], begun[new], u_powers, motion)
+                q[new] = rheology.relaxed * (depth - G[new]) + total(passing.end)
+            return q
+
+        within = self.state.thinned(self.state.edges_between(-self.state.radius, self.travel), self.zone)
+        edges = np.union1d(within - self.travel, self.zone * (BASE - 1.0))
+        return zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
+
+    def _passes(self, points: Passed, motion: Motion) -> Passing:
+        return self._passing(points.G, points.begun, points.u_powers, motion)
+
+    def _passing(self, G: Array, begun: Array, u_powers: Array, motion: Motion) -> Passing:
+        """Points that change sides, as they do and at the end."""
         rheology = self.body.rheology
-        fading = np.exp((passing.elapsed - duration) / rheology.times)
-        return passing.branches * fading + rheology.moduli * (motion.end[0] - fading * passing.memory)
+        elapsed = motion.elapsed(u_powers)
+        faded = np.expm1(-elapsed / rheology.times)
+        gained, depth = motion.during(u_powers, elapsed, faded)
+        strain, rest = depth - G, elapsed - motion.duration
+        if self.direction > 0.0:
+            units = begun * np.exp(-elapsed / rheology.retardation)
+            branches = rheology.cover(units, strain)
+            left = branches - gained
+            end = left * np.exp(rest / rheology.times) + motion.end[0]
+        else:
+            branches = begun + begun * faded + gained
+            left = rheology.release(branches, strain)
+            end = left * np.exp(rest / rheology.retardation)
+        return Passing(elapsed, strain, branches, left, end)
 
     def edge_stress(self, arrival: Arrival) -> tuple[Array, Array]:
         """``u`` and ``q`` just inside the edge, at both ends of the step and where it passes its points."""
-        if self.direction == 0.0:
-            u = np.concatenate(([0.0], fields.NODES, [1.0]))
-            x = np.zeros(len(u))
-            points = Points(x, *self.state.carried(self.body, x), np.arange(len(x)), powers(u, COLLOCATION))
-        else:
-            swept, points = self.swept
-            u = swept.u
-        passing = self._swept_passing(points, arrival.motion)
-        return u, self.body.rheology.stress(passing.branches, passing.strain)
+        passing, passed, rheology = arrival.passing, self.passed, self.body.rheology
+        if passing is None or passed is None:
+            u_powers = powers(np.concatenate(([0.0], fields.NODES, [1.0])), COLLOCATION)
+            carried = self.state.carried(self.body, np.zeros(len(u_powers)))
+            passing = self._passing(*carried, u_powers, arrival.motion)
+            return u_powers[:, 1], rheology.stress(passing.branches, passing.strain)
+        swept = passed.swept
+        return passed.u_powers[swept, 1], rheology.stress(passing.branches[swept], passing.strain[swept])
 
-    def _seen(self, duration: float) -> tuple[fields.Sweep, Points]:
-        """The sweep with its last panel cut until the layer is seen in which the fastest branch relaxes."""
-        swept, points = self.swept
-        rheology = self.body.rheology
-        shortest = rheology.shortest if self.direction > 0.0 else rheology.retardation.min(initial=math.inf)
-        if duration > GRADING * shortest:
-            count = int(math.log(duration / shortest) / math.log(GRADING))
-            if count not in self._layered:
-                cuts = swept.cuts
-                near = self.travel - (self.travel - cuts[-2]) / GRADING ** np.arange(1, count + 1)
-                near = near[(near - cuts[-2]) * (self.travel - near) > 0.0]
-                self._layered[count] = self._sweep(np.concatenate((cuts[:-1], near, cuts[-1:])))
-            swept, points = self._layered[count]
-        return swept, points
+    def force_at(self, arrival: Arrival) -> float:
+        """The force at an end."""
+        if arrival.force is None:
+            arrival.force = self.force(arrival.motion, arrival.passing)
+        return arrival.force
 
-    def _gained(self, motion: Motion, duration: float) -> tuple[Array, Array]:
-        """``int b_k dx`` and ``int b_k^2 dx`` over what the step covered."""
-        swept, points = self._seen(duration)
-        covered = self._covered(self._swept_passing(points, motion), motion, duration)
-        return swept.weight @ covered, swept.weight @ covered**2
+    def force(self, motion: Motion, passing: Passing | None = None, unit: bool = False) -> float:
+        """``F = 2 int_0^a q dx``; ``unit``: what a motion adds to it that does so to others.
 
-    def force(self, motion: Motion, duration: float) -> float:
-        """``F = 2 int_0^a q dx``."""
-        if motion not in self._forces:
-            self._forces[motion] = self._force(motion, duration)
-        return self._forces[motion]
-
-    def _force(self, motion: Motion, duration: float) -> float:
-        """What the contact held before has faded, what it gained is integrated."""
+        What the contact held before has faded, what it gained is integrated.
+        """
         rheology, state, a = self.body.rheology, self.state, self.radius
         if a == 0.0:  # not the rounding of what there was
             return 0.0
-        memory, depth = motion.end
-        fading = np.exp(-duration / rheology.times)
-        gained = rheology.moduli * (memory - fading * state.memory)
-        branches = fading * (state.held - self._lost[0]) + gained * min(a, state.radius)
-        if self.direction > 0.0:
-            branches = branches + self._gained(motion, duration)[0]
-        elastic = rheology.relaxed * (depth * a - self.body.transform.integral(a))
-        return 2.0 * (elastic + float(branches.sum()))
+        gained, depth = motion.end
+        branches, shape = gained * min(a, state.radius), 0.0
+        if not unit:
+            shape = self.body.transform.integral(a)
+            branches = branches + np.exp(-motion.duration / rheology.times) * (state.held - self._lost[0])
+        if self.passed and self.direction > 0.0:
+            branches = branches + self._gains(self.passed, motion, passing, unit)[0]
+        return 2.0 * (rheology.relaxed * (depth * a - shape) + float(branches.sum()))
+
+    def _gains(
+        self, passed: Passed, motion: Motion, passing: Passing | None, unit: bool = False
+    ) -> tuple[Array, Array]:
+        """``int b_k dx`` and ``int b_k^2 dx`` at the end over what the step covered."""
+        points = self._over(passed, motion.duration)
+        if unit:
+            points = replace(points, G=0.0 * points.G, begun=0.0 * points.begun)
+        if passing is None or points is not passed:
+            passing = self._passes(points, motion)
+        covered, weight = passing.end[points.swept], points.sweep.weight
+        return weight @ covered, weight @ covered**2
 
     @cached_property
     def _lost(self) -> tuple[Array, Array]:
         """What the swept radii held as the step began: integrals of what they carry, and of its square."""
-        state, rheology = self.state, self.body.rheology
-        if self.direction == 0.0:
-            return 0.0 * state.memory, 0.0 * state.memory
-        swept, points = self.swept
-        carried = points.carried
-        if self.direction < 0.0:
-            carried = carried + rheology.moduli * state.memory
-        lost = swept.weight @ carried, swept.weight @ carried**2
-        return lost if self.direction < 0.0 else (0.0 * lost[0], lost[1])
+        nothing = 0.0 * self.state.memory
+        if self.passed is None:
+            return nothing, nothing
+        weight, begun = self.passed.sweep.weight, self.passed.begun[self.passed.swept]
+        return weight @ begun if self.direction < 0.0 else nothing, weight @ begun**2
 
     # acceptance ---
 
     def state_after(self, arrival: Arrival) -> State:
         """The state at the end: integrals over contact and free surface recur exactly."""
         state, rheology, motion = self.state, self.body.rheology, arrival.motion
-        memory, depth = motion.end
-        fading = np.exp(-arrival.duration / rheology.times)
-        recovering = np.exp(-arrival.duration / rheology.retardation)
-        gained = rheology.moduli * (memory - fading * state.memory)
-        low = min(self.radius, state.radius)
+        gained, depth = motion.end
+        fading = np.exp(-motion.duration / rheology.times)
+        recovering = np.exp(-motion.duration / rheology.retardation)
+        low, opens = min(self.radius, state.radius), self.direction < 0.0
         lost, lost_squares = self._lost
-        receding = self.direction < 0.0
         held = state.held - lost
-        squares = state.held_squares - (lost_squares if receding else 0.0)
+        squares = state.held_squares - (lost_squares if opens else 0.0)
         squares = fading**2 * squares + 2.0 * fading * gained * held + gained**2 * low
         held = fading * held + gained * low
-        free = (state.free_squares - (lost_squares if self.direction > 0.0 else 0.0)) * recovering**2
-        surface = state.surface
-        if self.direction != 0.0:
-            swept, points = self.swept
-            passing = self._swept_passing(points, motion)
-            if receding:
-                carried, _ = self._released(passing, arrival.duration)
-                fine, near = self._seen(arrival.duration)
-                _, strains = self._released(self._swept_passing(near, motion), arrival.duration)
-                free = free + fine.weight @ strains**2
+        free = (state.free_squares - (0.0 if opens else lost_squares)) * recovering**2
+        surface, passed, passing = state.surface, self.passed, arrival.passing
+        if passed is not None and passing is not None:
+            sweep, swept = passed.sweep, passed.swept
+            elapsed, left = passing.elapsed[swept], passing.left[swept]
+            if opens:
+                free = free + sweep.weight @ passing.end[swept] ** 2
             else:
-                gains = self._gained(motion, arrival.duration)
+                gains = self._gains(passed, motion, passing)
                 held, squares = held + gains[0], squares + gains[1]
-                carried = passing.branches - rheology.moduli * passing.memory
-            surface = fields.passed(
-                surface,
-                swept,
-                passing.elapsed,
-                carried,
-                not receding,
-                points.G,
-                rheology.moduli,
-            )
+                left = left - self._remembered * np.exp(-elapsed / rheology.times)
+            G = passed.G[swept]
+            surface = fields.passed(surface, sweep, elapsed, left, not opens, G, rheology.moduli)
         parameter = self.parameter(arrival)
         return replace(
             state,
@@ -398,10 +391,8 @@ class Trial:
             time=parameter if self.leg.timed else state.time,
             depth=self.leg.value(parameter) if self.leg.control == "penetration" else depth,
             radius=self.radius,
-            force=self.leg.value(parameter)
-            if self.leg.control == "force"
-            else self.force(motion, arrival.duration),
-            memory=memory,
+            force=self.leg.value(parameter) if self.leg.control == "force" else self.force_at(arrival),
+            memory=fading * state.memory + gained / rheology.moduli,
             surface=surface.seen_from(self.travel, self.radius, arrival.duration),
             held=held,
             held_squares=squares,
@@ -430,7 +421,3 @@ class Trial:
         orders = np.arange(len(self.segment.way))
         slope = float(self.segment.way @ orders)
         return slope / float(arrival.motion.clock @ orders)
-
-    def way_at(self, u: float) -> float:
-        """Radius at ``u``."""
-        return self.state.radius + float(horner(self.segment.way, np.array(u)))
