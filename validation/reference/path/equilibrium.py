@@ -70,8 +70,8 @@ def elastic_start(scene: Scene, body: Body) -> State | None:
         held = depth_at(radius)
         guess = min(adhesion.zone, 0.5 * radius)
         return zone_length(
-            lambda x: modulus * (held - body.transform(x)),
-            body.transform.knots,
+            lambda x: modulus * (held - body.transform(radius + x)),
+            body.transform.knots - radius,
             radius,
             adhesion.stress,
             adhesion.zone,
