@@ -170,17 +170,20 @@ class Trial:
         return sweep, powers(u, COLLOCATION)
 
     def _over(self, passed: Passed, duration: float) -> Passed:
-        """A sweep that sees what fast branches hold at the end of a step that covers: a layer at the edge."""
-        shortest = self.body.rheology.shortest
+        """The sweep with its last panel cut until the layer is seen in which the fastest branch relaxes."""
+        rheology = self.body.rheology
+        shortest = rheology.shortest if self.direction > 0.0 else rheology.retardation.min(initial=math.inf)
         if not duration > GRADING * shortest:
             return passed
         count = int(math.log(duration / shortest) / math.log(GRADING))
         if count not in self._layered:
             cuts = self._cuts
             near = self.travel - (self.travel - cuts[-2]) / GRADING ** np.arange(1, count + 1)
-            near = near[(near > cuts[-2]) & (near < self.travel)]
+            near = near[(near - cuts[-2]) * (self.travel - near) > 0.0]
             sweep, u_powers = self._swept(np.concatenate((cuts[:-1], near, cuts[-1:])), cuts[:0])
-            carried = self.state.carried(self.body, np.maximum(sweep.x, np.nextafter(0.0, np.inf)))
+            carried = self.state.carried(
+                self.body, np.maximum(sweep.x, np.nextafter(min(self.travel, 0.0), np.inf))
+            )
             self._layered[count] = Passed(sweep, u_powers, *carried)
         return self._layered[count]
 
@@ -333,20 +336,20 @@ class Trial:
             shape = self.body.transform.integral(a)
             branches = branches + np.exp(-motion.duration / rheology.times) * (state.held - self._lost[0])
         if self.passed and self.direction > 0.0:
-            branches = branches + self._gains(self.passed, motion, passing, unit)[0]
+            branches = branches + self._left(self.passed, motion, passing, unit)[0]
         return 2.0 * (rheology.relaxed * (depth * a - shape) + float(branches.sum()))
 
-    def _gains(
+    def _left(
         self, passed: Passed, motion: Motion, passing: Passing | None, unit: bool = False
     ) -> tuple[Array, Array]:
-        """``int b_k dx`` and ``int b_k^2 dx`` at the end over what the step covered."""
+        """Integrals over what the step passed of branch forces or unit strains at the end, and of squares."""
         points = self._over(passed, motion.duration)
         if unit:
             points = replace(points, G=0.0 * points.G, begun=0.0 * points.begun)
         if passing is None or points is not passed:
             passing = self._passes(points, motion)
-        covered, weight = passing.end[points.swept], points.sweep.weight
-        return weight @ covered, weight @ covered**2
+        end, weight = passing.end[points.swept], points.sweep.weight
+        return weight @ end, weight @ end**2
 
     @cached_property
     def _lost(self) -> tuple[Array, Array]:
@@ -376,11 +379,11 @@ class Trial:
         if passed is not None and passing is not None:
             sweep, swept = passed.sweep, passed.swept
             elapsed, left = passing.elapsed[swept], passing.left[swept]
+            ends = self._left(passed, motion, passing)
             if opens:
-                free = free + sweep.weight @ passing.end[swept] ** 2
+                free = free + ends[1]
             else:
-                gains = self._gains(passed, motion, passing)
-                held, squares = held + gains[0], squares + gains[1]
+                held, squares = held + ends[0], squares + ends[1]
                 left = left - self._remembered * np.exp(-elapsed / rheology.times)
             G = passed.G[swept]
             surface = fields.passed(surface, sweep, elapsed, left, not opens, G, rheology.moduli)
