@@ -8,7 +8,19 @@ import numpy as np
 import pytest
 
 from benchmarks.reference_path import measures, of_trace, scene_of
-from contact_scene import Adhesion, Branch, Cone, Force, Loading, Material, OutcomeKind, Scene, Table
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Cone,
+    Force,
+    Hold,
+    Loading,
+    Material,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    Table,
+)
 from validation.cases import load
 from validation.reference.path.fields import NODES, WEIGHTS
 from validation.reference.path.path import Segment
@@ -185,3 +197,11 @@ def test_what_the_half_space_loses_does_not_come_back_in_a_step_of_many_relaxati
     """The layer of the released surface that recovers was not seen: rows within a step were off by 4 %."""
     loss = solve(load("spring-relaxed-si").scene).dissipated_energy
     assert (np.maximum.accumulate(loss) - loss).max() < 5e-3 * loss.max()
+
+
+def test_errors_of_a_hold_are_no_extrema():
+    scene = load("cycle-v0.02").scene
+    held = replace(scene.loading, steps=(Ramp(0.03, 0.02), Hold(1e5), Ramp(-0.1, 0.02)))
+    located = solve(replace(scene, loading=held), Options(tolerance=1e-4)).located
+    assert {event.kind for event in located} == {"largest tension"}
+    assert all(event.force < 0.0 for event in located)

@@ -68,8 +68,8 @@ CURVED = 12.0
 """Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
 NARROW = 3e-3
 """Part of a step within which the dense path knows an extremum; the force is off by the square."""
-LEAST_SLOPE = 1e-13
-"""Change over a step, in the largest of a run, below which an extremum is rounding."""
+PROMINENT = 1e-3
+"""Change over a step, in tolerances, below which an extremum is one of the errors: a hold has many."""
 LEAST_AREA_CHANGE = 1e-6
 """Change of the contact area, relative to the largest, below which no energy release rate is formed."""
 
@@ -223,7 +223,7 @@ class Recorder:
             return found
         for column, largest in ((DEPTH, self.scales.depth), (FORCE, self.scales.force)):
             first, last = ends[:, column]
-            if first * last >= 0.0 or min(abs(first), abs(last)) < LEAST_SLOPE * largest:
+            if first * last >= 0.0 or max(abs(first), abs(last)) < PROMINENT * self.allowed * largest:
                 continue
             slope = derivative(coefficients[:, column])
             at = bracketed(partial(_value, slope), 0.0, 1.0)
@@ -231,7 +231,9 @@ class Recorder:
                 found[at] = DEEPEST if first > 0.0 else "", 0.0, math.nan
             elif trial.leg.control != "force":
                 exact, height = self._extremum(trial, arrival, at)
-                found[exact] = PRESSED if first > 0.0 else PULLED, max(abs(exact - at), NARROW), height
+                kind = PRESSED if first > 0.0 else PULLED
+                off = max(abs(exact - at), NARROW)
+                found[exact] = kind if height * first > 0.0 else "", off, height
         return found
 
     def _extremum(self, trial: Trial, arrival: Arrival, foreseen: float) -> tuple[float, float]:
