@@ -131,8 +131,6 @@ class Recorder:
             u = self._places(trial, way, state, np.array([*marked, *stops]))
         rows = way.at(u)
         rows[-1, [TIME, DEPTH, RADIUS, FORCE]] = state.time, state.depth, state.radius, state.force
-        if self.law.adhesion is None:  # no polynomial pulls where nothing can
-            rows[:, FORCE] = np.maximum(rows[:, FORCE], 0.0)
         for at, stop in stops.items():
             rows[u.searchsorted(at), TIME] = stop
             if stop in self.wanted:
@@ -199,7 +197,6 @@ class Recorder:
         parts = np.concatenate(([0.0], (np.sqrt(bend / allowed) * _WIDTHS).cumsum()))
         count = min(max(math.ceil(parts[-1]), 1), CELLS)
         even = np.interp(parts[-1] * np.arange(1, count) / count, parts, _EDGES)
-        even = even[np.abs(even[:, None] - also).min(axis=1, initial=math.inf) > 1e-6]
         u = np.unique(np.concatenate((even, also, [1.0])))
         time = way.at(u)[:, TIME]
         time[-1] = state.time
