@@ -131,6 +131,8 @@ class Recorder:
             u = self._places(trial, way, state, np.array([*marked, *stops]))
         rows = way.at(u)
         rows[-1, [TIME, DEPTH, RADIUS, FORCE]] = state.time, state.depth, state.radius, state.force
+        if self.law.adhesion is None:  # no polynomial pulls where nothing can
+            rows[:, FORCE] = np.maximum(rows[:, FORCE], 0.0)
         for at, stop in stops.items():
             rows[u.searchsorted(at), TIME] = stop
             if stop in self.wanted:
