@@ -13,7 +13,7 @@ from validation.reference.path.closure import closure
 from validation.reference.path.memory import PATH_AT_NODES, Ramp, collocation
 from validation.reference.path.polynomials import inverse
 from validation.reference.path.rheology import rheology
-from validation.reference.path.root import bracketed
+from validation.reference.path.root import bracketed, dip
 from validation.reference.path.solver import estimated_errors
 from validation.reference.sneddon import transform
 
@@ -174,6 +174,13 @@ def test_inverse_of_a_path_that_may_turn_at_an_end(way: list[float]) -> None:
     u = np.linspace(0.0, 1.0, 11)
     rise = sum(coefficient * u**order for order, coefficient in enumerate(way))
     assert inverse(np.array(way), rise) == pytest.approx(u, abs=1e-7)
+
+
+@pytest.mark.parametrize("height", [1.0, -1e-9])
+def test_the_lowest_place_of_a_dip(height: float) -> None:
+    place, value = dip(lambda x: height + (x - 0.3) ** 2, 1.0, 0.0, 1e-7)
+    assert value <= max(height + 1e-13, 0.0)
+    assert abs(place - 0.3) < 1e-4
 
 
 def test_a_bracketed_root() -> None:

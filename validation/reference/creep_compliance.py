@@ -12,10 +12,13 @@ proportional to ``z_j/(theta_k - tau_j)``,
 
     E0 J_k = (v_k . z)^2/theta_k,      1/(v_k . z)^2 = sum_j [z_j/(theta_k - tau_j)]^2.
 
-The entries of ``A`` determine all ``theta_k`` to full relative accuracy. They are the squared singular values
-of its factor ``[diag(tau)^(1/2); z^T]``, by Jacobi rotations (Demmel and Veselic, SIAM J. Matrix Anal. Appl.
-13, 1992), accurate over any number of decades. Differences ``theta_k - tau_j`` of nearly equal times need
-more than that: Newton's method makes them satisfy Loewner's identities (Gu and Eisenstat, ibid. 16, 1995)
+The entries of ``A`` determine all ``theta_k`` to full relative accuracy. Each is the one root of
+
+    1 = sum_j z_j^2/(theta - tau_j)
+
+between two neighbouring times, or beyond the last, found by halving its distance from the nearer of them.
+Differences ``theta_k - tau_j`` of nearly equal times need more than that: Newton's method makes them satisfy
+Loewner's identities (Gu and Eisenstat, SIAM J. Matrix Anal. Appl. 16, 1995)
 
     z_j^2 = (theta_j - tau_j) prod_(k != j) (theta_k - tau_j)/(tau_k - tau_j),
 
@@ -35,6 +38,8 @@ from contact_scene import Branch, Material
 
 Array = NDArray[np.float64]
 
+HALVINGS = 60
+"""Of the logarithm of a distance between bounds, which spans a few hundred at most."""
 LARGE_CORRECTION = 2.0
 """Change of the logarithm of a distance above which a Newton step leaves out ill-determined directions."""
 LARGEST_CORRECTION = 20.0
@@ -153,26 +158,34 @@ def _rank_one_update(poles: Array, strengths: Array) -> tuple[Array, Array, Arra
     """
     if len(poles) == 0:
         return np.empty(0), np.empty(0), np.empty((0, 0))
-    nearest, offset = _corrected(poles, strengths, _eigenvalues(poles, strengths))
+    nearest, offset = _corrected(poles, strengths)
     distances = (poles[nearest][:, None] - poles[None, :]) + offset[:, None]
     eigenvalues = poles[nearest] + offset
     weights = 1.0 / (eigenvalues * (strengths / distances / distances).sum(axis=1))
     return weights, eigenvalues, distances
 
 
-def _eigenvalues(poles: Array, strengths: Array) -> Array:
-    """Ascending eigenvalues: squared singular values of the factor, by preconditioned Jacobi rotations."""
-    from scipy.linalg.lapack import dgejsv
+def _located(poles: Array, strengths: Array, gap: Array, least: Array) -> tuple[NDArray[np.bool_], Array]:
+    """Whether each eigenvalue lies nearer to the pole above, and its distance from the nearer one."""
 
-    unit = float(poles[-1])
-    factor = np.vstack((np.diag(np.sqrt(poles / unit)), np.sqrt(strengths / unit)))
-    values, _, _, scales, _, info = dgejsv(factor, joba=2, jobu=3, jobv=3, jobr=0, jobp=0)
-    if info != 0:
-        raise ArithmeticError(f"the Jacobi rotations do not converge (dgejsv: {info})")
-    return np.sort((scales[0] / scales[1] * values) ** 2) * unit
+    def lies_above(near: Array, offset: Array) -> NDArray[np.bool_]:
+        """Whether the eigenvalues lie above places that far from poles."""
+        distances = (near[:, None] - poles) + offset[:, None]
+        return np.asarray((strengths / distances).sum(axis=1) > 1.0)
+
+    upper = np.isfinite(gap)
+    upper[upper] = lies_above(poles, np.where(upper, 0.5 * gap, 1.0))[upper]
+    near, low = (np.where(upper, np.append(each[1:], each[-1]), each) for each in (poles, least))
+    low, high = np.log(low), np.log(np.where(np.isfinite(gap), 0.5 * gap, strengths.sum()))
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        size = np.exp(middle)
+        longer = lies_above(near, np.where(upper, -size, size)) != upper
+        low, high = np.where(longer, middle, low), np.where(longer, high, middle)
+    return upper, np.exp(0.5 * (low + high))
 
 
-def _corrected(poles: Array, strengths: Array, eigenvalues: Array) -> tuple[NDArray[np.intp], Array]:
+def _corrected(poles: Array, strengths: Array) -> tuple[NDArray[np.intp], Array]:
     """Nearest pole of each eigenvalue and the signed distance from it, by Newton's method.
 
     The unknowns are the logarithms of the distances, the equations the logarithms of Loewner's identities.
@@ -185,9 +198,8 @@ def _corrected(poles: Array, strengths: Array, eigenvalues: Array) -> tuple[NDAr
     others = strengths[:, None] / np.abs(between_poles)
     np.fill_diagonal(others, 0.0)
     least = strengths / (1.0 + 2.0 * others.sum(axis=0))
-    upper = eigenvalues - poles > 0.5 * gap
+    upper, size = _located(poles, strengths, gap, least)
     nearest = np.where(upper, index + 1, index)
-    size = np.where(upper, poles[np.minimum(nearest, index[-1])] - eigenvalues, eigenvalues - poles)
     size = np.minimum(np.maximum(size, least[nearest]), 0.5 * gap)
     best, best_error, stalled, fixed = (nearest, size), np.inf, 0, False
     for _ in range(MOST_CORRECTIONS):

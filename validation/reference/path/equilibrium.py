@@ -23,7 +23,7 @@ from validation.reference.path.closure import BASE, closure
 from validation.reference.path.cohesive_zone import LONGEST, zone_length
 from validation.reference.path.fields import untouched
 from validation.reference.path.rheology import Body
-from validation.reference.path.root import bracketed
+from validation.reference.path.root import bracketed, dip
 from validation.reference.path.state import State
 
 Array = NDArray[np.float64]
@@ -34,6 +34,8 @@ SHORTEST = 1e-60
 """Least radius at which a contact shorter than its zone is looked for: the least length a scene may hold."""
 RATIO = 1.03
 """Ratio of the radii among which an equilibrium is bracketed."""
+LEAST_DIP = 1e-8
+"""Width of a dip of the residual, in the radius, between the two radii of a contact about to be lost."""
 
 
 def elastic_start(scene: Scene, body: Body) -> State | None:
@@ -190,13 +192,9 @@ def _outermost(residual: Callable[[float], float], radii: list[float]) -> float 
     for radius in radii[1:]:
         value, low = residual(radius), radius
         if 0.0 < at_above < min(value, at_outer):
-            from scipy.optimize import minimize_scalar
-
-            dip = minimize_scalar(
-                residual, bounds=(radius, outer), method="bounded", options={"xatol": 1e-8 * radius}
-            )
-            if dip.fun <= 0.0:
-                value, low, above = dip.fun, dip.x, outer
+            place, lowest = dip(residual, radius, outer, LEAST_DIP * radius)
+            if lowest <= 0.0:
+                value, low, above = lowest, place, outer
         if value <= 0.0 < at_above:
             return bracketed(residual, low, above)
         outer, at_outer, above, at_above = above, at_above, radius, value

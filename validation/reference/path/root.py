@@ -41,3 +41,24 @@ def bracketed(function: Callable[[float], float], first: float, last: float, nar
             share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
         share = min(max(share, shortest), 1.0 - shortest) if math.isfinite(share) else 0.5
     return best
+
+
+def dip(function: Callable[[float], float], first: float, last: float, narrow: float) -> tuple[float, float]:
+    """The lowest place between two ends, to ``narrow``, and its value; the first found that is not positive.
+
+    By the golden section.
+    """
+    golden = 0.5 * (math.sqrt(5.0) - 1.0)
+    a, b = first, last
+    x, y = b - golden * (b - a), a + golden * (b - a)
+    low, high = function(x), function(y)
+    while min(low, high) > 0.0 and abs(b - a) > narrow:
+        if low < high:
+            b, y, high = y, x, low
+            x = b - golden * (b - a)
+            low = function(x)
+        else:
+            a, x, low = x, y, high
+            y = a + golden * (b - a)
+            high = function(y)
+    return (x, low) if low < high else (y, high)
