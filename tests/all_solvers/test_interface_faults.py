@@ -35,7 +35,7 @@ FAULTS = table("reference", "validation.reference.path", [
     (SPEED, "trial:Trial.speed", times(2.0), RATED),
     (f"{SPEED}, steadily", "trial:Trial.speed", times(2.0), STEADY_RATE),
     (TAKEN, "energies:_taken_up", times(1.1), RATED),
-    ("zone a tenth too long", "cohesive_zone:zone_length", times(1.1), STRESS),
+    ("zone a tenth too long", "closure:zone_length", times(1.1), STRESS),
     (AT_REST, "trial:Trial.zone_at_stress", lambda true: lambda self, *given: self.zone_at_rest,
      STEADY_STRESS),
     (FORGOTTEN, "rheology:rheology", timed(1e-4), STEADY_RATE),

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from contact_scene import Scene, TabulatedProfile
 from contact_scene.errors import SceneError
 from contact_scene.scene import zone_too_long
-from validation.reference.path.closure import BASE, closure
-from validation.reference.path.cohesive_zone import LONGEST, zone_length
+from validation.reference.path.closure import BASE, LONGEST, closure, zone_length
 from validation.reference.path.fields import untouched
 from validation.reference.path.rheology import Body
 from validation.reference.path.root import bracketed, dip

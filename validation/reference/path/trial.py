@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import fields
-from validation.reference.path.closure import BASE, Closure, closure
-from validation.reference.path.cohesive_zone import zone_length
+from validation.reference.path.closure import BASE, Closure, closure, zone_length
 from validation.reference.path.memory import (
     COLLOCATION,
     PATH_AT_NODES,
