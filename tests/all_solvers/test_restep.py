@@ -36,7 +36,7 @@ from contact_scene import (
 from fem_solver.stepping import NodeReleaseRun
 from validation import solvers
 from validation.reference import path as reference
-from validation.reference.path.polynomials import DEGREE
+from validation.reference.path.numerics import DEGREE
 from validation.reference.path.tracker import Tracker
 
 TIMES = (0.0, 0.05, 0.35)  # of profiles: the start, within the approach, within the oscillation

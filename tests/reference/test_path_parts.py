@@ -11,9 +11,8 @@ from scipy.linalg import expm
 from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
 from validation.reference.path.closure import closure
 from validation.reference.path.memory import PATH_AT_NODES, Ramp, collocation
-from validation.reference.path.polynomials import inverse
+from validation.reference.path.numerics import bracketed, dip, inverse
 from validation.reference.path.rheology import rheology
-from validation.reference.path.root import bracketed, dip
 from validation.reference.path.solver import estimated_errors
 from validation.reference.sneddon import transform
 

@@ -38,7 +38,7 @@ FAULTS += table("fem", "fem_solver.following", [
     ("nodes passed 1 % too early", "path:EdgePolynomial.passed", times(0.99)),
 ])  # fmt: skip
 FAULTS += table("reference", "validation.reference.path", [
-    ("points passed 1 % too early", "polynomials:inverse", times(0.99)),
+    ("points passed 1 % too early", "numerics:inverse", times(0.99)),
     (ONE_LESS, "path:Rows.segment", takes(order=lambda order: order - 1)),
     ("parabolic path", "path:Rows.segment", takes(order=lambda _: 2)),
     ("straight path", "path:Rows.segment", takes(order=lambda _: 1)),

@@ -30,8 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.polynomials import gauss, powers
-from validation.reference.path.root import bracketed
+from validation.reference.path.numerics import bracketed, gauss, powers
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import events
-from validation.reference.path.polynomials import DEGREE
+from validation.reference.path.numerics import DEGREE
 from validation.reference.path.tracker import RESIDUAL, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.memory import COLLOCATION, FAST, through_nodes
-from validation.reference.path.polynomials import derivative, gauss, horner, powers
+from validation.reference.path.numerics import derivative, gauss, horner, powers
 from validation.reference.path.rheology import Body
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial

@@ -21,8 +21,8 @@ from contact_scene.errors import SceneError
 from contact_scene.scene import zone_too_long
 from validation.reference.path.closure import BASE, LONGEST, closure, zone_length
 from validation.reference.path.fields import untouched
+from validation.reference.path.numerics import bracketed, dip
 from validation.reference.path.rheology import Body
-from validation.reference.path.root import bracketed, dip
 from validation.reference.path.state import State
 
 Array = NDArray[np.float64]

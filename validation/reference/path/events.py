@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import kinks
-from validation.reference.path.root import bracketed
+from validation.reference.path.numerics import bracketed
 from validation.reference.path.tracker import FIRST_STEP, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.polynomials import derivative, gauss, horner, inverse, powers
+from validation.reference.path.numerics import derivative, gauss, horner, inverse, powers
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]

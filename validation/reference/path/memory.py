@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.polynomials import DEGREE, powers
+from validation.reference.path.numerics import DEGREE, powers
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.loading import Control
-from validation.reference.path.polynomials import DEGREE, ORDERS
+from validation.reference.path.numerics import DEGREE, ORDERS
 
 Array = NDArray[np.float64]
 

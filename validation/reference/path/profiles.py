@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Indenter, SurfaceProfile
-from validation.reference.path.polynomials import gauss, powers
+from validation.reference.path.numerics import gauss, powers
 from validation.reference.path.rheology import Body, total
 from validation.reference.path.state import State
 

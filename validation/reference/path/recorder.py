@@ -42,9 +42,8 @@ from validation.reference.path.energies import (
 )
 from validation.reference.path.equilibrium import Scales
 from validation.reference.path.memory import COLLOCATION
-from validation.reference.path.polynomials import derivative, horner, inverse, powers
+from validation.reference.path.numerics import bracketed, derivative, horner, inverse, powers
 from validation.reference.path.rheology import Body
-from validation.reference.path.root import bracketed
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
 

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from validation.reference.path import kinks
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import pressed_radius, start_state, touching_radius
+from validation.reference.path.numerics import DEGREE
 from validation.reference.path.path import Leg, Rows
-from validation.reference.path.polynomials import DEGREE
 from validation.reference.path.rheology import Body
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial

@@ -25,8 +25,8 @@ from validation.reference.path.memory import (
     Ramp,
     collocation,
 )
+from validation.reference.path.numerics import inverse, powers
 from validation.reference.path.path import Leg, Segment
-from validation.reference.path.polynomials import inverse, powers
 from validation.reference.path.rheology import Body, total
 from validation.reference.path.state import GRADING, State
 
