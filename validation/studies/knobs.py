@@ -139,7 +139,7 @@ class Zones:
     observed: ClassVar = ("pull_off_force", "loop_energy")
     notes: ClassVar = """\
 Errors: relative, against the reference at twice its default resolution with the same zone. Updates: of the
-history, in a step on average, as each solver counts them (the reference: points of the surface). Megabytes:
+history, in a step on average, as each solver counts them (the reference: radii tried). Megabytes:
 the most that the process of a run held, program and libraries included. Growth: exponent p of a fit by
 zone^-p over all zones of a solver; 0 where a shorter zone costs no more than its logarithm."""
 
