@@ -53,9 +53,8 @@ def test_what_is_no_scene_is_told():
 def test_an_exported_exam(tmp_path):
     cases = exam_cases("quick")
     listed = [one.name for one in cases]
-    assert {"cycle-v0.02", "adhesionless-force", SCENE} <= set(listed)
+    assert {"cycle-v0.02", "adhesionless-force", "bulk-punch", SCENE} <= set(listed)
     assert tags(load("cycle-v0.02").scene) == ("adhesive", "ramp", "sphere", "viscoelastic")
-    assert "bulk-punch" not in listed
     export_scenes(tmp_path, cases[:3])
     for one in cases[:3]:
         assert read_scene(tmp_path / one.name / "scene.toml") == one.scene
