@@ -17,7 +17,7 @@ from support.faults.path_order import FAULTS
 from bem_solver.bent_path import BentPath
 from fem_solver.following.path import EdgePolynomial
 from fem_solver.following.state import FollowingState
-from validation.reference.path import polynomials
+from validation.reference.path import numerics
 from validation.reference.path.path import Rows
 
 ORDER = {"bem": 4, "fem": 4, "reference": 5}
@@ -52,7 +52,7 @@ def by_the_path(h, radii):
     for n in range(EARLIER - 1, -1, -1):
         rows.append(h, h, float(edge(-n * h) - edge(-(n + 1) * h)), 0.0, 0.0)
     way = rows.segment(h, float(edge(h) - edge(0.0))).way
-    return polynomials.inverse(way, radii - float(edge(0.0)))
+    return numerics.inverse(way, radii - float(edge(0.0)))
 
 
 MOMENTS = {"bem": by_boundary_elements, "fem": by_finite_elements, "reference": by_the_path}
