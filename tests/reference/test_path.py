@@ -68,6 +68,8 @@ DRAWN = {
     "short-zones:114": (OutcomeKind.DETACHED, 9.5425067e-8, 0.2271324912, 1.8e-5, -5.16334464e-14),
     # a fold of which the place is lost in the noise of the closure
     "usual:604": (OutcomeKind.DETACHED, 8.201314858e-3, 233.7079552366, 0.2, 1.080082523e-4),
+    # a start between pressed and pulled edges of which both release much more than the work of adhesion
+    "instruments:664": (OutcomeKind.TRIGGER_NOT_REACHED, 0.0, 106.1974790, 2.287498098e-5, 8.014870924e-7),
     # a blunt indenter is let go in the rounding of its load
     "plain:606": (OutcomeKind.DETACHED, 0.0, 0.2, 1.088365502e-3, 0.0),
     # a closing edge with a rate law sets off

@@ -115,14 +115,17 @@ class Closure:
         return self.main * opened + (self.within[:, None] * before).sum(axis=0)
 
     def integral(self, product: float, stress: float, opening: float) -> float:
-        """``I`` of the product of both, and integrals of each: negative where they are those of pressing."""
+        """``I`` of the product of both; negative where they are those of pressing next to the edge.
+
+        There the form is not positive, so that it does not jump where an edge ceases to be pressed.
+        """
         value = product * (-1.0 / (math.pi**2 * self.zone))
         return -abs(value) if stress > 0.0 and opening < 0.0 else value
 
     def between(self, q: Array, d: Array) -> float:
         """``I`` of stresses and openings (m,)."""
         product = float(self.of_stresses(q[None])[0] @ d)
-        return self.integral(product, float(self.weight @ q), float(self.weight @ d))
+        return self.integral(product, float(q[-1]), float(d[0]))
 
 
 def closure(radius: float, zone: float, breaks: Array) -> Closure:

@@ -167,7 +167,11 @@ class Continuation(Tracker):
         arrival, steepness = found
         new = len(self.rows) == 1
         far = abs(arrival.rise - p) > 10.0 * plan.h * self.T
-        if (far and not new) or self.state.parameter + arrival.rise > self.leg.end * (1.0 + 1e-12):
+        left = self.leg.end - self.state.parameter
+        if new and arrival.rise > left:  # the leg ends before
+            plan.event, plan.z[1] = Kind.END, plan.z[1] * left / arrival.rise
+            return self._at_load(plan)
+        if far and not new or arrival.rise > left + 1e-12 * self.leg.end:
             return None
         error = self.mispredicted(plan, trial, arrival)
         rounding = self.noise / abs(steepness or math.inf) / self.T

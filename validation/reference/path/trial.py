@@ -139,7 +139,7 @@ class Trial:
         side = slice(count, None) if self.direction > 0.0 else slice(0, count)
         rows = np.vstack((np.ones(count), self._G[side] - self._G[count], self._begun[side].T))
         self._factors = form.of_openings(rows) if self.direction > 0.0 else form.of_stresses(rows)
-        self._sums = rows @ form.weight
+        self._beside = rows[:, 0 if self.direction > 0.0 else -1]  # the point next to the edge
 
     def _lay(self, behind: Array, ahead: Array) -> None:
         """Points behind and ahead of the end, and of the sweep; those that change sides are on one side."""
@@ -254,8 +254,8 @@ class Trial:
             changed = total(passing.end[: len(self._changing)])
             changed += (rheology.relaxed if covers else -1.0) * strain[self._changing]
             field[self._changing - (0 if covers else count)] = changed
-        sums = float(still @ self._sums), float(form.weight @ field)
-        return form.integral(float(still @ (self._factors @ field)), *(sums[::-1] if covers else sums))
+        beside = float(still @ self._beside), float(field[-1 if covers else 0])
+        return form.integral(float(still @ (self._factors @ field)), *(beside[::-1] if covers else beside))
 
     def stress(self, G: Array, begun: Array, motion: Motion) -> Array:
         """``q`` at the end at points that stay in contact."""
