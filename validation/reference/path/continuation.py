@@ -171,7 +171,7 @@ class Continuation(Tracker):
         if new and arrival.rise > left:  # the leg ends before
             plan.event, plan.z[1] = Kind.END, plan.z[1] * left / arrival.rise
             return self._at_load(plan)
-        if far and not new or arrival.rise > left + 1e-12 * self.leg.end:
+        if (far and not new) or arrival.rise > left + 1e-12 * self.leg.end:
             return None
         error = self.mispredicted(plan, trial, arrival)
         rounding = self.noise / abs(steepness or math.inf) / self.T
