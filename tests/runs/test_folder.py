@@ -93,6 +93,8 @@ def test_from_python_there_is_no_fresh(tmp_path, monkeypatch):
         cc.fit(hertz_curve(), elastic_scene(), ["material.modulus"], out=out)
     with pytest.raises(SceneError, match=r"^out: .* it holds report\.json; allowed: another folder$"):
         cc.sweep(small_scene(tmp_path), {"material.modulus": [0.7]}, out=out)
+    with pytest.raises(SceneError, match=r"^folder: .* it holds report\.json; allowed: another folder$"):
+        cc.export_exam(out)
     assert [file.name for file in out.iterdir()] == ["report.json"]
 
 
