@@ -53,8 +53,8 @@ class FiniteElements(Solver):
     Parameters
     ----------
     grading, domain_ratio : float, optional
-        Growth of the element size with the distance from the edge, by default ``GRADING`` over the root of the
-        elements a zone, and domain radius over the largest contact radius, by default the mesh's own.
+        Growth of the element size with the distance from the edge, by default ``GRADING`` over the root of
+        the elements a zone, and domain radius over the largest contact radius, by default the mesh's own.
     path : "auto", "condensed" or "quadrature"
         Where the history is carried: on the surface or at quadrature points.
     far_field : bool
