@@ -144,7 +144,7 @@ def test_contact_lost_early_or_never_made_is_a_residual():
     assert np.sqrt(np.mean(problem.residuals(problem.unknowns.start) ** 2)) < 2.0
     never = problem.residuals(np.array([0.5]) / problem.unknowns.found[0].scale)
     kept = problem.compared[0]
-    assert never[: kept.sum()] == pytest.approx((-curve.force / problem.models[0].features.noise)[kept])
+    assert never[: kept.sum()] == pytest.approx((-curve.force / problem.models[0].moments.noise)[kept])
 
 
 def test_rows_in_contact_for_one_side_only_are_masked_and_the_moment_of_the_loss_leads():

@@ -133,16 +133,13 @@ def _prepared(
     """The problem to be solved, and warnings about the curves."""
     shortened = [curve.means(MOST_ROWS) for curve in curves]
     models = [CurveModel.of(curve, scene, settings.within or 0.0) for curve, _ in shortened]
-    for model in models:
-        data_checks.require_contact(model)
     found = unknowns(models, scene, settings)
     names = [one.name for one in found.found]
     for name in settings.profile:
         if name not in (*names, "all"):
             raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(names)}")
     warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
-    warnings += [text for model in models for text in data_checks.check(model, found)]
-    warnings += [text for curve in curves for text in data_checks.of_spring(curve, scene, found)]
+    warnings += [text for model in models for text in data_checks.check(model, scene, found)]
     return FitProblem(models, found, settings, executor, store or Store()), warnings
 
 
@@ -330,9 +327,9 @@ class Search:
         change = by_other.residuals - point.residuals
         differences = []
         for index, (model, rows) in enumerate(zip(problem.models, problem.force_rows, strict=True)):
-            own = change[rows] * model.allowed / model.features.noise
+            own = change[rows] * model.allowed / model.moments.noise
             rms = float(np.sqrt(np.mean(own**2)))
-            size = float(np.sqrt(np.mean(model.curve.force**2))) / model.features.noise
+            size = float(np.sqrt(np.mean(model.curve.force**2))) / model.moments.noise
             failure = by_other.predictions[index].failure
             largest = float(np.abs(own).max())
             differences.append(SolverDifference(model.curve.name, rms, largest, rms / size, failure))

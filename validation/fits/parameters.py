@@ -308,7 +308,7 @@ def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
 
 def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
     """Contact point or time offset of a curve, with its first guess from the record."""
-    curve, seen = model.curve, model.features
+    curve, seen = model.curve, model.moments
     name = f"{kind}@{curve.name}"
     if kind == TIME_OFFSET:
         duration = float(np.ptp(curve.time))
