@@ -215,29 +215,18 @@ class Search:
 
     def _followed(self, x: Array, evaluations: int, held: int | None = None, counts: bool = True) -> Any:
         """Least squares from a point, of all parameters but one that is held."""
-        problem, names = self.problem, [f"x{place}" for place in range(len(x))]
-        parameters = problem.unknowns.at(x)
-        if held is not None:
-            parameters[names[held]].set(vary=False)
-        varied = [place for place, name in enumerate(names) if parameters[name].vary]
-
-        def point(values: Any) -> Array:
-            return np.array([values[name].value for name in names])
-
+        problem, box = self.problem, self.problem.unknowns.box(x, held)
+        varied = [place for place, one in enumerate(box.values()) if one.vary]
         self._of_start = np.inf
-        try:
-            minimizer = lmfit().Minimizer(lambda values: self.residuals(point(values)), parameters)
-            found = minimizer.least_squares(
-                max_nfev=evaluations,
-                Dfun=lambda values: problem.jacobian(point(values))[:, varied],
-                x_scale="jac",
-                ftol=SETTLED / problem.size,
-                xtol=1e-6,
-                gtol=None,
-            )
-        finally:
-            if held is not None:
-                parameters[names[held]].set(vary=True)
+        minimizer = lmfit().Minimizer(lambda values: self.residuals(_point(values)), box)
+        found = minimizer.least_squares(
+            max_nfev=evaluations,
+            Dfun=lambda values: problem.jacobian(_point(values))[:, varied],
+            x_scale="jac",
+            ftol=SETTLED / problem.size,
+            xtol=1e-6,
+            gtol=None,
+        )
         if counts and held is None:
             self.starts.append(self._of_start)
         return found
@@ -296,7 +285,7 @@ class Search:
                 self._stage = f"profile of {one.name} at {one.value(x[place]):.4g}"
                 if len(x) > 1:
                     found = self._followed(x, PROFILING, held=place)
-                    x = np.array([found.params[f"x{at}"].value for at in range(len(x))])
+                    x = _point(found.params)
                 increase = (self._weighed(point, x) - least) / result.goodness.variance
                 points[float(x[place])] = max(increase, 0.0)
                 if x[place] in (low, high):
@@ -342,6 +331,11 @@ class Search:
             names = [one.name for one in problem.unknowns.found]
             shifts = dict(zip(names, moved.tolist(), strict=True))
         return SecondSolver(solver, None, tuple(differences), shifts)
+
+
+def _point(values: Any) -> Array:
+    """The numbers of the search that parameters of lmfit are."""
+    return np.array(list(values.valuesdict().values()))
 
 
 def _crossing(at: Array, increase: Array) -> float | None:

@@ -49,9 +49,9 @@ class Jump:
 class Moments:
     """What a record shows of itself.
 
-    ``first``, ``last``: the first row in contact, and the row after the last, the number of rows if contact is
-    not seen to end; equal if there is no contact. ``background``: the force without contact, of every row.
-    ``noise_degrees``: degrees of freedom from which the noise is known, infinite if it was stated.
+    ``first``, ``last``: the first row in contact, and the row after the last, the number of rows if contact
+    is not seen to end. ``background``: the force without contact, of every row. ``noise_degrees``: degrees
+    of freedom from which the noise is known, infinite if it was stated.
     """
 
     noise: float
