@@ -167,12 +167,13 @@ class Scan:
             found, left = _least_squares(
                 [*columns, *self._waves()], self.force, 1.0 / (1.0 + slope / self.spring)
             )
-            background, stiffness, cost = found[0] + found[1] * along, max(float(found[2]), 0.0), left @ left
+            background, stiffness = found[0] + found[1] * along, max(float(found[2]), 0.0)
+            cost = float(left @ left)
             if abs(cost - before) <= SETTLED * cost:
                 break
             before = cost
         found[2] /= span**EXPONENT
-        return Placed(float(cost), found, span * depth)
+        return Placed(cost, found, span * depth)
 
     def _without_contact(self) -> float:
         along = (self.stage - self.stage[0]) / np.ptp(self.stage)
