@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -62,7 +63,8 @@ def _check_columns(model: CurveModel, column: str) -> None:
     """Whether force and motion are of the order of the scene's contact, or of each other's: a drive moves
     in straight lines, which what a contact makes of them does not."""
     curve = model.curve
-    other = replace(curve, **{column: curve.force}, force=curve.position, noise=None)
+    exchanged: dict[str, Any] = {column: curve.force, "force": curve.position}
+    other = replace(curve, **exchanged, noise=None)
     as_stated, swapped = (_over_expected(model.scene, one) for one in (curve, other))
     off, off_swapped = (max(factor, 1.0 / factor) for factor in (as_stated, swapped))
     compared = f"{as_stated:.2g} times the force of the scene's contact, {swapped:.2g} times if they are"
@@ -92,8 +94,8 @@ def _check_signs(model: CurveModel, column: str) -> None:
         if together < OPPOSED:
             problem = f"falls where {column} rises (correlation {together:.2f}): one has the wrong sign"
             raise SceneError("force", problem, "both positive towards the body", curve.name)
-    turned = replace(curve, **{column: -curve.position}, force=-curve.force, segments=())
-    if not seen.has_free_rows and moments(turned).has_free_rows:
+    turned: dict[str, Any] = {column: -curve.position, "force": -curve.force}
+    if not seen.has_free_rows and moments(replace(curve, **turned, segments=())).has_free_rows:
         problem = "contact is where it is smallest: the wrong sign"
         raise SceneError(column, problem, "positions positive towards the body", curve.name)
 

@@ -101,7 +101,8 @@ def sampled(time: Array, value: Array, corners: Array, at: Array) -> Array:
 
 @dataclass(frozen=True)
 class CurvePrediction:
-    """A run at the rows of a curve, shape (N,) each, and when contact begins and is lost in its time."""
+    """A run at the rows of a curve, shape (N,) each, and when contact begins and is lost in its time; the
+    contact radius where it was measured, else 0."""
 
     force: Array
     contact_radius: Array
@@ -202,7 +203,9 @@ class CurveModel:
         inside = np.clip(at, 0.0, run.time[-1])
         corners = corners_of(self.knots, self.heights) - begin
         force = np.where(touching, sampled(run.time, run.force, corners, inside), 0.0)
-        radius = np.where(touching, sampled(run.time, run.contact_radius, corners, inside), 0.0)
+        radius = nothing
+        if self.curve.contact_radius is not None:
+            radius = np.where(touching, sampled(run.time, run.contact_radius, corners, inside), 0.0)
         lost = None if run.lost is None else begin + run.lost + time_offset
         return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
 

@@ -190,7 +190,8 @@ class Coordinate(Checked):
         if spaced is None:
             return ()
         space = np.linspace if self.geomspace is None else np.geomspace
-        return tuple(self._row(value) for value in space(*spaced[:2], self.count).tolist())
+        first, last, _ = spaced
+        return tuple(self._row(value) for value in space(first, last, self.count).tolist())
 
     @property
     def logarithmic(self) -> bool:
