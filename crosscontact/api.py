@@ -175,9 +175,10 @@ class SolverComparison:
     def plot(self, axes: Sequence[Axes] | None = None) -> tuple[Axes, ...]:
         """All results laid over each other, as :meth:`Result.plot`."""
         with_stage = any(run_figures.has_stage(result.trace) for result in self.results.values())
+        count = len(run_figures.side_by_side(with_stage))
         if axes is None:
-            axes = run_figures.new_figure(with_stage).axes
-        panels = run_figures.checked_axes(axes, with_stage)
+            axes = run_figures.new_figure(count).axes
+        panels = run_figures.checked_axes(axes, count)
         for result in sorted(self.results.values(), key=lambda result: result.solver != arguments.REFERENCE):
             result.plot(panels)
         return panels

@@ -10,7 +10,7 @@ from validation.exam.answer import read_folder
 from validation.exam.judge import Judgement, judge_folder, write
 from validation.exam.own_answers import export_reference, reference_runs
 from validation.exam.question import exam_cases, export_scenes
-from validation.runs.folder import output_folder
+from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
 from validation.scenes import SUITES
 
@@ -37,6 +37,7 @@ def export_exam(
     true_or_false(with_reference, "with_reference")
     target = output_folder(checked_path(folder), "folder")
     cases = exam_cases(one_of(suite, "suite", SUITES))
+    claim(target, "an exam", {}, "folder")
     export_scenes(target, cases)
     if with_reference:
         export_reference(target, cases, reference_runs(cases))

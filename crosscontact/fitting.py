@@ -27,6 +27,7 @@ from validation.fits.instruments import KNOWN, write_afm
 from validation.fits.page import lead, statements, table, write_fit
 from validation.fits.parameters import REGULARISATION, FitSettings, question
 from validation.fits.readers import choose, given_of, read_file
+from validation.fits.reading import Given
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic
@@ -400,8 +401,9 @@ def read_curve(
     return curves[0]
 
 
-def read_given(path: str, options: Namespace) -> list[MeasuredCurve]:
-    """The curves of a file, as the options of a command read it."""
+def read_given(path: str, options: Namespace, si: bool) -> list[MeasuredCurve]:
+    """The curves of a file, as the options of a command read it: in SI units at least where they state
+    something in these."""
     file = checked_path(path, "path")
     stated = (
         options.spring_constant,
@@ -410,7 +412,8 @@ def read_given(path: str, options: Namespace) -> list[MeasuredCurve]:
         options.speed,
         options.columns,
     )
-    return choose(read_file(file, given_of(*stated), si=True), options.enum, options.segment, file)
+    given = given_of(*stated)
+    return choose(read_file(file, given, si or given != Given()), options.enum, options.segment, file)
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import base64
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from contact_scene import Outcome, Scene
-from contact_scene.value_checks import of_class
+from contact_scene import Outcome, Scene, Units
+from contact_scene.value_checks import of_class, true_or_false
 from crosscontact.arguments import checked_path
 from validation.drawing import run_figures
 from validation.drawing.export import png
@@ -168,15 +168,27 @@ class Result:
             "reason": self.outcome.reason,
         }
 
-    def plot(self, axes: Sequence[Axes] | None = None, **line: Any) -> tuple[Axes, ...]:
+    def plot(
+        self,
+        axes: Axes | Sequence[Axes] | None = None,
+        *,
+        quantity: str | None = None,
+        units: bool = False,
+        **line: Any,
+    ) -> tuple[Axes, ...]:
         """Draw force against penetration and contact radius against force; the pull-off is marked.
 
         On a spring force against stage stands between them, and every instability is marked.
 
         Parameters
         ----------
-        axes : two Axes, on a spring two or three, optional
+        axes : two Axes, on a spring two or three, of a quantity one, optional
             Where to draw, e.g. what another result's ``plot`` returned; by default a new figure.
+        quantity : str, optional
+            Only this panel: ``"F(t)"``, ``"F(D)"``, ``"a(F)"``, or any other two of force ``F``, penetration
+            ``D``, contact radius ``a``, time ``t`` and, on a spring, stage ``X``.
+        units : bool
+            In units of the scene, of a sphere too, whether the scene names them or not.
         **line
             Line properties of Matplotlib, e.g. ``color``; ``label`` is by default the solver's name, behind
             the scene's where the axes hold another run of that solver.
@@ -188,17 +200,22 @@ class Result:
             units of the scene.
         """
         with_stage = run_figures.has_stage(self.trace)
+        pairs = run_figures.drawn_pairs(quantity, with_stage)
+        scene = self.scene
+        if true_or_false(units, "units") and scene.units is None:
+            scene = replace(scene, units=Units())
         if axes is None:
-            axes = run_figures.new_figure(with_stage).axes
-        panels = run_figures.checked_axes(axes, with_stage)
+            axes = run_figures.new_figure(len(pairs)).axes
+        panels = run_figures.checked_axes(axes, len(pairs))
         label = run_figures.free_label(panels[0], self.solver, self.name)
         style = {"label": label} | curve_style(self.solver) | line
-        run_figures.draw_side_by_side(panels, self.trace, self.scene, style)
+        run_figures.draw_side_by_side(panels, self.trace, scene, style, pairs)
         return panels
 
     def figure(self) -> Figure:
         """The panels of :meth:`plot` as a figure that no window shows, to be saved."""
-        figure = run_figures.new_figure(run_figures.has_stage(self.trace), shown=False)
+        pairs = run_figures.side_by_side(run_figures.has_stage(self.trace))
+        figure = run_figures.new_figure(len(pairs), shown=False)
         self.plot(figure.axes, **INK)
         return figure
 

@@ -31,7 +31,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     number(options.poisson, "--poisson", "from -1 to 0.5", low=-1.0, high=0.5)
     folder = None if options.out is None else output_folder(options.out)
     try:
-        curves = [curve for file in options.files for curve in read_given(file, options)]
+        curves = [curve for file in options.files for curve in read_given(file, options, si=True)]
     except ImportError as error:
         raise SceneError("", str(error), "a table of text, or the package") from None
     told = [(curve, curve.features(options.radius, options.poisson)) for curve in curves]

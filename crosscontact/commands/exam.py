@@ -20,7 +20,7 @@ from validation.exam.own_answers import (
 )
 from validation.exam.question import exam_cases, export_scenes, listed_cases
 from validation.report.document import counted
-from validation.runs.folder import output_folder
+from validation.runs.folder import claim, output_folder
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
 from validation.scenes import SUITES
@@ -73,6 +73,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
 def _export(options: argparse.Namespace, jobs: int) -> int:
     """Write the scenes of a suite; 1 if the reference has no answer to one."""
     target, cases = output_folder(options.folder, "DIR"), exam_cases(options.suite)
+    claim(target, "an exam", {}, "DIR")
     export_scenes(target, cases)
     failures = []
     if options.with_reference:

@@ -11,7 +11,7 @@ from crosscontact import arguments
 from crosscontact.arguments import COUNT, option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import say, value
-from crosscontact.fitting import Fit, each_and_write, fit_and_write, read_curves
+from crosscontact.fitting import Fit, each_and_write, fit_and_write, read_given
 from validation import cases
 from validation.fits.each import EachFit, each_table
 from validation.fits.parameters import FitSettings
@@ -51,9 +51,10 @@ SETTINGS: shared.Options = {
 }
 """Options that are settings of a fit as they are."""
 OPTIONS = {
-    "data": value("DATA", "CSV files, or files that afmformats reads", nargs="+"),
+    "data": value("DATA", "files of instruments, tables of text, archives of these", nargs="+"),
     "scene": value("SCENE", "the first guess: a TOML file or a built-in name"),
     **SETTINGS,
+    **shared.READING,
     "--regularisation": value("X", "weight of the bending of these moduli; default: 0.1", type=float),
     **shared.solver("default: the reference"),
     "--check-solver": value("NAME", "or none; default: bem, with --each none"),
@@ -70,9 +71,9 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     settings = _settings(options)
     scene = cases.load(options.scene).scene
     try:
-        curves = [curve for file in options.data for curve in read_curves(file)]
+        curves = [curve for file in options.data for curve in read_given(file, options, si=False)]
     except ImportError as error:
-        raise SceneError("", str(error), "a CSV file, or the extra") from None
+        raise SceneError("", str(error), "a table of text, or the package") from None
     folder = None if options.out is None else output_folder(options.out)
     asked = curves, scene, settings, folder
     try:

@@ -47,6 +47,14 @@ class NodePassage:
     received: float = 0.0
     beyond: VariablesOfParts | None = None
 
+    def towards(self, other: NodePassage, share: float) -> NodePassage:
+        """The passage at a share of the way in penetration to another one's, of which all is linear."""
+        v, b, held = (
+            one + share * (there - one)
+            for one, there in ((self.v, other.v), (self.b, other.b), (self.held, other.held))
+        )
+        return NodePassage(self.solid, v, b, held, self.accounts)
+
     def linear(self, dt: Array, reached: Array) -> None:
         """``v`` goes linearly to ``reached``."""
         after = self.solid.linear(self.v, self.b, dt, reached)

@@ -78,9 +78,12 @@ class FollowingProblem:
         self.placement, self.solid, self.state = placement, solid, state
         self.geometry, self.dt, self.control, self.value = placement.geometry, dt, control, value
         self.compliance = compliance
-        self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0
+        self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0 or not solid.modulus.times.size
         self.evaluations = 0
-        self._arrival: tuple[float, Array, Array] | None = None  # that asked for last
+        self._passage: tuple[float, float, NodePassage] | None = (
+            None  # and penetration, of the edge asked for last
+        )
+        self._arrival: tuple[float, Array, Array] | None = None
         self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
         step = solid.modulus.increment(dt)
         self.modulus, start = step.modulus, -placement.profile - state.components
@@ -110,14 +113,29 @@ class FollowingProblem:
         if s < 0.0:  # no contact yet: the penetration at which the indenter first touches
             free = self.placement.displacement(self._free)
             return float((self.placement.height + free)[self.placement.radii <= self.placement.rim].min())
+        return self._in_equilibrium(s)[0]
+
+    def _in_equilibrium(self, s: float) -> tuple[float, NodePassage]:
+        """Penetration, and the nodes that are in motion, with the edge at ``s`` >= 0."""
+        if self._passage is None or self._passage[0] != s:
+            self._passage = s, *self._found(s)
+        return self._passage[1:]
+
+    def _found(self, s: float) -> tuple[float, NodePassage]:
+        pass_at = self._passages(s)
+        if self.control == "penetration":
+            return self.value, pass_at(self.value, False)
         first = self.state.penetration
         change = max(float(self.placement.height[int(s) + 1]), _LEAST_CHANGE * abs(first))
         second = first + (change or self.placement.scale)
-        low, high = self._force_at(s, first), self._force_at(s, second)
+        one, other = pass_at(first, False), pass_at(second, False)
+        low, high = self._force_of(s, first, one), self._force_of(s, second, other)
         stiffness = (high - low) / (second - first)  # the force is linear in the penetration
         if self.control == "stage":  # X = D + F/k
-            return first + (self.value - first - self.compliance * low) / (1.0 + self.compliance * stiffness)
-        return first + (self.value - low) / stiffness
+            rise = (self.value - first - self.compliance * low) / (1.0 + self.compliance * stiffness)
+        else:
+            rise = (self.value - low) / stiffness
+        return first + rise, one.towards(other, rise / (second - first))
 
     def force(self, s: float) -> float:
         """Total force."""
@@ -138,11 +156,8 @@ class FollowingProblem:
         unit = self.placement.unit[: m + 1]
         return float(self.solid.force(v[m : m + 1], b[:, m : m + 1])[0] / unit[m] * (unit @ unit))
 
-    def _force_at(self, s: float, penetration: float) -> float:
-        if s < 0.0:
-            return 0.0
-        low, high = self._changing(s)
-        passage = self._passed(s, penetration, low, high, False)
+    def _force_of(self, s: float, penetration: float, passage: NodePassage) -> float:
+        low = self._changing(s)[0]
         top = int(np.floor(s)) + 1
         loaded = self.solid.force(passage.v, passage.b)[: top + 1 - low]
         total = float(self.placement.unit[low : top + 1] @ loaded)
@@ -154,32 +169,39 @@ class FollowingProblem:
         edges = sorted((max(self.state.edge, -1.0), s))
         return int(np.floor(edges[0])) + 1, min(int(np.floor(edges[1])) + 2, len(self.placement.unit))
 
-    def _passed(self, s: float, penetration: float, low: int, high: int, accounts: bool) -> NodePassage:
-        """Nodes ``low..high-1`` at the end of the step with the edge at ``s``."""
+    def _passages(self, s: float) -> Callable[[float, bool], NodePassage]:
+        """The nodes in motion at the end of the step with the edge at ``s``, for a penetration there; with
+        energies if they are asked for."""
         here, state = self.placement, self.state
+        low, high = self._changing(s)
         nodes, index = slice(low, high), np.arange(low, high)
         unit, profile = here.unit[nodes], here.profile[nodes]
         start = state.components[nodes], state.branches[:, nodes], state.held
-        passage = NodePassage(self.solid, *start, accounts)
         share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
-        if self.at_once:
-            released = self._released_in_part(low, high)
-            passage.at_once(self.dt, share, penetration * unit - profile, self._free[nodes], released)
+        released = self._released_in_part(low, high)
+        opens, at = False, np.zeros(0)
+        if not self.at_once:
+            path = self._path(s)
+            ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
+            opens, at = path.opens, path.passed(ends)
+        partly, before = int(np.floor(state.edge)) + 1 - low, state.edge - np.floor(state.edge)
+
+        def passed(penetration: float, accounts: bool) -> NodePassage:
+            passage, change = NodePassage(self.solid, *start, accounts), penetration - state.penetration
+
+            def imposed(theta: Array) -> Array:
+                return (state.penetration + theta * change) * unit - profile
+
+            if self.at_once:
+                ends = penetration * unit - profile, self._free[nodes]
+                passage.at_once(self.dt, share, *ends, released)
+            elif opens:
+                passage.release(self.dt, share[0], at[1:], at[:-1], imposed, partly, before)
+            else:
+                passage.cover(self.dt, share, at[:-1], at[1:], imposed, before)
             return passage
-        path = self._path(s)
-        ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
-        at, change = path.passed(ends), penetration - state.penetration
 
-        def imposed(theta: Array) -> Array:
-            return (state.penetration + theta * change) * unit - profile
-
-        before = state.edge - np.floor(state.edge)
-        if path.opens:
-            partly = int(np.floor(state.edge)) + 1 - low
-            passage.release(self.dt, share[0], at[1:], at[:-1], imposed, partly, before)
-        else:
-            passage.cover(self.dt, share, at[:-1], at[1:], imposed, before)
-        return passage
+        return passed
 
     def _path(self, s: float) -> EdgePolynomial:
         """Path of the edge over the step."""
@@ -207,7 +229,10 @@ class FollowingProblem:
     def _arrived(self, s: float, accounts: bool) -> tuple[Array, Array, NodePassage]:
         here, penetration = self.placement, self.penetration(s)
         low, high = self._changing(s)
-        passage = self._passed(s, penetration, low, high, accounts)
+        if accounts or s < 0.0:
+            passage = self._passages(s)(penetration, accounts)
+        else:
+            passage = self._in_equilibrium(s)[1]
         held = penetration * here.unit[:low] - here.profile[:low]
         within = self._base[:, :low] + self._gain * penetration * here.unit[:low]
         v = np.concatenate([held, passage.v, self._free[high:]])

@@ -154,6 +154,27 @@ def test_plot_draws_two_panels_and_marks_the_pull_off(result, axes_free):
     assert [text.get_text() for text in left.texts] == ["pull-off"]
 
 
+@pytest.mark.parametrize(
+    ("quantity", "across", "up"),
+    [("F(t)", "time", "force"), ("a(F)", "force", "contact_radius"), ("D(X)", "stage", "penetration")],
+)
+def test_one_quantity_in_units_of_the_scene(sprung, axes_free, quantity, across, up):
+    (panel,) = sprung.plot(quantity=quantity, units=True)
+    known = sprung.trace.columns()
+    for drawn, column in ((panel.lines[0].get_xdata(), across), (panel.lines[0].get_ydata(), up)):
+        assert np.array_equal(drawn, known[column][: drawn.size])
+    for label, column in ((panel.get_xlabel(), across), (panel.get_ylabel(), up)):
+        assert label.startswith(column.replace("_", " "))
+        assert label.endswith("(scene units)")
+    assert sprung.plot(panel, quantity=quantity) == (panel,)
+
+
+@pytest.mark.parametrize("quantity", ["F", "F(F)", "x(t)", "X(t)", 3])
+def test_a_quantity_that_there_is_not_is_told(result, quantity):
+    with pytest.raises(cc.SceneError, match=r"^quantity: .*; allowed: two of F, D, a, t, as F\(t\)"):
+        result.plot(quantity=quantity)
+
+
 def test_on_a_spring_the_stage_is_drawn_and_instabilities_are_marked(sprung, axes_free):
     figure = sprung.figure()
     left, middle, right = figure.axes

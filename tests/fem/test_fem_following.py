@@ -444,8 +444,10 @@ def test_penetration_under_a_force_near_the_axis_of_a_flat_profile(monkeypatch):
     problem = object.__new__(FollowingProblem)
     problem.control, problem.value = "force", 2.0
     problem.state = SimpleNamespace(penetration=1e-3)
-    problem.placement = SimpleNamespace(height=np.array([0.0, 1e-26, 1e-25, 1e-24]))
-    monkeypatch.setattr(FollowingProblem, "_force_at", lambda self, s, depth: 1.0 + 500.0 * depth)
+    problem.placement, problem._passage = SimpleNamespace(height=np.array([0.0, 1e-26, 1e-25, 1e-24])), None
+    nodes = SimpleNamespace(towards=lambda *_: None)
+    monkeypatch.setattr(FollowingProblem, "_passages", lambda self, s: lambda *_: nodes)
+    monkeypatch.setattr(FollowingProblem, "_force_of", lambda self, s, depth, _: 1.0 + 500.0 * depth)
     assert problem.penetration(2.0) == pytest.approx(2e-3, rel=1e-9)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +33,7 @@ def approached(modulus, contact, begin, end, rows, noise, spring=None, more=0.0,
     return cc.MeasuredCurve(time, force + scatter + more, stage=stage, stiffness=spring)
 
 
-@pytest.mark.parametrize("wave", [0.0, 1e-11, 2e-11, 4e-11, 8e-11])
+@pytest.mark.parametrize("wave", [0.0, 1e-11, 8e-11])
 def test_a_wave_on_the_baseline_moves_no_modulus(wave):
     more = wave * np.sin(2.0 * np.pi * np.linspace(-60e-6, -18e-6, 5000) / 9e-6) - 3e-10
     told = approached(5e3, -18.8e-6, -60e-6, -18e-6, 5000, 8e-12, more=more).features(RADIUS)
@@ -48,14 +49,14 @@ def test_a_short_contact_behind_a_long_approach():
     assert told.depth == pytest.approx(155e-9, abs=3e-9)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.01, 0.02, 0.10])
+@pytest.mark.parametrize("tilt", [0.0, 0.10])
 def test_a_tilt_in_position_biases_nothing(tilt):
     """Of 0 to 10 % of the largest force over the record; on a spring about as soft as the contact."""
     plain = approached(1.4742e4, 4.78e-6, 0.0, 5e-6, 2000, 0.0, spring=0.0435)
     more = tilt * plain.force.max() * plain.stage / np.ptp(plain.stage)
     moduli = [
         approached(1.4742e4, 4.78e-6, 0.0, 5e-6, 2000, 17e-12, 0.0435, more, seed).features(RADIUS).modulus
-        for seed in range(4)
+        for seed in range(3)
     ]
     assert np.mean(moduli) == pytest.approx(1.4742e4, rel=5e-3)
     assert np.std(moduli) < 0.01 * 1.4742e4
@@ -96,25 +97,31 @@ PUBLISHED = [  # file, radius, contact from the first row (um), its error, modul
 ]
 
 
+@cache
+def shown(file, *, radius=None, **stated):
+    """What a recorded curve shows, and its first position."""
+    curve = cc.read_curve(FILES / file, **stated)
+    return curve.features(radius), curve.stage[0]
+
+
 @recorded
 @pytest.mark.parametrize(("file", "radius", "contact", "near", "modulus", "share", "lost"), PUBLISHED)
 def test_what_recorded_curves_show(file, radius, contact, near, modulus, share, lost):
     """Of spot3 and Chiaro what their owners publish; the others by eye."""
-    curve = cc.read_curve(FILES / file)
-    told = curve.features(radius)
-    assert 1e6 * (told.contact - curve.stage[0]) == pytest.approx(contact, abs=near)
+    told, first = shown(file, radius=radius)
+    assert 1e6 * (told.contact - first) == pytest.approx(contact, abs=near)
     if modulus is not None:
         assert told.modulus == pytest.approx(modulus, rel=share)
     if lost is not None:
-        assert 1e6 * (told.lost - curve.stage[0]) == pytest.approx(lost, abs=0.02)
+        assert 1e6 * (told.lost - first) == pytest.approx(lost, abs=0.02)
 
 
 @recorded
 def test_the_radius_of_a_bead_is_that_of_its_drag_near_the_wall():
-    told = cc.read_curve(FILES / "force-save-example.jpk-force").features(18.64e-6)
+    told, _ = shown("force-save-example.jpk-force", radius=18.64e-6)
     assert told.background["wall/water"] == pytest.approx(1.0, abs=0.2)
     assert abs(told.pull_off) < 0.12e-9  # 0.19 nN with the drag
-    without = cc.read_curve(FILES / "force-save-example.jpk-force").features()
+    without, _ = shown("force-save-example.jpk-force")
     assert "wall" not in without.background
     assert any("--radius" in text for text in without.warnings)
 
@@ -135,12 +142,12 @@ def test_a_record_without_contact_shows_none():
             "the spring bends 38.6 um over a stage of 3.38",
         ),
         ("ntmdt-gel.txt", {"spring_constant": 0.1, "sensitivity": 1e-7, "speed": 1e-6}, "3.3e-17 N in all"),
-        ("chiaro.zip", {}, "contact is not lost in the record"),
-        ("brain.jpk-force", {}, "of the rows are free behind the loss"),
+        ("chiaro.zip", {"radius": 27.5e-6}, "contact is not lost in the record"),
+        ("brain.jpk-force", {"radius": None}, "of the rows are free behind the loss"),
     ],
 )
 def test_what_is_doubtful_is_told(file, stated, words):
-    assert any(words in text for text in cc.read_curve(FILES / file, **stated).features().warnings)
+    assert any(words in text for text in shown(file, **stated)[0].warnings)
 
 
 def test_both_signs_turned_are_told():

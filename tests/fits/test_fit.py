@@ -94,7 +94,7 @@ def background_of(curve):
 def test_a_background_is_found_beside_the_modulus_and_biases_it_without():
     """The whole of it is free of cost: as many parameters are searched as without."""
     inside = []
-    for seed in range(8):
+    for seed in range(5):
         curve = hertz_curve(noise=2e-4, seed=seed)
         parts, speed = background_of(curve)
         added = parts["baseline"] + parts["tilt"] * (curve.motion - curve.motion[0]) + parts["drag"] * speed
@@ -104,7 +104,7 @@ def test_a_background_is_found_beside_the_modulus_and_biases_it_without():
         truths = {"material.modulus": MODULUS} | {f"{name}@hertz": at for name, at in parts.items()}
         inside += [one.low <= truths[one.name] <= one.high for one in found.estimates]
     assert found.goodness.explained
-    assert sum(inside) >= len(inside) - 4  # 32 intervals of 95 %
+    assert sum(inside) >= len(inside) - 3  # 20 intervals of 95 %
     level = settings_of("material.modulus", free=("baseline",), starts=1)
     [modulus, _] = fit_curves([recorded], elastic_scene(GUESS), level).estimates
     assert modulus.low > MODULUS
@@ -144,7 +144,7 @@ def test_contact_lost_early_or_never_made_is_a_residual():
     assert np.sqrt(np.mean(problem.residuals(problem.unknowns.start) ** 2)) < 2.0
     never = problem.residuals(np.array([0.5]) / problem.unknowns.found[0].scale)
     kept = problem.compared[0]
-    assert never[: kept.sum()] == pytest.approx((-curve.force / problem.models[0].features.noise)[kept])
+    assert never[: kept.sum()] == pytest.approx((-curve.force / problem.models[0].moments.noise)[kept])
 
 
 def test_rows_in_contact_for_one_side_only_are_masked_and_the_moment_of_the_loss_leads():

@@ -21,8 +21,8 @@ from contact_scene import (
     Sphere,
 )
 from contact_scene.scene import with_values
-from validation.fits.baseline import features
 from validation.fits.fit import fit_curves
+from validation.fits.moments import moments
 from validation.fits.parameters import FitSettings
 from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
@@ -60,8 +60,8 @@ def test_an_elastic_jkr_fit_agrees_with_the_closed_form_to_1e_4():
     force = exact + 1e-2 * -exact.min() * np.random.default_rng(0).standard_normal(time.size)
     curve = MeasuredCurve(time, force, motion)
 
-    seen = features(curve)
-    rows = seen.compared(time.size) & contact
+    seen = moments(curve)
+    rows = seen.compared & contact
     assert seen.pull_off is not None
 
     def residuals(x):
@@ -115,7 +115,7 @@ def ting_force(time, rate, peak, relaxed, branch, relaxation, steps=4000):
 def test_an_adhesionless_fit_agrees_with_a_ting_model_fit():
     truth = Scene(Material(1.0, 0.5, (Branch(4.0, 0.5),)), Sphere(1.0), LOADING)
     curve = synthetic(truth, 0.01, sampling=0.02)
-    seen = features(curve)
+    seen = moments(curve)
     first = int(np.argmax(curve.motion > 0.0))
     start = curve.time[first] - curve.motion[first] / 0.03
     first_guess = np.array([1.2, 3.0, 0.7])

@@ -55,6 +55,21 @@ def test_bad_arguments_are_one_line_and_exit_2(arguments, words, tmp_path, capsy
     assert said.startswith("crosscontact: error:")
 
 
+def test_a_file_is_read_with_the_options_of_the_reader(tmp_path, capsys):
+    """Columns that nothing names, of millimetres and millinewtons."""
+    curve = hertz_curve(noise=2e-4)
+    rows = zip(1e3 * curve.force, 1e3 * curve.motion, curve.time, strict=True)
+    (tmp_path / "a.txt").write_text("\n".join(",".join(map(repr, map(float, row))) for row in rows))
+    write_scene(elastic_scene(GUESS), tmp_path / "scene.toml")
+    asked = ["fit", str(tmp_path / "a.txt"), str(tmp_path / "scene.toml"), "--solver", "closed-form"]
+    asked += ["--vary", "material.modulus", "--check-solver", "none", "--jobs", "1"]
+    columns = "time=3,penetration=2:1e-3,force=1:1e-3"
+    assert main([*asked, "--columns", columns]) == 0
+    assert "material.modulus" in capsys.readouterr().out
+    assert main([*asked, "--columns", columns, "--segment", "pause"]) == 2
+    assert "has no pause" in capsys.readouterr().err
+
+
 def test_a_record_without_contact_is_told_before_the_ranges_of_what_is_free(tmp_path):
     """A baseline between the least and the largest of forces that are all 0 has none."""
     curve, free = hertz_curve(), ["contact_point", "baseline"]

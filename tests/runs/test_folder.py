@@ -19,6 +19,7 @@ from crosscontact.cli import main
 from validation import cases, solvers
 from validation.runs import folder
 from validation.runs.folder import CLAIM, LOCK_FILE, claim, locked_folder
+from validation.runs.progress import Progress
 from validation.runs.run import Run, write_run
 
 CASE = cases.load("cycle-v0.1")
@@ -33,6 +34,8 @@ def command(request, tmp_path, monkeypatch):
     """Arguments of a command into ``tmp_path / "out"``, which ends where its work begins."""
 
     def work(*given, **more):
+        for progress in (one for one in given if isinstance(one, Progress)):
+            progress.close()
         raise WorkBegan
 
     monkeypatch.setattr(f"crosscontact.commands.{WORK[request.param]}", work)
@@ -93,6 +96,8 @@ def test_from_python_there_is_no_fresh(tmp_path, monkeypatch):
         cc.fit(hertz_curve(), elastic_scene(), ["material.modulus"], out=out)
     with pytest.raises(SceneError, match=r"^out: .* it holds report\.json; allowed: another folder$"):
         cc.sweep(small_scene(tmp_path), {"material.modulus": [0.7]}, out=out)
+    with pytest.raises(SceneError, match=r"^folder: .* it holds report\.json; allowed: another folder$"):
+        cc.export_exam(out)
     assert [file.name for file in out.iterdir()] == ["report.json"]
 
 

@@ -7,6 +7,7 @@ dimensionless quantities, unless the scene names its units, other shapes in unit
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import chain, count
@@ -26,7 +27,10 @@ if TYPE_CHECKING:
 WIDE = 3.0  # points; a wider line gets a larger mark at its largest tension
 SHORT = 6  # characters of a number; longer ones are fewer
 MANY = 6000  # points beyond which a line is drawn as pixels inside the SVG
-HEIGHT, WIDTHS = 3.4, {2: 8.4, 3: 12.0}  # inches of a figure with as many panels
+HEIGHT, WIDTHS = 3.4, {1: 4.6, 2: 8.4, 3: 12.0}  # inches of a figure with as many panels
+QUANTITIES = {"F": "force", "D": "penetration", "a": "contact_radius", "X": "stage", "t": "time"}
+"""Columns by the letters that name them in ``F(t)``."""
+Pairs = tuple[tuple[str, str], ...]
 INSTABILITY = "instability"  # what the legend says of the crosses
 
 
@@ -95,8 +99,20 @@ def _draw_run(axes: Axes, curve: RunCurves, across: str, up: str, line: dict[str
         axes.plot(*at, "o", markersize=size, color=line["color"], fillstyle="none")
 
 
-def side_by_side(with_stage: bool) -> tuple[tuple[str, str], ...]:
-    """Columns across and up of the panels that show a run; on a spring the loading drives the stage."""
+def drawn_pairs(quantity: Any, with_stage: bool) -> Pairs:
+    """Columns across and up of the panels that show a run: those of a quantity, as ``F(t)``, or the usual."""
+    if quantity is None:
+        return side_by_side(with_stage)
+    known = {letter: name for letter, name in QUANTITIES.items() if with_stage or name != "stage"}
+    for up, across in itertools.permutations(known, 2):
+        if quantity == f"{up}({across})":
+            return ((known[across], known[up]),)
+    allowed = f"two of {', '.join(known)}, as F(t), F(D), a(F)"
+    raise SceneError("quantity", f"got {shown_value(quantity)}", allowed)
+
+
+def side_by_side(with_stage: bool) -> Pairs:
+    """Columns across and up of the usual panels; on a spring the loading drives the stage."""
     stage = (("stage", "force"),) if with_stage else ()
     return ("penetration", "force"), *stage, ("force", "contact_radius")
 
@@ -112,9 +128,8 @@ def in_words(with_stage: bool) -> str:
     return f"{', '.join(first)} and {last}"
 
 
-def new_figure(with_stage: bool, *, shown: bool = True) -> Figure:
-    """A figure with the axes of these panels: one of pyplot, or one that no window shows."""
-    panels = len(side_by_side(with_stage))
+def new_figure(panels: int, *, shown: bool = True) -> Figure:
+    """A figure with as many axes side by side: one of pyplot, or one that no window shows."""
     if shown:
         from matplotlib.pyplot import figure as make
     else:
@@ -124,15 +139,16 @@ def new_figure(with_stage: bool, *, shown: bool = True) -> Figure:
     return figure
 
 
-def checked_axes(axes: Sequence[Axes], with_stage: bool) -> tuple[Axes, ...]:
-    """The panels of a figure of runs: two Axes of Matplotlib, on a spring two or three."""
+def checked_axes(axes: Any, panels: int) -> tuple[Axes, ...]:
+    """As many Axes of Matplotlib as there are panels; without the one of the stage, two will do for three."""
     several = isinstance(axes, Collection) and not isinstance(axes, str)
-    panels: list[Any] = list(axes) if several else [axes]
-    counts, said = ((2, 3), "two or three") if with_stage else ((2,), "two")
-    if len(panels) not in counts or not all(hasattr(panel, "annotate") for panel in panels):
-        allowed = f"{said} Axes, as pyplot.subplots(1, {counts[-1]}) gives them"
+    given: list[Any] = list(axes) if several else [axes]
+    said = {1: "one", 2: "two", 3: "two or three"}[panels]
+    enough = len(given) == panels or (len(given), panels) == (2, 3)
+    if not enough or not all(hasattr(one, "annotate") for one in given):
+        allowed = f"{said} Axes, as pyplot.subplots(1, {panels}) gives them"
         raise SceneError("axes", f"got {shown_value(axes)}", allowed)
-    return tuple(panels)
+    return tuple(given)
 
 
 def free_label(panel: Axes, solver: str, scene: str) -> str:
@@ -142,13 +158,16 @@ def free_label(panel: Axes, solver: str, scene: str) -> str:
     return next(label for label in chain((solver,), longer) if label not in taken)
 
 
-def draw_side_by_side(axes: Sequence[Axes], trace: Trace, scene: Scene, line: dict[str, Any]) -> None:
+def draw_side_by_side(
+    axes: Sequence[Axes], trace: Trace, scene: Scene, line: dict[str, Any], pairs: Pairs
+) -> None:
     """Draw a run; the pull-off is marked by a circle, on a spring every instability by a cross.
 
     ``line`` has the line properties of Matplotlib, the label among them.
     """
     curve, names = of_trace(trace, scene), labels(scene)
-    for panel, (across, up) in zip(axes, side_by_side(len(axes) == 3), strict=True):
+    pairs = pairs if len(axes) == len(pairs) else side_by_side(False)
+    for panel, (across, up) in zip(axes, pairs, strict=True):
         _draw_run(panel, curve, across, up, line)
         pulled, known = curve.pull_off, any(text.get_text() == "pull-off" for text in panel.texts)
         if pulled is not None and pulled < len(curve.columns[up]) and not known:
@@ -173,11 +192,12 @@ def _mark_instabilities(panel: Axes, trace: Trace, scene: Scene, drawn: tuple[st
     for event in trace.events:
         stage = (event.penetration + scene.loading.compliance * event.force) / length
         at = {"penetration": event.penetration / length, "force": event.force / force, "stage": stage}
-        at["contact_radius"] = event.contact_radius / length
+        at |= {"contact_radius": event.contact_radius / length, "time": event.time}
         known = any(line.get_label() == INSTABILITY for line in panel.lines)
         label = "_nolegend_" if known else INSTABILITY
         panel.plot(at[across], at[up], "x", color=color, markersize=7, label=label)
         last = event is trace.events[-1] and event.time == trace.time[-1] and trace.contact_radius[-1] == 0.0
         if last and up == "force":  # the free indenter is where the stage is
-            jump = Line2D((at[across], stage), (at[up], 0.0), color=color, linestyle=":", linewidth=1.2)
+            ends = at[across], at[across] if across == "time" else stage
+            jump = Line2D(ends, (at[up], 0.0), color=color, linestyle=":", linewidth=1.2)
             panel.add_artist(jump)  # as far as the curves leave room: a soft spring goes far

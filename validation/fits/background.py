@@ -49,7 +49,7 @@ def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
     ``force``: over that of the approach at the same position.
     """
     count = stage.size
-    width, tail = max(3, count // 400), max(12, count // 20)
+    width, tail = max(3, count // 400), max(min(12, count // 4), count // 20)
     deepest = float(np.median(force[-max(10, count // 20) :]) - force.min())
     begin = count - tail
     for _ in range(EXTENSIONS):
@@ -77,9 +77,9 @@ def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
         tops = [int(run[np.argmax(rises[run])]) for run in runs]
         behind = {at: float(np.median(off[at + 5 : at + 5 + max(5, count // 200)])) for at in tops}
         free = [at for at in tops if behind[at] > LEFT * off[lowest]]
-        row = free[0] + 3 if free else row
+        row = free[0] + 1 + int(np.argmax(np.diff(off[free[0] : free[0] + 6]))) if free else row
         jump = float(rises[free[0]] if free else rises[high].max())
-    still = row > count - max(12, count // 50) and jump is None
+    still = row > count - max(min(12, count // 4), count // 50) and jump is None
     bent = abs(slope) * np.ptp(stage) > STEEP * max(deepest, 0.2 * float(np.ptp(force)))
     steep = bent and row > (1.0 - SHORT) * count
     return Loss(None if still or steep else row, jump)

@@ -29,8 +29,10 @@ EVEN, DENSE = 160, 60
 """Contact points tried: evenly over the travel, and ever closer towards its end, where contact may be
 short. Of them a quarter will do for each of the lengths of a drag, whose contact is near that without
 it."""
-REWEIGHTED = 4
-"""Repetitions with the weights and the line of the last: a spring as soft as the contact needs three."""
+REWEIGHTED, SETTLED = 4, 1e-6
+"""Repetitions with the weights and the line of the last, at most: a spring as soft as the contact needs
+three, a rigid one none. They end once the sum of squares changes by this share, of some thousand rows less
+than a hundredth of the variance of one."""
 SHRINKINGS = 24
 """Of five points about the best, each by 0.6: to 5e-6 of the gap between the points tried."""
 LEAST_GAIN, LEAST_HEIGHT, LEAST_ROWS = 40.0, 4.0, 5
@@ -153,7 +155,7 @@ class Scan:
         """Linear least squares with one contact point; a level tells the tip to begin with."""
         span = float(np.ptp(self.stage))
         along = (self.stage - self.stage[0]) / span
-        background, stiffness = np.full(along.size, level), 0.0
+        background, stiffness, before = np.full(along.size, level), 0.0, np.inf
         for _ in range(1 + REWEIGHTED):
             tip = self.stage - (self.force - background) / self.spring
             depth = np.maximum(tip - place, 0.0) / span
@@ -166,8 +168,12 @@ class Scan:
                 [*columns, *self._waves()], self.force, 1.0 / (1.0 + slope / self.spring)
             )
             background, stiffness = found[0] + found[1] * along, max(float(found[2]), 0.0)
+            cost = float(left @ left)
+            if abs(cost - before) <= SETTLED * cost:
+                break
+            before = cost
         found[2] /= span**EXPONENT
-        return Placed(float(left @ left), found, span * depth)
+        return Placed(cost, found, span * depth)
 
     def _without_contact(self) -> float:
         along = (self.stage - self.stage[0]) / np.ptp(self.stage)

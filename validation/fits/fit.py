@@ -133,16 +133,13 @@ def _prepared(
     """The problem to be solved, and warnings about the curves."""
     shortened = [curve.means(MOST_ROWS) for curve in curves]
     models = [CurveModel.of(curve, scene, settings.within or 0.0) for curve, _ in shortened]
-    for model in models:
-        data_checks.require_contact(model)
     found = unknowns(models, scene, settings)
     names = [one.name for one in found.found]
     for name in settings.profile:
         if name not in (*names, "all"):
             raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(names)}")
     warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
-    warnings += [text for model in models for text in data_checks.check(model, found)]
-    warnings += [text for curve in curves for text in data_checks.of_spring(curve, scene, found)]
+    warnings += [text for model in models for text in data_checks.check(model, scene, found)]
     return FitProblem(models, found, settings, executor, store or Store()), warnings
 
 
@@ -218,29 +215,18 @@ class Search:
 
     def _followed(self, x: Array, evaluations: int, held: int | None = None, counts: bool = True) -> Any:
         """Least squares from a point, of all parameters but one that is held."""
-        problem, names = self.problem, [f"x{place}" for place in range(len(x))]
-        parameters = problem.unknowns.at(x)
-        if held is not None:
-            parameters[names[held]].set(vary=False)
-        varied = [place for place, name in enumerate(names) if parameters[name].vary]
-
-        def point(values: Any) -> Array:
-            return np.array([values[name].value for name in names])
-
+        problem, box = self.problem, self.problem.unknowns.box(x, held)
+        varied = [place for place, one in enumerate(box.values()) if one.vary]
         self._of_start = np.inf
-        try:
-            minimizer = lmfit().Minimizer(lambda values: self.residuals(point(values)), parameters)
-            found = minimizer.least_squares(
-                max_nfev=evaluations,
-                Dfun=lambda values: problem.jacobian(point(values))[:, varied],
-                x_scale="jac",
-                ftol=SETTLED / problem.size,
-                xtol=1e-6,
-                gtol=None,
-            )
-        finally:
-            if held is not None:
-                parameters[names[held]].set(vary=True)
+        minimizer = lmfit().Minimizer(lambda values: self.residuals(_point(values)), box)
+        found = minimizer.least_squares(
+            max_nfev=evaluations,
+            Dfun=lambda values: problem.jacobian(_point(values))[:, varied],
+            x_scale="jac",
+            ftol=SETTLED / problem.size,
+            xtol=1e-6,
+            gtol=None,
+        )
         if counts and held is None:
             self.starts.append(self._of_start)
         return found
@@ -299,7 +285,7 @@ class Search:
                 self._stage = f"profile of {one.name} at {one.value(x[place]):.4g}"
                 if len(x) > 1:
                     found = self._followed(x, PROFILING, held=place)
-                    x = np.array([found.params[f"x{at}"].value for at in range(len(x))])
+                    x = _point(found.params)
                 increase = (self._weighed(point, x) - least) / result.goodness.variance
                 points[float(x[place])] = max(increase, 0.0)
                 if x[place] in (low, high):
@@ -330,9 +316,9 @@ class Search:
         change = by_other.residuals - point.residuals
         differences = []
         for index, (model, rows) in enumerate(zip(problem.models, problem.force_rows, strict=True)):
-            own = change[rows] * model.allowed / model.features.noise
+            own = change[rows] * model.allowed / model.moments.noise
             rms = float(np.sqrt(np.mean(own**2)))
-            size = float(np.sqrt(np.mean(model.curve.force**2))) / model.features.noise
+            size = float(np.sqrt(np.mean(model.curve.force**2))) / model.moments.noise
             failure = by_other.predictions[index].failure
             largest = float(np.abs(own).max())
             differences.append(SolverDifference(model.curve.name, rms, largest, rms / size, failure))
@@ -345,6 +331,11 @@ class Search:
             names = [one.name for one in problem.unknowns.found]
             shifts = dict(zip(names, moved.tolist(), strict=True))
         return SecondSolver(solver, None, tuple(differences), shifts)
+
+
+def _point(values: Any) -> Array:
+    """The numbers of the search that parameters of lmfit are."""
+    return np.array(list(values.valuesdict().values()))
 
 
 def _crossing(at: Array, increase: Array) -> float | None:

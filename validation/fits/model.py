@@ -23,8 +23,7 @@ from contact_scene import Machine, OutcomeKind, Scene, SceneError, Sphere, Table
 from contact_scene.errors import one_line
 from contact_scene.scene import with_values
 from validation import solvers
-from validation.fits.baseline import CurveFeatures, features
-from validation.fits.jumps import Jump
+from validation.fits.moments import Jump, Moments, moments
 from validation.fits.path import straight_lines
 from validation.fits.record import Array, MeasuredCurve
 from validation.measure.curves import RowCurve
@@ -102,7 +101,8 @@ def sampled(time: Array, value: Array, corners: Array, at: Array) -> Array:
 
 @dataclass(frozen=True)
 class CurvePrediction:
-    """A run at the rows of a curve, shape (N,) each, and when contact begins and is lost in its time."""
+    """A run at the rows of a curve, shape (N,) each, and when contact begins and is lost in its time; the
+    contact radius where it was measured, else 0."""
 
     force: Array
     contact_radius: Array
@@ -119,7 +119,7 @@ class CurveModel:
 
     curve: MeasuredCurve
     scene: Scene
-    features: CurveFeatures
+    moments: Moments
     knots: Array
     heights: Array
     within: float = 0.0
@@ -133,7 +133,7 @@ class CurveModel:
         SceneError
             If it cannot be compared with the scene, one line.
         """
-        seen = features(curve)
+        seen = moments(curve)
         if curve.indenter_radius is not None:
             if not isinstance(scene.indenter, Sphere):
                 allowed = "a scene with a sphere, or a file without a radius"
@@ -156,12 +156,12 @@ class CurveModel:
     @property
     def allowed(self) -> float:
         """Standard deviation of a residual of the force: the noise, and what the model may miss."""
-        return float(np.hypot(self.features.noise, self.within * np.ptp(self.curve.force)))
+        return float(np.hypot(self.moments.noise, self.within * np.ptp(self.curve.force)))
 
     def allowed_moment(self, jump: Jump) -> float:
         """Standard deviation of the moment of a jump: its place between two rows, and what the model may
         miss."""
-        seen, time = self.features, self.curve.time
+        seen, time = self.moments, self.curve.time
         duration = float(time[min(seen.last, time.size - 1)] - time[seen.first])
         return float(np.hypot(jump.deviation, self.within * duration))
 
@@ -203,18 +203,19 @@ class CurveModel:
         inside = np.clip(at, 0.0, run.time[-1])
         corners = corners_of(self.knots, self.heights) - begin
         force = np.where(touching, sampled(run.time, run.force, corners, inside), 0.0)
-        radius = np.where(touching, sampled(run.time, run.contact_radius, corners, inside), 0.0)
+        radius = nothing
+        if self.curve.contact_radius is not None:
+            radius = np.where(touching, sampled(run.time, run.contact_radius, corners, inside), 0.0)
         lost = None if run.lost is None else begin + run.lost + time_offset
         return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
 
 
-def _driven(curve: MeasuredCurve, scene: Scene, seen: CurveFeatures) -> tuple[Scene, Array]:
+def _driven(curve: MeasuredCurve, scene: Scene, seen: Moments) -> tuple[Scene, Array]:
     """The scene with the machine and the start of a record, and the motion that drives it, shape (N,)."""
     loading = replace(scene.loading, machine=None)
     if curve.stage is None or curve.stiffness is None:
         return replace(scene, loading=loading), curve.motion
     if loading.start == "relaxed":
-        level = seen.baseline + seen.drift * (curve.time - curve.time[0])
-        return replace(scene, loading=loading), curve.motion + level / curve.stiffness
+        return replace(scene, loading=loading), curve.motion + seen.background / curve.stiffness
     loading = replace(loading, start="snap-in", machine=Machine(curve.stiffness))
     return replace(scene, loading=loading), curve.stage

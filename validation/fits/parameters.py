@@ -1,8 +1,8 @@
 """What is asked of a fit, and what it varies: numbers of the scene by dotted path, and of the instrument.
 
-A search sees plain numbers of order one: the logarithm of a positive number, any other over its scale. They
-are parameters of lmfit with bounds; what they stand for, and numbers tied to those, are expressions of them.
-What the force is linear in, the background, is no parameter of the search: it follows from every point.
+A search by lmfit sees plain numbers of order one within bounds: the logarithm of a positive number, any other
+over its scale. Each sets the number it stands for, and at a ratio those that are tied to it. What the force
+is linear in, the background, is no parameter of the search: it follows from every point.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import Any
 
@@ -140,7 +140,8 @@ def lmfit() -> Any:
 
 @dataclass(frozen=True)
 class Unknown:
-    """One number that is searched, with its first guess and bounds; of one curve alone it bears its name."""
+    """One number that is searched, with its first guess and bounds; of one curve alone it bears its name. It
+    ``sets`` numbers by path, each at a ratio to its value."""
 
     name: str
     start: float
@@ -149,6 +150,7 @@ class Unknown:
     logarithmic: bool = False
     scale: float = 1.0
     curve: int | None = None
+    sets: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.low <= self.start <= self.high or self.low >= self.high:
@@ -164,36 +166,27 @@ class Unknown:
         return math.exp(plain) if self.logarithmic else plain * self.scale
 
 
+@dataclass(frozen=True)
 class Unknowns:
-    """All that is searched, as parameters ``x0``, ``x1``, ... of lmfit, and expressions for what they set."""
+    """All that is searched."""
 
-    def __init__(self) -> None:
-        self.found: list[Unknown] = []
-        self.parameters = lmfit().Parameters()
-        self._set: dict[str, tuple[str, int | None]] = {}  # expression: path, curve
+    found: Sequence[Unknown]
+
+    def __post_init__(self) -> None:
+        known: dict[str, list[int | None]] = {}
+        for one in self.found:
+            for path in one.sets:
+                others = known.setdefault(path, [])
+                if one.curve in others or None in others or (others and one.curve is None):
+                    raise SceneError(path, "is varied twice", "each number once")
+                others.append(one.curve)
 
     def __len__(self) -> int:
         return len(self.found)
 
-    def add(self, one: Unknown, ratios: Mapping[str, float]) -> None:
-        """One more, which sets each of some paths to its value times a ratio."""
-        number = f"x{len(self.found)}"
-        ends = {"min": one.plain(one.low), "max": one.plain(one.high)}
-        self.parameters.add(number, one.plain(one.start), **ends)
-        for path, ratio in ratios.items():
-            if any(path == other and None in (one.curve, curve) for other, curve in self._set.values()) or (
-                (path, one.curve) in self._set.values()
-            ):
-                raise SceneError(path, "is varied twice", "each number once")
-            key = f"v{len(self._set)}"
-            plain = f"exp({number})" if one.logarithmic else f"{float(one.scale)!r} * {number}"
-            self.parameters.add(key, expr=f"{float(ratio)!r} * {plain}")
-            self._set[key] = path, one.curve
-        self.found.append(one)
-
     def sets(self, *paths: str) -> bool:
         """Whether one of some paths is varied or tied, or a number of each curve's instrument free."""
-        return any(path in paths for path, _ in self._set.values())
+        return any(path in one.sets for one in self.found for path in paths)
 
     @property
     def start(self) -> Array:
@@ -206,18 +199,20 @@ class Unknowns:
         low = np.array([one.plain(one.low) for one in self.found])
         return low, np.array([one.plain(one.high) for one in self.found])
 
-    def at(self, x: Array) -> Any:
-        """The parameters of lmfit with the numbers of a point."""
-        for index, value in enumerate(x.tolist()):
-            self.parameters[f"x{index}"].set(value=value)
-        self.parameters.update_constraints()
-        return self.parameters
+    def box(self, x: Array, held: int | None = None) -> Any:
+        """The numbers of a point, ``x0``, ``x1``, ..., as parameters of lmfit, all free but one."""
+        box = lmfit().Parameters()
+        for place, (value, low, high) in enumerate(zip(x, *self.bounds, strict=True)):
+            box.add(f"x{place}", value, vary=place != held, min=low, max=high)
+        return box
 
     def values(self, x: Array, curve: int | None = None) -> dict[str, float]:
         """What a point sets by path: for a curve, or only what all curves share."""
-        values = self.at(x)
         return {
-            path: float(values[key].value) for key, (path, of) in self._set.items() if of in (None, curve)
+            path: ratio * one.value(at)
+            for one, at in zip(self.found, x.tolist(), strict=True)
+            if one.curve in (None, curve)
+            for path, ratio in one.sets.items()
         }
 
 
@@ -243,18 +238,15 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
         tied.setdefault(other, []).append(path)
     for path in (*varied, *(one for ties in tied.values() for one in ties)):
         _check_part(path, models)
-    found = Unknowns()
-    for entry in shared:
-        found.add(*_of_scene(scene, entry, tied))
+    found = [_of_scene(scene, entry, tied) for entry in shared]
     for index, model in enumerate(models):
-        for entry in settings.per_curve:
-            found.add(*_of_scene(model.scene, entry, tied, (index, model.curve.name)))
-        for kind in dict.fromkeys(settings.free):
-            if kind not in BACKGROUND:
-                found.add(_of_instrument(model, index, kind), {kind: 1.0})
-    if not found.found:
+        of_curve = index, model.curve.name
+        found += [_of_scene(model.scene, entry, tied, of_curve) for entry in settings.per_curve]
+        kinds = [kind for kind in dict.fromkeys(settings.free) if kind not in BACKGROUND]
+        found += [_of_instrument(model, index, kind) for kind in kinds]
+    if not found:
         raise SceneError("vary", "is empty", "at least one number of the scene")
-    return found
+    return Unknowns(found)
 
 
 def _check_part(path: str, models: Sequence[CurveModel]) -> None:
@@ -270,8 +262,8 @@ def _check_part(path: str, models: Sequence[CurveModel]) -> None:
 
 def _of_scene(
     scene: Scene, entry: str, tied: Mapping[str, Sequence[str]], curve: tuple[int | None, str] = (None, "")
-) -> tuple[Unknown, dict[str, float]]:
-    """The unknown of ``PATH``, ``PATH=LOW:HIGH`` or ``PATH=LOW:HIGH:linear``, and the paths that it sets."""
+) -> Unknown:
+    """The unknown of ``PATH``, ``PATH=LOW:HIGH`` or ``PATH=LOW:HIGH:linear``, with the paths tied to it."""
     path, _, limits = entry.partition("=")
     start = value_at(scene, path)
     low, high, form = _limits(path, limits)
@@ -290,7 +282,7 @@ def _of_scene(
         ratios[other] = value_at(scene, other) / start
     place, name = curve
     name = path if place is None else f"{path}@{name}"
-    return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place), ratios
+    return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place, ratios)
 
 
 def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
@@ -308,13 +300,13 @@ def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
 
 def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
     """Contact point or time offset of a curve, with its first guess from the record."""
-    curve, seen = model.curve, model.features
-    name = f"{kind}@{curve.name}"
+    curve, seen = model.curve, model.moments
+    name, sets = f"{kind}@{curve.name}", {kind: 1.0}
     if kind == TIME_OFFSET:
         duration = float(np.ptp(curve.time))
-        return Unknown(name, 0.0, -TIME_SHARE * duration, TIME_SHARE * duration, False, duration, index)
+        return Unknown(name, 0.0, -TIME_SHARE * duration, TIME_SHARE * duration, False, duration, index, sets)
     reach, touch = float(np.ptp(curve.position)), 0.0
     if 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
         first_touch = float(curve.position[seen.first - 1 : seen.first + 1].mean())
         touch = first_touch - model.scene.loading.penetration
-    return Unknown(name, touch, touch - reach, touch + reach, False, reach, index)
+    return Unknown(name, touch, touch - reach, touch + reach, False, reach, index, sets)

@@ -43,6 +43,12 @@ def straight_lines(time: Array, position: Array, tolerance: float) -> tuple[Arra
     return knots, _heights(time, position, knots)
 
 
+def count_lines(time: Array, values: Array, share: float) -> int:
+    """How many straight lines a column needs, within a share of its range and its noise."""
+    within = max(share * float(np.ptp(values)), NOISE_WITHIN * white_noise(values))
+    return _kept_rows(time, values, within).size - 1
+
+
 def _kept_rows(time: Array, position: Array, within: float) -> np.ndarray:
     keep = np.zeros(time.size, bool)
     keep[[0, -1]] = True

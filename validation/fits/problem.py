@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from contact_scene import SceneError
 from validation.fits.contact import wave_columns, wave_length, white_noise
-from validation.fits.jumps import Jump
 from validation.fits.model import NO_CONTACT, CurveModel, CurvePrediction, FitRun, run_of
+from validation.fits.moments import Jump
 from validation.fits.parameters import BACKGROUND, CONTACT_POINT, TIME_OFFSET, FitSettings, Unknowns
 from validation.fits.record import Array
 from validation.runs.pool import Task, run_tasks
@@ -77,7 +77,7 @@ class FitProblem:
     _kept: dict[str, FitRun] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.compared = [model.features.compared(model.curve.time.size) for model in self.models]
+        self.compared = [model.moments.compared for model in self.models]
         self.radius_noise = [_radius_noise(model) for model in self.models]
         self.blocks: list[Block] = []
         at = 0
@@ -229,7 +229,7 @@ class FitProblem:
 
     def _contradicted(self, index: int, prediction: CurvePrediction) -> NDArray[np.bool_]:
         """Compared rows that for certain only one of record and run has in contact."""
-        recorded, known = self.models[index].features.contact(prediction.touching.size)
+        recorded, known = self.models[index].moments.contact
         return ((recorded != prediction.touching) & known)[self.compared[index]]
 
     def _penalties(self, x: Array) -> Array:
@@ -260,7 +260,7 @@ def background_columns(model: CurveModel, free: Sequence[str]) -> dict[str, Arra
 
 def _wave(model: CurveModel, parts: Mapping[str, Array]) -> dict[str, Array]:
     """Cosine and sine of the wave that the rows before contact show over level and tilt, if any."""
-    position, force, ahead = model.curve.position, model.curve.force, slice(0, model.features.first)
+    position, force, ahead = model.curve.position, model.curve.force, slice(0, model.moments.first)
     line = np.array([parts["baseline"], parts["tilt"]]).T[ahead]
     left = force[ahead] - line @ _least_squares(line, force[ahead])
     columns = wave_columns(position, wave_length(position[ahead], left))
@@ -276,14 +276,14 @@ def _least_squares(columns: Array, values: Array) -> Array:
 
 def _jumps(model: CurveModel) -> list[tuple[bool, Jump]]:
     """Jumps whose moments are compared, and whether contact begins there."""
-    seen = model.features
+    seen = model.moments
     both = ((True, seen.snap_in), (False, seen.pull_off))
     return [(begins, jump) for begins, jump in both if jump is not None and jump.timed]
 
 
 def _radius_noise(model: CurveModel) -> float:
     """Standard deviation of the measured contact radius, 0 if it was not measured."""
-    radius, seen = model.curve.contact_radius, model.features
+    radius, seen = model.curve.contact_radius, model.moments
     if radius is None:
         return 0.0
     inside = radius[seen.first : seen.last]

@@ -133,10 +133,10 @@ def goodness(problem: FitProblem, point: Point) -> Goodness:
     over_noise = point.residuals.copy()
     runs, shares = [], []
     for model, rows, own in zip(problem.models, problem.force_rows, of_force, strict=True):
-        over_noise[rows] *= model.allowed / model.features.noise
+        over_noise[rows] *= model.allowed / model.moments.noise
         runs.append(runs_test(model.curve.name, own))
         shares.append(np.sqrt(np.mean(own**2)) * model.allowed / np.ptp(model.curve.force))
-    noise_degrees = float(sum(model.features.noise_degrees for model in problem.models))
+    noise_degrees = float(sum(model.moments.noise_degrees for model in problem.models))
     free = len(problem.unknowns) + point.background.size
     degrees = max(int(point.compared.sum()) - free, 1)
     total, within = float(over_noise @ over_noise), problem.settings.within
@@ -229,7 +229,7 @@ def _background(problem: FitProblem) -> list[Unknown]:
 
 def _fitted(problem: FitProblem, index: int, x: Array, point: Point) -> FittedCurve:
     model = problem.models[index]
-    curve, seen = model.curve, model.features
+    curve, seen = model.curve, model.moments
     force = problem.fitted_force(index, point)
     kept = problem.compared[index].copy()
     kept[kept] = point.compared[problem.force_rows[index]]

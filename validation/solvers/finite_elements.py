@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Literal
 
@@ -28,8 +28,9 @@ Without adhesion the edge rests on nodes, mid-side nodes among them: two divisio
 LEAST_DIVISIONS = 4
 """Smallest resolution that a user may choose; coarser meshes serve estimates of the error alone. The zone of
 a closing edge then has an element at least: with less the edge closes in steps, behind where it should be."""
-GRADING = 0.2
-"""Growth of the element size with the distance from the contact edge, where none is specified."""
+GRADING = 0.4
+"""Growth of the element size with the distance from the contact edge, by the root of the number of elements a
+zone: elements in the zone err by its square, quadratic ones of size ``grading * r`` by the fourth power."""
 FOLLOWED_BEYOND = 48.0
 """Largest contact radius, in process zones, beyond which the mesh follows the edge: of the order at which
 a mesh that is fine along the whole path takes as long, not measured closer."""
@@ -52,8 +53,8 @@ class FiniteElements(Solver):
     Parameters
     ----------
     grading, domain_ratio : float, optional
-        Growth of the element size with the distance from the edge, and domain radius over the largest contact
-        radius; by default the mesh's own.
+        Growth of the element size with the distance from the edge, by default ``GRADING`` over the root of
+        the elements a zone, and domain radius over the largest contact radius, by default the mesh's own.
     path : "auto", "condensed" or "quadrature"
         Where the history is carried: on the surface or at quadrature points.
     far_field : bool
@@ -64,8 +65,6 @@ class FiniteElements(Solver):
         Take the mesh from the cache; otherwise build it anew, so that meshing is part of the run time.
     followed_beyond : float
         Largest contact radius, in process zones, beyond which the mesh follows the edge.
-    followed_grading : float, optional
-        ``grading`` of meshes that follow the edge, if it is another.
     """
 
     grading: float | None = None
@@ -75,7 +74,6 @@ class FiniteElements(Solver):
     step_resolution: int | None = None
     cached_mesh: bool = True
     followed_beyond: float = FOLLOWED_BEYOND
-    followed_grading: float | None = None
 
     name = "fem"
     title = "finite elements"
@@ -150,7 +148,7 @@ class FiniteElements(Solver):
             divisions,
             margin=margin,
             domain_ratio=self.domain_ratio or meshes.DOMAIN_RATIO,
-            grading=self.grading or GRADING,
+            grading=self._growth(divisions),
             edge=rim,
         )
 
@@ -160,10 +158,14 @@ class FiniteElements(Solver):
             resolved_length(scene.adhesion),
             divisions,
             largest_contact_radius(scene),
-            self.followed_grading or self.grading or GRADING,
+            self._growth(divisions),
             self.domain_ratio,
             self.cached_mesh,
         )
+
+    def _growth(self, divisions: int) -> float:
+        """Growth of the element size with the distance from the edge."""
+        return self.grading or GRADING / math.sqrt(divisions)
 
     def step_divisions(self, scene: Scene, resolution: int | None) -> int | None:
         """Divisions per process zone that the time steps resolve; ``None``: those of the mesh."""
@@ -194,7 +196,7 @@ class FiniteElements(Solver):
         finer *= 1.0 if scene.is_adhesive else 0.5  # without adhesion two divisions are one element
         elements = max(zones, 1.0) * finer
         if math.isfinite(scene.indenter.edge) and not peels(scene):
-            outside = 2.0 / (self.grading or GRADING) * math.log(max(zones, 1.0))
+            outside = 2.0 / self._growth(divisions) * math.log(max(zones, 1.0))
             elements = ZONES_AT_RIM * finer + outside
         return _polynomial(BYTES_OF_VOLUME if self.solves_volume(scene) else BYTES_CONDENSED, elements)
 
@@ -255,13 +257,12 @@ class FiniteElements(Solver):
         return 0.01 * largest_contact_radius(scene) / (resolution or ADHESIONLESS_DIVISIONS)
 
     def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
-        """Half the resolution, twice the grading, four times the step tolerance; or the reverse."""
+        """Half the resolution, with its mesh, and four times the step tolerance; or the reverse."""
         from fem_solver.options import DEFAULT_TOLERANCE
 
         divisions, other = self._other_resolution(scene, resolution)
         ratio = divisions / other
-        method = replace(self, grading=ratio * (self.grading or GRADING))
-        run = partial(method.solve, scene, other, step_tolerance=ratio**2 * DEFAULT_TOLERANCE)
+        run = partial(self.solve, scene, other, step_tolerance=ratio**2 * DEFAULT_TOLERANCE)
         return ComparisonRun(run, ratio)
 
 

@@ -182,8 +182,7 @@ def ladders(scene: Scene) -> list[Ladder]:
     )
 
     def elements(n: float) -> Settings:
-        """Grading with the element size: near and far are refined alike."""
-        return Settings(int(n), tolerance=5e-3 * (first / n) ** 2, grading=min(0.5 * first / n, 0.5))
+        return Settings(int(n), tolerance=5e-3 * (first / n) ** 2)
 
     def mesh(n: float) -> Settings:
         return Settings(int(n), step_resolution=12, tolerance=6e-4, grading=0.5 * meshes[0] / n)
@@ -197,7 +196,7 @@ def ladders(scene: Scene) -> list[Ladder]:
     def domain(n: float, far_field: bool = True) -> Settings:
         return Settings(4, domain_ratio=n, far_field=far_field)
 
-    graded = "elements per zone, grading; step tolerance with their square"
+    graded = "elements per zone; step tolerance with their square"
     price = "as the condensed form, whose answer it repeats: only the price is of interest"
     held = partial(
         domain, far_field=False

@@ -26,7 +26,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import reduce
+from functools import cached_property, reduce
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -142,7 +142,7 @@ def of_scene(scene: Scene) -> SceneTable:
 
 @dataclass(frozen=True)
 class Coordinate(Checked):
-    """What a sweep varies: ``paths`` into the scene and ``rows`` of their values, unless they are sampled."""
+    """What a sweep varies: ``paths`` into the scene, and ``count`` rows of their values, 0 of a sample."""
 
     key: Annotated[str | None, Key("dotted path of the scene")] = None
     keys: Annotated[tuple[str, ...] | None, Key("several of them, which change together")] = None
@@ -156,7 +156,7 @@ class Coordinate(Checked):
     range: Annotated[tuple[Finite, ...] | None, Key("lowest and highest value, of a sample")] = None
     scale: Annotated[Literal["linear", "log"], Key("in which a sample is even")] = "linear"
     paths: tuple[str, ...] = field(init=False)
-    rows: tuple[Row, ...] = field(init=False)
+    count: int = field(init=False)
 
     def rules(self) -> None:
         if (self.key is None) == (self.keys is None):
@@ -179,7 +179,19 @@ class Coordinate(Checked):
             raise SceneError("scale", "given without range", "scale and range together")
         object.__setattr__(self, "name", name)
         object.__setattr__(self, "paths", paths)
-        object.__setattr__(self, "rows", self._rows(stated[0]))
+        object.__setattr__(self, "count", self._checked_count(stated[0]))
+
+    @cached_property
+    def rows(self) -> tuple[Row, ...]:
+        """Values of the keys, row by row; none of a sample."""
+        if self.values is not None:
+            return self._stated(self.values)
+        spaced = self.geomspace or self.linspace
+        if spaced is None:
+            return ()
+        space = np.linspace if self.geomspace is None else np.geomspace
+        first, last, _ = spaced
+        return tuple(self._row(value) for value in space(first, last, self.count).tolist())
 
     @property
     def logarithmic(self) -> bool:
@@ -198,10 +210,10 @@ class Coordinate(Checked):
         factors = self.factors or (1.0,) * len(self.paths)
         return tuple(value if factor == 1.0 else factor * value for factor in factors)
 
-    def _rows(self, way: str) -> tuple[Row, ...]:
+    def _checked_count(self, way: str) -> int:
         asked = getattr(self, way)
         if way == "values":
-            return self._stated([one.item() if isinstance(one, np.generic) else one for one in asked])
+            return len(self.rows)
         wanted = "[lowest, highest]" if way == "range" else "[first, last, count]"
         if len(asked) != wanted.count(",") + 1:
             raise SceneError(way, f"got {shown(list(asked))}", wanted)
@@ -211,18 +223,18 @@ class Coordinate(Checked):
                 positive(first, f"{way}[0]")
             if not first < last:
                 raise SceneError(way, f"an empty range, from {first:g} to {last:g}", "lowest < highest")
-            return ()
+            return 0
         count = whole_number(asked[2], f"{way}[2]", 1)
         if count > MOST_RUNS:
             raise SceneError(f"{way}[2]", f"got {count} values", f"at most {MOST_RUNS}")
         if first == last and count > 1:
             problem = f"an empty range, {count} values from {first:g} to {last:g}"
             raise SceneError(way, problem, "two different ends")
-        space = np.geomspace if way == "geomspace" else np.linspace
-        return tuple(self._row(float(value)) for value in space(first, last, count))
+        return count
 
-    def _stated(self, entries: list[Any]) -> tuple[Row, ...]:
+    def _stated(self, given: tuple[Any, ...]) -> tuple[Row, ...]:
         """Rows of stated values; an entry for several keys may state a value for each."""
+        entries = [one.item() if isinstance(one, np.generic) else one for one in given]
         lists = [tuple(entry) for entry in entries if isinstance(entry, (list, tuple))]
         several = {len(entry) for entry in lists} == {len(self.paths)} and len(lists) == len(entries)
         if lists and not (several and self.factors is None):
@@ -289,7 +301,7 @@ class SweepPlan(Checked):
             if name.removesuffix("_error") in known:
                 problem = f"the coordinate {name} has the name of a measure"
                 raise SceneError("coordinates", problem, "another name")
-        lengths = [len(coordinate.rows) for coordinate in self.coordinates]
+        lengths = [coordinate.count for coordinate in self.coordinates]
         if self.design == "points" and len(set(lengths)) > 1:
             problem = "got " + ", ".join(f"{n} of {name}" for n, name in zip(lengths, names, strict=True))
             raise SceneError("coordinates", problem, "as many values of each, for a list of points")
@@ -304,8 +316,8 @@ class SweepPlan(Checked):
     def shape(self) -> tuple[int, ...]:
         """Runs along each dimension of the data set."""
         if self.design == "grid":
-            return tuple(len(coordinate.rows) for coordinate in self.coordinates)
-        return (self.points or len(self.coordinates[0].rows),)
+            return tuple(coordinate.count for coordinate in self.coordinates)
+        return (self.points or self.coordinates[0].count,)
 
     @property
     def count(self) -> int:
