@@ -175,6 +175,7 @@ class Continuation(Tracker):
             return None
         error = self.mispredicted(plan, trial, arrival)
         rounding = self.noise / abs(steepness or math.inf) / self.T
+        s = self.chord(arrival.rise, a) if new else s  # no load was predicted
         return Correction(trial, arrival, max(error - rounding, 0.0), s)
 
     def solve_parameter(self, trial: Trial, p: float, size: float) -> tuple[Arrival, float] | None:
