@@ -70,6 +70,8 @@ DRAWN = {
     "usual:604": (OutcomeKind.DETACHED, 8.201314858e-3, 233.7079552366, 0.2, 1.080082523e-4),
     # a start between pressed and pulled edges of which both release much more than the work of adhesion
     "instruments:664": (OutcomeKind.TRIGGER_NOT_REACHED, 0.0, 106.1974790, 2.287498098e-5, 8.014870924e-7),
+    # the load turns while an edge closes by what no rounding of the closure tells
+    "instruments:663": (OutcomeKind.DETACHED, 1.5550699e-3, 7268.45088, 0.2728256261, -1.155160e-4),
     # a blunt indenter is let go in the rounding of its load
     "plain:606": (OutcomeKind.DETACHED, 0.0, 0.2, 1.088365502e-3, 0.0),
     # a closing edge with a rate law sets off

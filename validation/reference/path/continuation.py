@@ -243,6 +243,8 @@ class Continuation(Tracker):
             if travel > 0.1 * self.still:
                 return None
             value = 0.0
+        elif value != 0.0 and self.law.adhesion is not None and not self._sets_off(p, value):
+            value = 0.0
         if value != 0.0:
             end = p
             if pull(0.0)[0] != 0.0:
@@ -254,6 +256,12 @@ class Continuation(Tracker):
             plan.event = Kind.DEPARTURE
         error = 0.0 if plan.event is Kind.DEPARTURE else self.mispredicted(plan, trial, arrival)
         return Correction(trial, arrival, error, self.chord(p, 0.0))
+
+    def _sets_off(self, p: float, pull: float) -> bool:
+        """Whether an edge that is pulled at the load is so still after a travel that is seen."""
+        travel = -math.copysign(self.still, pull)
+        trial = self.trial(travel, self.chord(p, travel), 1)
+        return self.residual(trial, p)[0] * pull > 0.0
 
     def _stopped(self, plan: Plan) -> Correction | None:
         """The edge, which moved, is at rest at the load: what it still travels in the step is the error."""
