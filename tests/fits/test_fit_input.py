@@ -116,7 +116,7 @@ def test_a_first_guess_from_which_no_parameter_matters_is_refused():
 def test_a_first_guess_that_the_solver_does_not_take_is_refused_by_its_reason():
     apart = Material(0.75, 0.4, (Branch(6.75, 1.0),), BulkRelaxation())
     scene = replace(elastic_scene(), material=apart, adhesion=Adhesion(5e-4, 1e-5))
-    told = "solver: bem does not take the first guess: .*; allowed: .* --solver fem$"
+    told = "solver: bem does not take the first guess: .*; allowed: .* --solver reference or fem$"
     with pytest.raises(SceneError, match=told):
         fit_curves([hertz_curve()], scene, replace(settings_of("adhesion.work"), solver="bem"))
 
