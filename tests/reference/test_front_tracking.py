@@ -123,7 +123,7 @@ def test_the_largest_tension_is_where_its_derivative_vanishes(resolution: int, a
     exact, got = FiniteZone(1.0, 1.0, WORK, ZONE).pull_off_force_control(), _seen(trace)
     assert got.pull_off_radius == pytest.approx(exact.contact_radius, rel=accuracy)
     assert got.pull_off_penetration == pytest.approx(exact.penetration, rel=4.0 * accuracy)
-    assert got.pull_off_force == pytest.approx(-exact.force, rel=1e-7)
+    assert got.pull_off_force == pytest.approx(-exact.force, rel=0.1 * accuracy)
     (event,) = trace.located
     assert abs(event.contact_radius - exact.contact_radius) < event.uncertainty[3]
     assert event.uncertainty[3] < 1e-3 * exact.contact_radius

@@ -187,8 +187,8 @@ def test_elastic_contact_is_the_closed_finite_zone_form_and_goes_to_jkr(zone: fl
     trace = _run(zone, RETRACTION, ELASTIC)
     closed = FiniteZone(1.0, 1.0, WORK, zone)
     pull_off = -trace.force.min()
-    assert pull_off == pytest.approx(-closed.pull_off_force_control().force, rel=1e-7)
-    assert pull_off / F_JKR - 1.0 == pytest.approx(2.0645 * zone, rel=2e-3, abs=1e-7)
+    assert pull_off == pytest.approx(-closed.pull_off_force_control().force, rel=0.1 * DEFAULT_ERROR)
+    assert pull_off / F_JKR - 1.0 == pytest.approx(2.0645 * zone, rel=2e-3, abs=0.1 * DEFAULT_ERROR)
     last = closed.pull_off_penetration_control().penetration
     assert observe(trace).detachment_penetration == pytest.approx(last, rel=1e-7)
 

@@ -67,8 +67,6 @@ CURVED = 12.0
 """Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
 NARROW = 3e-3
 """Part of a step within which the dense path knows an extremum; the force is off by the square."""
-PROMINENT = 1e-3
-"""Change over a step, in tolerances, below which an extremum is one of the errors: a hold has many."""
 LEAST_AREA_CHANGE = 1e-6
 """Change of the contact area, relative to the largest, below which no energy release rate is formed."""
 
@@ -213,7 +211,10 @@ class Recorder:
         return found | ({1.0: state.time} if state.time in self.wanted else {})
 
     def _extrema(self, trial: Trial, arrival: Arrival, way: Course) -> dict[float, tuple[str, float, float]]:
-        """Extrema of penetration and force within a step: kind, how far off it is in ``u``, and the force."""
+        """Extrema of penetration and force within a step: kind, how far off it is in ``u``, and the force.
+
+        One that changes less than the tolerance over the step is of the errors: a hold has many.
+        """
         found: dict[float, tuple[str, float, float]] = {}
         coefficients = way.coefficients
         ends = np.array([coefficients[1], np.arange(len(coefficients)) @ coefficients])
@@ -221,7 +222,8 @@ class Recorder:
             return found
         for column, largest in ((DEPTH, self.scales.depth), (FORCE, self.scales.force)):
             first, last = ends[:, column]
-            if first * last >= 0.0 or max(abs(first), abs(last)) < PROMINENT * self.allowed * largest:
+            errors = self.allowed * largest if trial.leg.free or column == FORCE else 0.0
+            if first * last >= 0.0 or max(abs(first), abs(last)) < errors:
                 continue
             slope = derivative(coefficients[:, column])
             at = bracketed(partial(_value, slope), 0.0, 1.0)
