@@ -63,6 +63,10 @@ CELLS = 64
 _EDGES = np.sin(0.5 * math.pi * np.linspace(0.0, 1.0, CELLS + 1)) ** 2
 _WIDTHS = _EDGES[1:] - _EDGES[:-1]
 _AT_CENTRES = powers(np.sin(0.5 * math.pi * (np.arange(CELLS) + 0.5) / CELLS) ** 2, COLLOCATION)
+_ORDERS = np.arange(COLLOCATION + 1)
+_SLOPES, _BENDS = np.zeros_like(_AT_CENTRES), np.zeros_like(_AT_CENTRES)
+_SLOPES[:, 1:] = _AT_CENTRES[:, :-1] * _ORDERS[1:]
+_BENDS[:, 2:] = _AT_CENTRES[:, :-2] * _ORDERS[2:] * _ORDERS[1:-1]
 CURVED = 12.0
 """Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
 NARROW = 3e-3
@@ -186,21 +190,24 @@ class Recorder:
         if trial.leg.free:
             columns, largest = [*columns, DEPTH], [*largest, self.scales.depth]
         changes = way.coefficients[: COLLOCATION + 1, columns]
-        slopes = changes[1:] * np.arange(1, COLLOCATION + 1)[:, None]
-        first = _AT_CENTRES[:, :-1] @ slopes
-        second = _AT_CENTRES[:, :-2] @ (slopes[1:] * np.arange(1, COLLOCATION)[:, None])
+        first, second = _SLOPES @ changes, _BENDS @ changes
         clock = np.where(first[:, 0] > 0.0, first[:, 0], math.inf)
         bend = np.abs(second - first * (second[:, 0] / clock)[:, None]) / largest
         bend = bend[:, 1:].max(axis=1)
         allowed = 8.0 * self.allowed * (1.0 if self.linear else CURVED)
-        parts = np.concatenate(([0.0], (np.sqrt(bend / allowed) * _WIDTHS).cumsum()))
+        parts = np.zeros(CELLS + 1)
+        (np.sqrt(bend / allowed) * _WIDTHS).cumsum(out=parts[1:])
         count = min(max(math.ceil(parts[-1]), 1), CELLS)
         even = np.interp(parts[-1] * np.arange(1, count) / count, parts, _EDGES)
-        u = np.unique(np.concatenate((even, also, [1.0])))
-        time = way.at(u)[:, TIME]
-        time[-1] = state.time
-        later = np.diff(time, prepend=trial.state.time) > 0.0
-        return u[np.append(later[:-1] & (time[:-1] < state.time), True)]
+        u = np.concatenate((even, also, [1.0]))
+        if len(also):
+            u = np.unique(u)
+        time = np.empty(len(u) + 1)
+        time[0], time[-1] = trial.state.time, state.time
+        time[1:-1] = powers(u[:-1], COLLOCATION) @ way.coefficients[: COLLOCATION + 1, TIME]
+        later = (time[1:] > time[:-1]) & (time[1:] < state.time)
+        later[-1] = True
+        return u[later]
 
     def _stops(self, trial: Trial, way: Course, state: State) -> dict[float, float]:
         """Where in a step the times lie that are asked for."""
