@@ -80,7 +80,7 @@ class Passages:
 
 def untouched(radius: float, held: Array, shape: Array) -> Passages:
     """A contact of that radius on a surface never touched before; what it carries is ``held + shape G``."""
-    entries = 1 if radius > 0.0 else 0
+    entries = 1 if radius > 0.0 and len(held) else 0
     left = np.zeros((entries, len(NODES), len(held) + 1))
     left[:, 0, 1:] = held
     return Passages(
@@ -134,6 +134,8 @@ def passed(
 
     What is touched for the first time carries ``-moduli G`` (n,) beside what is smooth along the path.
     """
+    if not len(moduli):  # nothing is remembered
+        return before
     parabola = swept.parabola
     entries = len(parabola)
     first_touched = np.minimum(swept.cuts[:-1], swept.cuts[1:]) >= before.edges[-1]

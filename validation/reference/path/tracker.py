@@ -237,7 +237,8 @@ class Tracker:
         if declare:
             self.travelled = 0.0
             state = replace(state, kinks=kinks.faded(self.state, self.body, zone, self.tolerance))
-        if all(abs(kink) > 1e-9 * (zone or radius) for kink in state.kinks + state.corners):
+        remembers = self.body.rheology.moduli.size > 0
+        if remembers and all(abs(kink) > 1e-9 * (zone or radius) for kink in state.kinks + state.corners):
             if declare:
                 state = replace(state, kinks=(*state.kinks, 0.0))
             else:
