@@ -63,12 +63,20 @@ class Segment:
     depth: Array
     basis: Array
 
-    def cut(self, u: float, rise: float, sinking: float) -> Segment:
-        """The part up to ``u`` of the segment with these end values of parameter and penetration."""
+    def cut(self, u: float, rise: float, sinking: float, loose: bool = False) -> Segment:
+        """The part up to ``u`` of the segment with these end values of parameter and penetration.
+
+        ``loose``: with end values that are to be found, by changes that grow evenly.
+        """
         scale = u**ORDERS
         parameter, depth = self.parameter + rise * self.basis, self.depth + sinking * self.basis
         way = self.way * scale
-        return Segment(float(way.sum()), way, parameter * scale, depth * scale, np.zeros_like(self.basis))
+        parameter, depth, basis = parameter * scale, depth * scale, np.zeros_like(self.basis)
+        if loose:
+            basis[1] = 1.0
+            parameter[1] -= parameter.sum()
+            depth[1] -= depth.sum()
+        return Segment(float(way.sum()), way, parameter, depth, basis)
 
 
 @dataclass

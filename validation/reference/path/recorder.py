@@ -69,6 +69,8 @@ _SLOPES[:, 1:] = _AT_CENTRES[:, :-1] * _ORDERS[1:]
 _BENDS[:, 2:] = _AT_CENTRES[:, :-2] * _ORDERS[2:] * _ORDERS[1:-1]
 CURVED = 12.0
 """Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
+VERTEX = 0.05
+"""Distance in its step of the three places that tell an extremum: it is off by the cube."""
 NARROW = 3e-3
 """Part of a step within which the dense path knows an extremum; the force is off by the square."""
 LEAST_AREA_CHANGE = 1e-6
@@ -143,7 +145,8 @@ class Recorder:
             row = rows[u.searchsorted(at)]
             if kind in (PRESSED, PULLED):  # no polynomial goes beyond it
                 limit = np.minimum if kind == PRESSED else np.maximum
-                row[FORCE], rows[:-1, FORCE] = height, limit(rows[:-1, FORCE], height)
+                rows[:-1, FORCE] = limit(rows[:-1, FORCE], height)
+                row[FORCE] = height
             self._mark(kind, row, self._spread(way, at, apart))
         self._add(rows)
 
@@ -252,8 +255,27 @@ class Recorder:
         ends, at = (0.5 * foreseen, 0.5 * (1.0 + foreseen)), foreseen
         if slope(ends[0]) * slope(ends[1]) < 0.0:  # else a step too short for a dense path
             at = bracketed(slope, *ends, NARROW**2)
+        on_path = self._vertex(trial, arrival, at) if trial.direction and self.law.adhesion else None
+        if on_path is not None:
+            return on_path
         part, end = trial.part(at, arrival)
         return at, part.force_at(end)
+
+    def _vertex(self, trial: Trial, arrival: Arrival, at: float) -> tuple[float, float] | None:
+        """Place and height of the parabola through forces on the path itself, if it has its vertex near."""
+
+        def residual(trial: Trial, arrival: Arrival) -> float:
+            return self.law.residual(trial, arrival, False)
+
+        middle = min(max(at, VERTEX), 1.0 - VERTEX)
+        before, here, after = (
+            trial.corrected_force(middle + shift, arrival, residual) for shift in (-VERTEX, 0.0, VERTEX)
+        )
+        bend, slope = before - 2.0 * here + after, 0.5 * (after - before)
+        way = -slope / bend if bend else math.inf
+        if not abs(way) < 2.0:
+            return None
+        return min(max(middle + VERTEX * way, NARROW), 1.0 - NARROW), here + 0.5 * slope * way
 
     @staticmethod
     def _spread(way: Course, at: float, apart: float) -> Array:

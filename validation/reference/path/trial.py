@@ -8,6 +8,7 @@ two to four exponentials, and two products.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -31,6 +32,10 @@ from validation.reference.path.rheology import Body, total
 from validation.reference.path.state import GRADING, State
 
 Array = NDArray[np.float64]
+
+
+SECANT = 1e-4
+"""Change of the load parameter that tells a slope of the residual, in a step: the root is as much closer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -417,6 +422,19 @@ class Trial:
         zones = self.zone, self.cohesive, self.zone_at_rest
         trial = Trial(self.body, self.state, self.leg, segment, *zones, closed=False)
         return trial, trial.arrive(float(segment.parameter.sum()))
+
+    def corrected_force(
+        self, u: float, arrival: Arrival, residual: Callable[[Trial, Arrival], float]
+    ) -> float:
+        """The force at the radius that the dense path has at ``u``, where the edge condition holds."""
+        segment = self.segment.cut(u, arrival.rise, arrival.free, loose=True)
+        zones = self.zone, self.cohesive, self.zone_at_rest
+        trial = Trial(self.body, self.state, self.leg, segment, *zones)
+        orders = np.arange(len(self.segment.basis))
+        rise = float((self.segment.parameter + arrival.rise * self.segment.basis) @ u**orders)
+        apart = SECANT * arrival.rise
+        values = [residual(trial, trial.arrive(rise + shift)) for shift in (0.0, apart)]
+        return trial.force_at(trial.arrive(rise - values[0] * apart / (values[1] - values[0])))
 
     def speed(self, arrival: Arrival) -> float:
         """``da/dt`` at the end."""
