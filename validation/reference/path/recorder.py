@@ -240,14 +240,16 @@ class Recorder:
             if column == DEPTH:
                 found[at] = DEEPEST if first > 0.0 else "", 0.0, math.nan
             elif trial.leg.control != "force":
-                exact, height = self._extremum(trial, arrival, at)
-                kind = PRESSED if first > 0.0 else PULLED
-                off = max(abs(exact - at), NARROW)
-                found[exact] = kind if height * first > 0.0 else "", off, height
+                extremum = self._extremum(trial, arrival, at)
+                if extremum is not None:
+                    exact, height = extremum
+                    kind = PRESSED if first > 0.0 else PULLED
+                    off = max(abs(exact - at), NARROW)
+                    found[exact] = kind if height * first > 0.0 else "", off, height
         return found
 
-    def _extremum(self, trial: Trial, arrival: Arrival, foreseen: float) -> tuple[float, float]:
-        """Place and height of an extremum of the force on the dense path."""
+    def _extremum(self, trial: Trial, arrival: Arrival, foreseen: float) -> tuple[float, float] | None:
+        """Place and height of an extremum of the force; ``None`` where the dense path alone has one."""
 
         def slope(u: float) -> float:
             return force_slope(self.body, self.law, *trial.part(u, arrival))
@@ -255,27 +257,29 @@ class Recorder:
         ends, at = (0.5 * foreseen, 0.5 * (1.0 + foreseen)), foreseen
         if slope(ends[0]) * slope(ends[1]) < 0.0:  # else a step too short for a dense path
             at = bracketed(slope, *ends, NARROW**2)
-        on_path = self._vertex(trial, arrival, at) if trial.direction and self.law.adhesion else None
-        if on_path is not None:
-            return on_path
+        if trial.direction and self.law.adhesion is not None:
+            middle = min(max(at, VERTEX), 1.0 - VERTEX)
+            way, height = self._vertex(trial, arrival, middle)
+            place = middle + VERTEX * way
+            if not -VERTEX <= place <= 1.0 + VERTEX and math.isfinite(height):
+                return None
+            if abs(way) < 2.0:
+                return min(max(place, NARROW), 1.0 - NARROW), height
         part, end = trial.part(at, arrival)
         return at, part.force_at(end)
 
-    def _vertex(self, trial: Trial, arrival: Arrival, at: float) -> tuple[float, float] | None:
-        """Place and height of the parabola through forces on the path itself, if it has its vertex near."""
+    def _vertex(self, trial: Trial, arrival: Arrival, middle: float) -> tuple[float, float]:
+        """Vertex, seen from the middle, and height there of the parabola through three forces on the path."""
 
         def residual(trial: Trial, arrival: Arrival) -> float:
             return self.law.residual(trial, arrival, False)
 
-        middle = min(max(at, VERTEX), 1.0 - VERTEX)
         before, here, after = (
             trial.corrected_force(middle + shift, arrival, residual) for shift in (-VERTEX, 0.0, VERTEX)
         )
         bend, slope = before - 2.0 * here + after, 0.5 * (after - before)
-        way = -slope / bend if bend else math.inf
-        if not abs(way) < 2.0:
-            return None
-        return min(max(middle + VERTEX * way, NARROW), 1.0 - NARROW), here + 0.5 * slope * way
+        way = -slope / bend if bend else math.nan
+        return way, here + 0.5 * slope * way
 
     @staticmethod
     def _spread(way: Course, at: float, apart: float) -> Array:
