@@ -19,12 +19,15 @@ are those since now. So the zone is as sharp where it is 1e-8 of the radius as w
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.memory import Motion
 from validation.reference.path.numerics import derivative, gauss, horner, inverse, powers
+from validation.reference.path.rheology import Rheology
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -161,3 +164,55 @@ def passed(
         np.concatenate((before.edges[:first], edges, before.edges[last:])),
         *(np.concatenate((was[below], part, was[above])) for was, part in zip(old, new, strict=True)),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Passed:
+    """Points that change sides where ``u_powers`` say, and the branch forces or unit strains before.
+
+    The last of them are those of the ``sweep``.
+    """
+
+    sweep: Sweep
+    u_powers: Array
+    G: Array
+    begun: Array
+
+    @cached_property
+    def swept(self) -> slice:
+        """Those of the sweep."""
+        return slice(-len(self.sweep.weight), None)
+
+
+class Passing(NamedTuple):
+    """Points in contact as the edge passes them, ``elapsed`` (m, 1) after the step began.
+
+    ``left``: what they take along, unit strains of those released, branch forces less the gain of the step of
+    those covered; ``end``: unit strains or branch forces at the end of the step.
+    """
+
+    elapsed: Array
+    strain: Array
+    branches: Array
+    left: Array
+    end: Array
+
+
+def passing(
+    rheology: Rheology, covers: bool, G: Array, begun: Array, u_powers: Array, motion: Motion
+) -> Passing:
+    """Points that change sides, as they do and at the end of the step."""
+    elapsed = motion.elapsed(u_powers)
+    faded = np.expm1(-elapsed / rheology.times)
+    gained, depth = motion.during(u_powers, elapsed, faded)
+    strain, rest = depth - G, elapsed - motion.duration
+    if covers:
+        units = begun * np.exp(-elapsed / rheology.retardation)
+        branches = rheology.cover(units, strain)
+        left = branches - gained
+        end = left * np.exp(rest / rheology.times) + motion.end[0]
+    else:
+        branches = begun + begun * faded + gained
+        left = rheology.release(branches, strain)
+        end = left * np.exp(rest / rheology.retardation)
+    return Passing(elapsed, strain, branches, left, end)

@@ -11,13 +11,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import fields
 from validation.reference.path.closure import BASE, Closure, closure, zone_length
+from validation.reference.path.fields import Passed, Passing
 from validation.reference.path.memory import (
     COLLOCATION,
     PATH_AT_NODES,
@@ -36,38 +36,6 @@ Array = NDArray[np.float64]
 
 SECANT = 1e-4
 """Change of the load parameter that tells a slope of the residual, in a step: the root is as much closer."""
-
-
-@dataclass(frozen=True, eq=False)
-class Passed:
-    """Points that change sides where ``u_powers`` say, and the branch forces or unit strains before.
-
-    The last of them are those of the ``sweep``.
-    """
-
-    sweep: fields.Sweep
-    u_powers: Array
-    G: Array
-    begun: Array
-
-    @cached_property
-    def swept(self) -> slice:
-        """Those of the sweep."""
-        return slice(-len(self.sweep.weight), None)
-
-
-class Passing(NamedTuple):
-    """Points in contact as the edge passes them, ``elapsed`` (m, 1) after the step began.
-
-    ``left``: what they take along, unit strains of those released, branch forces less the gain of the step of
-    those covered; ``end``: unit strains or branch forces at the end of the step.
-    """
-
-    elapsed: Array
-    strain: Array
-    branches: Array
-    left: Array
-    end: Array
 
 
 @dataclass(eq=False)
@@ -292,22 +260,7 @@ class Trial:
         return self._passing(points.G, points.begun, points.u_powers, motion)
 
     def _passing(self, G: Array, begun: Array, u_powers: Array, motion: Motion) -> Passing:
-        """Points that change sides, as they do and at the end."""
-        rheology = self.body.rheology
-        elapsed = motion.elapsed(u_powers)
-        faded = np.expm1(-elapsed / rheology.times)
-        gained, depth = motion.during(u_powers, elapsed, faded)
-        strain, rest = depth - G, elapsed - motion.duration
-        if self.direction > 0.0:
-            units = begun * np.exp(-elapsed / rheology.retardation)
-            branches = rheology.cover(units, strain)
-            left = branches - gained
-            end = left * np.exp(rest / rheology.times) + motion.end[0]
-        else:
-            branches = begun + begun * faded + gained
-            left = rheology.release(branches, strain)
-            end = left * np.exp(rest / rheology.retardation)
-        return Passing(elapsed, strain, branches, left, end)
+        return fields.passing(self.body.rheology, self.direction > 0.0, G, begun, u_powers, motion)
 
     def edge_stress(self, arrival: Arrival) -> tuple[Array, Array]:
         """``u`` and ``q`` just inside the edge, at both ends of the step and where it passes its points."""
