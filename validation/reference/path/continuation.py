@@ -14,22 +14,27 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path import events
+from validation.reference.path import events, kinks
 from validation.reference.path.numerics import DEGREE
 from validation.reference.path.tracker import RESIDUAL, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 
-REJECTED = 4.0
-"""Misprediction, in tolerances, above which a step is repeated: its row is on the path, and the path between
-rows is off by a twentieth of that."""
+REJECTED = 2.5
+"""Error, in tolerances, above which a step is repeated."""
+LEAST_WEIGHT = 0.3
+"""Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
 LARGEST_GROWTH, LEAST_GROWTH = 3.0, 0.3
 """Ratio of successive steps."""
 SAFETY = 0.9
 """Of the step at which the error would be the tolerance."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
+SHARP = 30.0
+"""Error of a step from which on the next ends at the first corner on its way."""
+UNSEEN = 0.25
+"""Next step, in one that no correction was found for."""
 DEPARTURES = 3
 """Times that a departure is looked for, each with the step that ended at the one before."""
 TURNED = 0.01
@@ -50,16 +55,15 @@ class Continuation(Tracker):
         self.rescale()
         plan = events.plan(self)
         correction = self._correct(plan)
-        error = math.inf if correction is None else correction.error / self.tolerance
+        error = math.inf if correction is None else correction.error / self._allowed(plan)
         if len(self.rows) == 1 and correction is not None:
             error = 0.0  # nothing to judge by: the first step is small
         if correction is not None and error <= REJECTED:
             passed_by = self._falls(plan, correction) or self._turns(correction.trial)
             error = math.inf if passed_by else error
         if correction is None or error > REJECTED:
-            return self._reject(plan, error)
+            return self._reject(plan, correction, error)
         self.fails = 0
-        self.steepness = dict(self.slopes) or self.steepness
         correction = events.to_level(self, plan, correction)
         order, growth = self._order(plan, correction, error)
         events.finish(self, plan, correction)
@@ -67,6 +71,13 @@ class Continuation(Tracker):
         if plan.event is Kind.NONE:
             self.h = plan.h * max(LEAST_GROWTH, growth)
         return plan.event
+
+    def _allowed(self, plan: Plan) -> float:
+        """Misprediction by the tolerance over a way of one scale: what a step leaves counts with its way.
+
+        Where the penetration follows from a force its error is one of the whole contact, and counts as it is.
+        """
+        return self.tolerance / (1.0 if self.leg.free else max(LEAST_WEIGHT, min(1.0, plan.h)))
 
     def _falls(self, plan: Plan, correction: Correction) -> bool:
         """Whether a step ends beyond a limit point that was not foreseen."""
@@ -87,28 +98,16 @@ class Continuation(Tracker):
     def _order(self, plan: Plan, correction: Correction, error: float) -> tuple[int, float]:
         """How many rows are to predict the next step for it to be longest, and how long it is in this one.
 
-        The more of them where the step may grow as it likes: turns and folds are seen on the predictor. Where
-        kinks too slight to stop at are frequent a parabola goes farther than a polynomial that reaches back
-        over them.
+        The more of them where the step may grow as it likes: turns and folds are seen on the predictor.
+        Beyond a bend of the path a parabola goes farther than a polynomial that reaches back over it.
         """
 
         def growth(off: Array, rows: Array) -> Array:
-            return np.minimum(SAFETY * np.maximum(off, 1e-5) ** (-1.0 / rows), LARGEST_GROWTH)
+            return np.minimum(SAFETY * np.maximum(off, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH)
 
         known, off = len(self.rows), np.array([error])
         if plan.fixed is not Fixed.REST and known > 1:
-            trial, arrival = correction.trial, correction.arrival
-            force = trial.force_at(arrival)
-            row = np.array([arrival.rise, trial.travel, arrival.depth, force])
-            scales = np.array([self.T, self.L, self.depth, self.largest_force or 1.0])
-            p, a, D, F = self.rows.mispredicted(plan.h, row, scales).T
-            across, along = (
-                p * plan.tangent[1] - a * plan.tangent[0],
-                p * plan.tangent[0] + a * plan.tangent[1],
-            )
-            depth = D - along * plan.tangent[2] if self.leg.free else 0.0
-            load = F - along * plan.tangent[3] / scales[3]
-            off = np.sqrt(across**2 + depth**2 + load**2) / self.tolerance
+            off = self._errors(plan, correction)
             each = growth(off, np.arange(1.0, known + 1.0))
             best = known - int(each[:0:-1].argmax())
             if best < known:
@@ -116,12 +115,43 @@ class Continuation(Tracker):
         rows = min(known + 1, self.rows.kept)
         return rows, float(growth(off[-1:], np.array([rows]))[0])
 
-    def _reject(self, plan: Plan, error: float) -> Kind:
-        """Try a shorter step; where none is short enough, look what became of the contact."""
+    def _errors(self, plan: Plan, correction: Correction) -> Array:
+        """Errors of a step had the last 1, 2, ... rows predicted it."""
+        trial, arrival = correction.trial, correction.arrival
+        force = trial.force_at(arrival)
+        row = np.array([arrival.rise, trial.travel, arrival.depth, force])
+        scales = np.array([self.T, self.L, self.depth, self.largest_force or 1.0])
+        p, a, D, F = self.rows.mispredicted(plan.h, row, scales).T
+        across, along = (
+            p * plan.tangent[1] - a * plan.tangent[0],
+            p * plan.tangent[0] + a * plan.tangent[1],
+        )
+        depth = D - along * plan.tangent[2] if self.leg.free else 0.0
+        load = F - along * plan.tangent[3] / scales[3]
+        return np.asarray(np.sqrt(across**2 + depth**2 + load**2) / self._allowed(plan))
+
+    def _reject(self, plan: Plan, correction: Correction | None, error: float) -> Kind:
+        """Try a shorter step; where none is short enough, look what became of the contact.
+
+        It has come to a bend of the path, beyond which it is mispredicted by the square of the way.
+        """
         self.rejected += 1
         self.fails += 1
-        order = self.rows.order
-        self.h = plan.h * (max(0.2, 0.9 * error ** (-1.0 / order)) if math.isfinite(error) else 0.25)
+        share = UNSEEN
+        if correction is not None and math.isfinite(error):
+            if plan.fixed is not Fixed.REST and len(self.rows) > 2:
+                off = self._errors(plan, correction)[1:]
+                if off.min() < error:
+                    error, self.rows.order = float(off.min()), 2 + int(off.argmin())
+            share = min(max(SAFETY * error ** (-1.0 / 3.0), 0.1), 0.8)
+            if error > SHARP and plan.fixed is Fixed.RADIUS:
+                travel = plan.z[1] * self.L
+                self.corner = kinks.corner(self.state, self.law.zone, travel)
+                if abs(self.corner) > share * abs(travel):
+                    share = 1.0
+                else:
+                    self.corner = math.nan
+        self.h = plan.h * share
         self.slopes = {}
         if self.h < SMALLEST_STEP or self.fails > 40:
             self.fails = 0

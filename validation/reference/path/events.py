@@ -1,8 +1,7 @@
 """What a step ends at, seen ahead on the predictor, and what follows from having got there.
 
 - the end of the leg;
-- a corner: the edge, or an end of its zone, comes to where the path once had a kink. The residual then has
-  another slope; the step lands there if that is more than the tolerance;
+- a sharp corner of the path;
 - a turn of the edge; the start of one that has rested;
 - a fold: the load parameter has a maximum over the radius. It is approached from this side and landed on
   when its place no longer changes; there the contact jumps to another radius, or is lost;
@@ -18,7 +17,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path import kinks
 from validation.reference.path.numerics import bracketed
 from validation.reference.path.tracker import FIRST_STEP, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
@@ -27,6 +25,8 @@ Array = NDArray[np.float64]
 
 MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
+AFTER_CORNER = 0.02
+"""First step after a corner, in the step that led there."""
 AFTER_TURN = 0.1
 """First step after a turn, in the step before."""
 AT_TURN = 0.3
@@ -35,6 +35,8 @@ AHEAD = 1.5
 """How far beyond a step, in its way, a turn or fold is looked for."""
 SAME_FOLD = 0.1
 """Change of the place of a fold foreseen, in tolerances, below which it is landed on."""
+REPEATED = 1e-10
+"""Residual that the row of one step may leave in the next, whose closure has other breaks."""
 TOWARDS_FOLD = 0.75
 """Share of the way to a fold that a step goes until the place of the fold is known."""
 FILLED = 1.0 - 1e-5
@@ -43,8 +45,6 @@ LARGEST_JUMP = 1e4
 """Radius up to which a stable contact is looked for, in that at which one runs away."""
 SAME = 1.0 - 1e-6
 """Ratio of two drives that are the same."""
-OVER = 10.0
-"""Misprediction by a corner passed over, in tolerances, from which on it is landed on."""
 
 
 def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correction:
@@ -124,15 +124,14 @@ def plan(tracker: Tracker) -> Plan:
         return planned
     if m > 2:
         planned = _turn_or_fold(tracker, planned, made, place, slope, first)
-    at = _corner(tracker, planned)
-    if at is not None:
-        corner, kind, after = at
-        along = lambda x: place(x)[1] * tracker.L - corner  # noqa: E731
-        if along(0.0) * along(planned.h) < 0.0:
-            planned = made(bracketed(along, 0.0, planned.h), kind, Fixed.RADIUS)
-        else:
-            planned = made(planned.h, kind, Fixed.RADIUS)
-        planned.z[1], planned.after = corner / tracker.L, after
+    bound = _bound(tracker, planned.z[1] * tracker.L)
+    if bound is not None:
+        kind, travel = bound
+        h, along = planned.h, lambda x: place(x)[1] * tracker.L - travel
+        if along(0.0) * along(h) < 0.0:
+            h = bracketed(along, 0.0, h)
+        planned = made(h, kind, Fixed.RADIUS)
+        planned.z[1] = travel / tracker.L
     return planned
 
 
@@ -160,34 +159,24 @@ def _turn_or_fold(
         at = bracketed(lambda x: slope(x)[0], 0.0, AHEAD * h)
         vertex, before = float(place(at)[1]) * tracker.L, tracker.vertex
         tracker.vertex = vertex
-        lost = 8.0 * math.ulp(tracker.state.parameter) / tracker.T  # gains on the way that are rounding
-        if abs(vertex - before) < SAME_FOLD * tracker.tolerance * tracker.L or place(at)[0] < lost:
+        seen = REPEATED / abs(tracker.slopes.get(Fixed.RADIUS, math.inf))
+        unseen = (8.0 * math.ulp(tracker.state.parameter) + seen) / tracker.T
+        if abs(vertex - before) < SAME_FOLD * tracker.tolerance * tracker.L or place(at)[0] < unseen:
             return made(at, Kind.FOLD, Fixed.RADIUS)
         return made(min(h, TOWARDS_FOLD * at), Kind.TOWARDS if TOWARDS_FOLD * at < h else Kind.NONE)
     return planned
 
 
-def _corner(tracker: Tracker, planned: Plan) -> tuple[float, Kind, float] | None:
-    """The first place on the way at which the slope of the residual changes by more than the tolerance.
-
-    Beside what is there, and the first step from there in the last one.
-    """
-    a, travel = tracker.state.radius, planned.z[1] * tracker.L
-    way = float(np.sign(travel))
-    found: list[tuple[float, Kind, float]] = []
-    if way < 0.0 and a + travel < tracker.least_radius:
-        found.append((tracker.least_radius - a, Kind.LEAST, 1.0))
-    if way > 0.0 and a + travel > tracker.law.rim * (1.0 + 1e-12):
-        found.append((tracker.law.rim - a, Kind.RIM, 1.0))
-    if way and len(tracker.rows) > 1 and abs(planned.tangent[1]) > 1e-7:
-        state, law = tracker.state, tracker.law
-        at, sources = kinks.corners(state, law, travel)
-        if len(at):
-            seen = tracker.gradient(planned.tangent) * tracker.tolerance
-            weight, after = kinks.weights(state, tracker.body, law, abs(travel), seen, at, sources)
-            for i in np.flatnonzero(weight > OVER):
-                found.append((float(at[i]), Kind.CORNER, float(after[i])))
-    return min(found, key=lambda each: way * each[0]) if found else None
+def _bound(tracker: Tracker, travel: float) -> tuple[Kind, float] | None:
+    """A corner, the smallest or the largest radius, if a step goes beyond, and how far away it is."""
+    radius, least, rim = tracker.state.radius, tracker.least_radius, tracker.law.rim
+    if abs(travel) >= abs(tracker.corner) and travel * tracker.corner > 0.0:
+        return Kind.CORNER, tracker.corner
+    if travel < 0.0 and radius + travel < least:
+        return Kind.LEAST, least - radius
+    if travel > 0.0 and radius + travel > rim * (1.0 + 1e-12):
+        return Kind.RIM, rim - radius
+    return None
 
 
 def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
@@ -198,8 +187,8 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
         planned.event = Kind.END  # an event that rounds onto it
     match planned.event:
         case Kind.CORNER:
-            tracker.restart(planned.tangent[:2], planned.after * tracker.h, declare=False)
-            if runs_away(tracker):  # a fold with a kink
+            tracker.restart(planned.tangent[:2], AFTER_CORNER * h, declare=False)
+            if runs_away(tracker):  # a limit point
                 planned.event = Kind.FOLD
         case Kind.TURN:
             if _has_come_to_rest(correction):
@@ -245,7 +234,7 @@ def accept(tracker: Tracker, correction: Correction) -> None:
     tracker.rows.append(correction.s, rise, travel, state.depth, state.force)
     tracker.state = state
     tracker.lasted, tracker.travelled = tracker.lasted + rise, tracker.travelled + travel
-    tracker.vertex -= travel
+    tracker.vertex, tracker.corner = tracker.vertex - travel, tracker.corner - travel
     tracker.zone = correction.trial.zone
     tracker.steps += 1
     if correction.trial.direction:

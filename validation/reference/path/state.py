@@ -21,8 +21,10 @@ LAYER = 2e-3
 _NEAR = np.array([0.0, 1e-3, 1e-2, 0.1, -1e-3, -1e-2, -0.1])
 SKIPPED = 1.5
 """Distance of breaks in entries of the table: every other where alike, each where they are graded."""
+GRADE = 0.5
+"""Largest distance of breaks in that from a kink."""
 SPARSE, SPACING = 0.03, 0.1
-"""Distance of breaks away from kinks and corners, least and largest, in zones (or tenths of the radius)."""
+"""Distance of breaks away from kinks, least and largest, in zones (or tenths of the radius)."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class State:
     ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``: ``int
     e_j^2 dx`` over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
     how deep what it covers still relaxes. ``kinks``: where the load had a kink or the edge turned, in
-    distances from the edge as in the table; ``corners``: where the path had one for that.
+    distances from the edge as in the table.
     """
 
     parameter: float
@@ -47,7 +49,6 @@ class State:
     free_squares: Array
     layer: float = math.inf
     kinks: tuple[float, ...] = ()
-    corners: tuple[float, ...] = ()
 
     def carried(self, body: Body, x: Array) -> tuple[Array, Array]:
         """``G`` at distances (m,) from the edge, and branch forces or unit strains there (m, n)."""
@@ -63,8 +64,8 @@ class State:
 
     @cached_property
     def _marks(self) -> Array:
-        """Kinks and corners that rise, between infinities."""
-        return np.array([-math.inf, *sorted(self.kinks + self.corners), math.inf])
+        """Kinks that rise, between infinities."""
+        return np.array([-math.inf, *sorted(self.kinks), math.inf])
 
     def edges_between(self, low: float, high: float) -> Array:
         """Edges of the table strictly between two distances from the edge."""
@@ -81,7 +82,8 @@ class State:
         gaps = np.full(len(edges) + 1, math.inf)
         gaps[1:-1] = edges[1:] - edges[:-1]
         width = np.minimum(gaps[1:], gaps[:-1])
-        least = np.minimum(np.maximum(SKIPPED * width, np.minimum(0.3 * away, SPARSE * size)), SPACING * size)
+        least = np.maximum(SKIPPED * width, np.minimum(0.3 * away, SPARSE * size))
+        least = np.minimum(least, np.minimum(GRADE * away, SPACING * size))
         sure = away < 1e-12 * size
         kept, last = [], -math.inf
         for x, apart, mark in zip(edges.tolist(), least.tolist(), sure.tolist(), strict=True):

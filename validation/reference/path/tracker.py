@@ -34,8 +34,6 @@ SEEN_TIME = 1e-9
 """Least first step, in the scale of time, where no branch holds anything that would relax sooner."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
-CORNERS = 8
-"""Corners near which breaks of the closure stay dense: older ones are smooth enough."""
 LEAST_CHANGE = 1e-9
 """Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
 FIRST_RADIUS = 1e-2
@@ -75,7 +73,7 @@ class Fixed(StrEnum):
 class Plan:
     """Where a step is to go: ``z = (p/T, a/L, D, F)`` after a way ``h``, and its slopes there.
 
-    ``p`` and ``a`` are those since the step began. ``after``: the first step beyond a corner, in the last.
+    ``p`` and ``a`` are those since the step began.
     """
 
     h: float
@@ -83,7 +81,6 @@ class Plan:
     tangent: Array
     fixed: Fixed
     event: Kind = Kind.NONE
-    after: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -124,7 +121,6 @@ class Tracker:
     h: float = 1.0
     tangent: Array = field(default_factory=lambda: np.array([1.0, 0.0]))
     slopes: dict[Fixed, float] = field(default_factory=dict)
-    steepness: dict[Fixed, float] = field(default_factory=dict)
     fails: int = 0
     evaluations: int = 0
     geometries: int = 0
@@ -133,6 +129,7 @@ class Tracker:
     moving: bool = False
     direction: float = -1.0
     vertex: float = math.nan
+    corner: float = math.nan
     stuck_at: int = -1
     level: Level | None = None
     largest_force: float = 0.0
@@ -170,18 +167,9 @@ class Tracker:
         arrival = trial.arrive(rise)
         return self.law.residual(trial, arrival, not self.leg.timed), arrival
 
-    def gradient(self, tangent: Array) -> float:
-        """Of the residual in the plane of ``p/T`` and ``a/L``, by a slope and the direction of the path."""
-        if Fixed.RADIUS in self.steepness:
-            return abs(self.steepness[Fixed.RADIUS]) * self.T / max(abs(tangent[1]), 1e-300)
-        if Fixed.LOAD in self.steepness:
-            return abs(self.steepness[Fixed.LOAD]) * self.L / max(abs(tangent[0]), 1e-300)
-        return 0.0
-
     def begin(self, leg: Leg, T_leg: float) -> None:
         """A new leg: a kink of the path."""
         self.leg, self.T_leg, self.T = leg, T_leg, T_leg
-        self.steepness = {}
         self.L, self.lasted = min(self.L_run, self.least_scale), 0.0
         self.state = replace(self.state, parameter=leg.start)
         state = self.state
@@ -232,7 +220,7 @@ class Tracker:
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
             least = 0.0 if self.state.held.any() else SEEN_TIME
             h = max(h, least if self.leg.timed else 1e-4)
-        self.h = h
+        self.h, self.corner = h, math.nan
         state = self.state
         if declare:
             self.travelled = 0.0
