@@ -1,8 +1,8 @@
 """Kinks of the fields: where the load had one or the edge turned, what it left has a jump, or one of slope.
 
 The closure has its breaks there. The path has a corner where the edge or an end of its zone comes to one of
-them. Most are slight, and passed over: the next steps are predicted by as many rows as lie behind. A step that
-fails by far is tried again as far as the first corner on its way.
+them. Most are slight, and passed over: the next steps are predicted by as many rows as lie behind. A step
+that fails by far is tried again as far as the first corner on its way.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ class State:
     ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``: ``int
     e_j^2 dx`` over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
     how deep what it covers still relaxes. ``kinks``: where the load had a kink or the edge turned, in
-    distances from the edge as in the table.
+    distances from the edge as in the table; ``corners``: where the path had one for that.
     """
 
     parameter: float
@@ -49,6 +49,7 @@ class State:
     free_squares: Array
     layer: float = math.inf
     kinks: tuple[float, ...] = ()
+    corners: tuple[float, ...] = ()
 
     def carried(self, body: Body, x: Array) -> tuple[Array, Array]:
         """``G`` at distances (m,) from the edge, and branch forces or unit strains there (m, n)."""
@@ -64,8 +65,8 @@ class State:
 
     @cached_property
     def _marks(self) -> Array:
-        """Kinks that rise, between infinities."""
-        return np.array([-math.inf, *sorted(self.kinks), math.inf])
+        """Kinks and corners that rise, between infinities."""
+        return np.array([-math.inf, *sorted(self.kinks + self.corners), math.inf])
 
     def edges_between(self, low: float, high: float) -> Array:
         """Edges of the table strictly between two distances from the edge."""

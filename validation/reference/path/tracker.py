@@ -32,6 +32,8 @@ FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
 SEEN_TIME = 1e-9
 """Least first step, in the scale of time, where no branch holds anything that would relax sooner."""
+CORNERS = 8
+"""Corners near which breaks of the closure stay dense: older ones are smooth enough."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 LEAST_CHANGE = 1e-9

@@ -361,6 +361,7 @@ class Trial:
             if self.direction > 0.0 and arrival.duration
             else state.layer,
             kinks=tuple(kink - self.travel for kink in state.kinks),
+            corners=tuple(corner - self.travel for corner in state.corners),
         )
 
     def parameter(self, arrival: Arrival) -> float:
