@@ -35,7 +35,7 @@ AHEAD = 1.5
 """How far beyond a step, in its way, a turn or fold is looked for."""
 SAME_FOLD = 0.1
 """Change of the place of a fold foreseen, in tolerances, below which it is landed on."""
-REPEATED = 1e-10
+REPEATED = 1e-8
 """Residual that the row of one step may leave in the next, whose closure has other breaks."""
 TOWARDS_FOLD = 0.75
 """Share of the way to a fold that a step goes until the place of the fold is known."""
