@@ -53,7 +53,7 @@ class Options:
     resolution : int, optional
         Another word for the tolerance, which falls with its square; 1 or more. Default 16.
     tolerance : float, optional
-        How far a step may be mispredicted along the path of the edge, relative to the scales that the path
+        How far a step is to be mispredicted along the path of the edge, relative to the scales that the path
         has there, and how far force and radius may leave the straight line between rows, relative to the
         largest. Default 1e-5.
     stop_times, profile_times : tuple of float
