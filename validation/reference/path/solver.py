@@ -173,7 +173,7 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
     if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
         errors["pull_off_force"] = max(abs(tension[0] - tension[1]) / tension[0], mean)
     if detached:
-        ends = [int(np.flatnonzero(run["contact_radius"] > 0.0)[-1]) for run in (fine, coarse)]
+        ends = [_end_of_contact(run) for run in (fine, coarse)]
         for name in ("time", "penetration"):
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
@@ -184,6 +184,12 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
     for name, each in apart.items():
         errors[name] = max(float(each.max()), errors.get("detachment_time", 0.0))
     return errors
+
+
+def _end_of_contact(run: Columns) -> int:
+    """The last row in contact; that after it where contact ends in a point, which takes time."""
+    last = int(np.flatnonzero(run["contact_radius"] > 0.0)[-1])
+    return last if run["time"][last] == run["time"][-1] else len(run["time"]) - 1
 
 
 def _work_apart(fine: Columns, coarse: Columns) -> float:

@@ -1,0 +1,95 @@
+"""Error estimates of the reference on random scenes, against runs at a 64th of the tolerance.
+
+    python -m benchmarks.reference_estimates FAMILY:FROM-TO ...
+
+A line a scene: estimate over true difference of each quantity. At the end, by quantity: how many scenes, the
+median ratio, and how many estimates are below the difference, where that is more than rounding.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import defaultdict
+
+import numpy as np
+
+from benchmarks.reference_path import scene_of, spread, within
+from contact_scene import OutcomeKind, Scene, Trace
+from validation.measure.observables import observe
+from validation.reference.path import Options, solve
+from validation.reference.path.solver import LEAST_LOOP
+
+FINER = 64.0
+"""Tolerance, in that of the run at the other resolution: eight times the resolution."""
+ROUNDING = 1e-11
+"""Difference below which nothing is told."""
+LONGEST = 120.0
+"""Of both runs, in seconds."""
+
+
+def differences(scene: Scene, run: Trace, finer: Trace) -> dict[str, float]:
+    """Relative differences of what a run estimates; of curves at times of both, the largest."""
+    here, there = (observe(trace, ends_in_a_point=scene.ends_in_a_point) for trace in (run, finer))
+    turnover = float(np.abs(np.diff(finer.external_work)).sum())
+    sizes = {
+        "pull_off_force": there.pull_off_force or 0.0,
+        "loop_energy": max(abs(there.loop_energy or 0.0), LEAST_LOOP * turnover),
+        "detachment_time": float(run.time.max()),
+        "detachment_penetration": float(np.abs(run.penetration).max()),
+    }
+    found = {}
+    for name, size in sizes.items():
+        one, other = getattr(here, name), getattr(there, name)
+        if one is not None and other is not None and size > 0.0:
+            found[name] = abs(one - other) / size
+    once = [np.unique(trace.time, return_counts=True) for trace in (run, finer)]
+    times = np.intersect1d(*(moments[counts == 1] for moments, counts in once))
+    for name in ("force", "contact_radius"):
+        one, other = (trace.columns()[name][np.isin(trace.time, times)] for trace in (run, finer))
+        if len(times) and np.abs(other).max() > 0.0:
+            found[name] = float(np.abs(one - other).max() / np.abs(other).max())
+    return found
+
+
+def compared(scene: Scene) -> dict[str, tuple[float, float]]:
+    """Estimate and true difference by quantity; nothing where a run has no estimate."""
+    run = solve(scene, Options(estimate_errors=True))
+    if not run.errors:
+        return {}
+    step = Options().step_tolerance / FINER
+    finer = solve(scene, Options(tolerance=step, stop_times=tuple(run.time.tolist())))
+    if finer.outcome.kind is not run.outcome.kind or finer.outcome.kind is OutcomeKind.BREAKDOWN:
+        raise ArithmeticError(f"{run.outcome.kind}, and {finer.outcome.kind} at the finer tolerance")
+    found = differences(scene, run, finer)
+    return {name: (run.errors[name], found[name]) for name in run.errors if name in found}
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scenes", nargs="+")
+    pairs: defaultdict[str, list[tuple[float, float]]] = defaultdict(list)
+    for name in spread(parser.parse_args().scenes):
+        scene = scene_of(name)
+        if scene is None:
+            continue
+        try:
+            found = within(LONGEST, lambda scene=scene: compared(scene))
+        except Exception as error:
+            print(f"{name:20s} FAILED {type(error).__name__}: {error}", flush=True)
+            continue
+        told = [f"{key} {one:.0e}/{other:.0e}" for key, (one, other) in found.items()]
+        below = [key for key, (one, other) in found.items() if one < other > ROUNDING]
+        print(f"{name:20s}", *told, *(f"BELOW: {key}" for key in below), flush=True)
+        for key, pair in found.items():
+            pairs[key].append(pair)
+    for key, each in pairs.items():
+        one, other = np.array(each).T
+        seen = other > ROUNDING
+        ratio = one[seen] / other[seen]
+        middle = f": median {np.median(ratio):.1f}, {(ratio < 1.0).sum()} below" if seen.any() else ""
+        print(f"{key:24s} {seen.sum()} of {len(each)} scenes{middle}")
+
+
+if __name__ == "__main__":
+    main()
