@@ -36,6 +36,8 @@ CORNERS = 8
 """Corners near which breaks of the closure stay dense: older ones are smooth enough."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
+LOST_FORCE = 1e-12
+"""Force without adhesion, in the largest, at which contact is lost."""
 LEAST_CHANGE = 1e-9
 """Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
 FIRST_RADIUS = 1e-2
@@ -270,12 +272,7 @@ class Tracker:
         """Whether a contact without adhesion has come to a force that is nothing."""
         forces = self.rows.table[-2:, 4]
         falling = len(forces) > 1 and forces[1] < forces[0]
-        return falling and self.law.adhesion is None and forces[1] <= self._no_force * self.largest_force
-
-    @property
-    def _no_force(self) -> float:
-        """Force, in the largest, whose rounding is the tolerance: a contact that bears less is lost."""
-        return math.ulp(1.0) / self.tolerance
+        return falling and self.law.adhesion is None and forces[1] <= LOST_FORCE * self.largest_force
 
     @property
     def least_radius(self) -> float:
@@ -292,5 +289,5 @@ class Tracker:
         """Radius of an elastic contact whose force is lost in the rounding of the largest."""
         body, radius = self.body, self.L_run / SMALL_PART
         largest = radius * body.shape(radius) - body.transform.integral(radius)
-        least = 2.0 * body.rheology.relaxed * self._no_force * largest
+        least = 2.0 * body.rheology.relaxed * LOST_FORCE * largest
         return max(pressed_radius(body, least, self.law.rim), STILL * self.L_run)
