@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 from collections import defaultdict
+from functools import partial
 
 import numpy as np
 
@@ -74,7 +75,7 @@ def main() -> None:
         if scene is None:
             continue
         try:
-            found = within(LONGEST, lambda scene=scene: compared(scene))
+            found = within(LONGEST, partial(compared, scene))
         except Exception as error:
             print(f"{name:20s} FAILED {type(error).__name__}: {error}", flush=True)
             continue
