@@ -192,6 +192,26 @@ def test_rows_of_a_table_on_a_straight_line_are_no_kinks():
     assert steps[0] == steps[1]
 
 
+def test_rows_of_a_table_on_a_smooth_curve_are_no_kinks():
+    scene = load("cycle-v0.02").scene
+    times = np.linspace(0.0, 3.0, 1001)
+    depths = 0.015 * (1.0 - np.cos(2.0 * np.pi * times / 3.0))
+    table = Table(tuple(times.tolist()), tuple(depths.tolist()))
+    trace = solve(replace(scene, loading=replace(scene.loading, steps=(table,))))
+    assert trace.counters.steps < len(times)
+    assert -trace.force.min() == pytest.approx(8.967144e-3, rel=1e-6)
+
+
+def test_what_earlier_turns_leave_costs_no_more_from_cycle_to_cycle():
+    """Eight cycles, each turn of which leaves a kink that the next pass; force and work by another solver."""
+    scene = load("cycle-v0.02").scene
+    cycles = replace(scene.loading, steps=(Ramp(0.032, 0.02), Ramp(0.022, 0.02)) * 8)
+    trace = solve(replace(scene, loading=cycles))
+    assert trace.force[-1] == pytest.approx(-1.386357906e-02, abs=1e-7 * trace.force.max())
+    assert trace.external_work[-1] == pytest.approx(6.947087662e-04, rel=1e-6)
+    assert trace.counters.steps + trace.counters.rejected_steps < 8 * 150
+
+
 def test_an_edge_that_closes_on_a_ragged_profile_jumps_ahead():
     trace = solve(scene_of("plain:218"))
     assert trace.outcome.kind is OutcomeKind.DETACHED

@@ -49,6 +49,8 @@ from validation.reference.sneddon import transform
 
 Array = NDArray[np.float64]
 NO_STABLE_CONTACT = "no stable contact is left"
+SLIGHT = 10.0
+"""Kink of a load, in tolerances of its change, that steps pass over: results change by a tenth of one."""
 SHORTEST = 16.0
 """Leg, in units of the last place of its end, below which it is lost in rounding."""
 AT_LOAD = 1e-12
@@ -78,18 +80,24 @@ def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
 def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
     """What a load step is made of between its kinks.
 
-    One at which the rate differs by less than the tolerance from that at which the leg began is none.
+    A row of a table is none where the lines that meet there are nearly a smooth curve, which they leave by an
+    eighth of the jump of the rate times the longer of them.
     """
-    marks = sorted({segment.start, *segment.kinks})
-    kept = marks[:1]
-    for at in marks[1:]:
-        before, after = segment.rate(kept[-1]), segment.rate(at)
-        if abs(after - before) > tolerance * max(abs(before), abs(after)):
-            kept.append(at)
-    straight = segment.linear and segment.control == "penetration"
-    for begin, end in pairwise((*kept, segment.end)):
+    marks = [*sorted({segment.start, *segment.kinks}), segment.end]
+    values, rates = [segment.value(at) for at in marks], [segment.rate(at) for at in marks[:-1]]
+    allowed = 8.0 * SLIGHT * tolerance * (max(values) - min(values))
+    kept = [0]
+    for i in range(1, len(rates)):
+        longer = max(marks[i] - marks[i - 1], marks[i + 1] - marks[i])
+        if abs(rates[i] - rates[i - 1]) * longer > allowed:
+            kept.append(i)
+    for first, last in pairwise((*kept, len(rates))):
+        begin, end, rate = marks[first], marks[last], None
+        if segment.linear and segment.control == "penetration":
+            mean = (values[last] - values[first]) / (end - begin) if end > begin else 0.0
+            off = max(abs(each - mean) for each in rates[first:last])
+            rate = mean if off <= tolerance * abs(mean) else None
         if end - begin >= SHORTEST * math.ulp(end):
-            rate = (segment.value(end) - segment.value(begin)) / (end - begin) if straight else None
             yield Leg(segment.control, segment.value, begin, end, True, rate, segment.compliance)
 
 
