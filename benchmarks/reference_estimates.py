@@ -18,7 +18,7 @@ from benchmarks.reference_path import scene_of, spread, within
 from contact_scene import OutcomeKind, Scene, Trace
 from validation.measure.observables import observe
 from validation.reference.path import Options, solve
-from validation.reference.path.solver import LEAST_LOOP
+from validation.reference.path.solver import LEAST_LOOP, distances
 
 FINER = 64.0
 """Tolerance, in that of the run at the other resolution: eight times the resolution."""
@@ -29,7 +29,7 @@ LONGEST = 120.0
 
 
 def differences(scene: Scene, run: Trace, finer: Trace) -> dict[str, float]:
-    """Relative differences of what a run estimates; of curves at times of both, the largest."""
+    """Relative differences of what a run estimates; of curves the largest distance."""
     here, there = (observe(trace, ends_in_a_point=scene.ends_in_a_point) for trace in (run, finer))
     turnover = float(np.abs(np.diff(finer.external_work)).sum())
     sizes = {
@@ -43,12 +43,8 @@ def differences(scene: Scene, run: Trace, finer: Trace) -> dict[str, float]:
         one, other = getattr(here, name), getattr(there, name)
         if one is not None and other is not None and size > 0.0:
             found[name] = abs(one - other) / size
-    once = [np.unique(trace.time, return_counts=True) for trace in (run, finer)]
-    times = np.intersect1d(*(moments[counts == 1] for moments, counts in once))
     for name in ("force", "contact_radius"):
-        one, other = (trace.columns()[name][np.isin(trace.time, times)] for trace in (run, finer))
-        if len(times) and np.abs(other).max() > 0.0:
-            found[name] = float(np.abs(one - other).max() / np.abs(other).max())
+        found[name] = float(distances(run.columns(), finer.columns(), name).max())
     return found
 
 

@@ -163,7 +163,7 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
     ``fine`` are rows of ``coarse``, too.
     """
     errors = {}
-    apart = {name: _distances(fine, coarse, name) for name in ("contact_radius", "force")}
+    apart = {name: distances(fine, coarse, name) for name in ("contact_radius", "force")}
     mean = max(float(np.sqrt(np.mean(each**2))) for each in apart.values())
     turnover = float(np.abs(np.diff(fine["external_work"])).sum())
     if turnover > 0.0:
@@ -199,7 +199,7 @@ def _work_apart(fine: Columns, coarse: Columns) -> float:
     return float(np.abs(fine["external_work"][here] - coarse["external_work"][there]).max())
 
 
-def _distances(fine: Columns, coarse: Columns, name: str) -> Array:
+def distances(fine: Columns, coarse: Columns, name: str) -> Array:
     """Distances of the rows of the finer run from the polygon through those of the other."""
     scale, span = float(np.abs(fine[name]).max()) or 1.0, float(np.ptp(fine["time"])) or 1.0
     rows = np.column_stack((fine["time"] / span, fine[name] / scale))
