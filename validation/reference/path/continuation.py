@@ -316,6 +316,7 @@ class Continuation(Tracker):
         """Root by secants; where rounding stops them, the best point if it is one."""
         f = function(x)
         enough = RESIDUAL if of is Fixed.RADIUS else self.noise
+        rounding = 4.0 * math.ulp(self.state.parameter) if of is Fixed.RADIUS else 0.0
         if abs(f) < enough:
             return x
         slope = self.slopes.get(of)
@@ -334,7 +335,7 @@ class Continuation(Tracker):
             best = min(best, (abs(value), after))
             x, f = after, value
             after = x - f / slope
-            if abs(f) < enough or abs(after - x) < NARROW * abs(x):
+            if abs(f) < enough or abs(after - x) < max(NARROW * abs(x), rounding):
                 self.slopes[of] = slope
                 return x
         return best[1] if best[0] < 10.0 * self.noise else None
