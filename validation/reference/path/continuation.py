@@ -39,8 +39,8 @@ DEPARTURES = 3
 """Times that a departure is looked for, each with the step that ended at the one before."""
 TURNED = 0.01
 """Slope back, in the mean slope of a step, from which on the edge has turned: 1e-5 of the step is lost."""
-NARROW = 1e-12
-"""Change of a root by a secant, relative to it, which is rounding."""
+NARROW = 1e-4
+"""Change of a root by a secant, relative to it and in tolerances, with which it is found."""
 SEEN = 1e6
 """Difference of two radii, in zones and the rounding of the residual, that tells the slope."""
 UNFORESEEN = 1e-2
@@ -335,7 +335,8 @@ class Continuation(Tracker):
             best = min(best, (abs(value), after))
             x, f = after, value
             after = x - f / slope
-            if abs(f) < enough or abs(after - x) < max(NARROW * abs(x), rounding):
+            found = max(NARROW * self.tolerance * abs(x), rounding)
+            if abs(f) < enough or abs(after - x) < found:
                 self.slopes[of] = slope
                 return x
         return best[1] if best[0] < 10.0 * self.noise else None

@@ -40,6 +40,11 @@ class EdgeLaw:
         """Whether an opening edge takes up what its speed tells."""
         return self.adhesion is not None and self.adhesion.rate is not None
 
+    @property
+    def folds(self) -> bool:
+        """Whether an edge that opens may run away: what it takes up has a bound at any speed."""
+        return self.adhesion is not None and math.isfinite(self.adhesion.opening(math.inf))
+
     def allowed_speed(self, integral: float) -> float:
         """Speed at which the rate law lets an edge open."""
         return opening_speed(self.adhesion, integral) if self.adhesion else 0.0

@@ -151,11 +151,7 @@ def _turn_or_fold(
             return made(0.6 * at)
         if place(at)[0] > 0.0:
             return made(at, Kind.TURN, Fixed.LOAD)
-    if (
-        planned.fixed is Fixed.RADIUS
-        and first[0] > 0.0 > ahead[0]
-        and (tracker.law.zone > 0.0 or first[1] > 0.0)
-    ):
+    if planned.fixed is Fixed.RADIUS and first[0] > 0.0 > ahead[0] and (tracker.law.folds or first[1] > 0.0):
         at = bracketed(lambda x: slope(x)[0], 0.0, AHEAD * h)
         vertex, before = float(place(at)[1]) * tracker.L, tracker.vertex
         tracker.vertex = vertex
@@ -243,8 +239,6 @@ def accept(tracker: Tracker, correction: Correction) -> None:
 
 def runs_away(tracker: Tracker) -> bool:
     """Whether an edge that sets off, or has come to a kink, is driven the more the farther it gets."""
-    if tracker.law.rated and tracker.leg.timed and tracker.direction < 0.0:
-        return False
     state = tracker.state
     values = []
     for share in (0.01, 0.02):
