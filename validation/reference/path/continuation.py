@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import events, kinks
-from validation.reference.path.numerics import DEGREE
+from validation.reference.path.numerics import DEGREE, bracketed
 from validation.reference.path.tracker import RESIDUAL, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 
@@ -39,8 +39,13 @@ DEPARTURES = 3
 """Times that a departure is looked for, each with the step that ended at the one before."""
 TURNED = 0.01
 """Slope back, in the mean slope of a step, from which on the edge has turned: 1e-5 of the step is lost."""
+SPEED = 100.0
+"""Misprediction, in tolerances, that is as bad as one of all of the duration of a step, where the law asks for
+the speed of the edge: a collapse takes no time to speak of, and is not seen on the scale of time."""
 NARROW = 1e-4
 """Change of a root by a secant, relative to it and in tolerances, with which it is found."""
+SECANTS = 12
+"""Most secants: they converge in four, or do not."""
 SEEN = 1e6
 """Difference of two radii, in zones and the rounding of the residual, that tells the slope."""
 UNFORESEEN = 1e-2
@@ -184,7 +189,10 @@ class Continuation(Tracker):
         force = trial.force_at(arrival)
         self.largest_force = max(self.largest_force, abs(self.state.force))
         load = (force - plan.z[3]) / (self.largest_force or 1.0)
-        return math.hypot(across, depth, load)
+        speed = 0.0
+        if self.law.rated and self.leg.timed and trial.direction < 0.0 < arrival.rise:
+            speed = SPEED * self.tolerance * abs(off_p) * self.T / arrival.rise
+        return max(math.hypot(across, depth, load), speed)
 
     def _at_radius(self, plan: Plan) -> Correction | None:
         """The load parameter at which the edge is at the predicted radius."""
@@ -241,17 +249,16 @@ class Continuation(Tracker):
 
         size = 1e-3 * max(plan.h, 1e-6) * self.L * min(1.0, zone / self.L if zone else 1.0)
         size = max(size, zone * min(0.01, SEEN * self.noise))
+        # after a kink no direction is known
+        near = self.L * (10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN)
         if self.law.rated and guess >= 0.0 and self.leg.timed:
             function(0.0)
             allowed = self.law.allowed_speed(trials[0.0][1].integral)
             if allowed > 0.0:
-                guess = -max(allowed * p, 1e-3 * self.still)
+                guess = -min(allowed * p, near)
                 size = -0.5 * guess
         root = self._secants(function, guess, size, Fixed.LOAD, -math.inf)
-        near = (
-            10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN
-        )  # after a kink no direction is known
-        if root is None or abs(root - guess) > near * self.L:
+        if root is None or abs(root - guess) > near:
             return None
         trial, arrival = trials[root]
         error = self.mispredicted(plan, trial, arrival)
@@ -313,7 +320,10 @@ class Continuation(Tracker):
         of: Fixed,
         least: float,
     ) -> float | None:
-        """Root by secants; where rounding stops them, the best point if it is one."""
+        """Root by secants; where rounding stops them, the best point if it is one.
+
+        Where they lose their way, it is looked for between points on either side of it.
+        """
         f = function(x)
         enough = RESIDUAL if of is Fixed.RADIUS else self.noise
         rounding = 4.0 * math.ulp(self.state.parameter) if of is Fixed.RADIUS else 0.0
@@ -321,8 +331,8 @@ class Continuation(Tracker):
             return x
         slope = self.slopes.get(of)
         after = x - f / slope if slope else (x + size if of is Fixed.RADIUS else x - math.copysign(size, f))
-        best = abs(f), x
-        for count in range(12):
+        best, sides = (abs(f), x), {f > 0.0: x}
+        for count in range(SECANTS):
             if slope and after == x:  # no number lies closer
                 return x
             after = max(after, least)
@@ -332,11 +342,15 @@ class Continuation(Tracker):
             if count and self.noise > abs(value) > 0.1 * abs(f):  # rounding: no secant leads closer
                 return min(best, (abs(value), after))[1]
             slope = (value - f) / (after - x)
-            best = min(best, (abs(value), after))
+            best, sides[value > 0.0] = min(best, (abs(value), after)), after
             x, f = after, value
             after = x - f / slope
             found = max(NARROW * self.tolerance * abs(x), rounding)
             if abs(f) < enough or abs(after - x) < found:
                 self.slopes[of] = slope
                 return x
+        if best[0] >= 10.0 * self.noise and len(sides) == 2:
+            narrow = NARROW * self.tolerance * max(map(abs, sides.values()))
+            x = bracketed(function, *sides.values(), narrow)
+            best = abs(function(x)), x
         return best[1] if best[0] < 10.0 * self.noise else None

@@ -84,9 +84,10 @@ class EdgeLaw:
             return value / adhesion.closing - 1.0
         if not self.rated or trial.direction == 0.0:
             return value / adhesion.work - 1.0
-        if at_once or arrival.duration == 0.0:
+        speed = 0.0 if at_once else -trial.speed(arrival)
+        if at_once or not arrival.duration > 0.0 or not 0.0 <= speed < math.inf:  # in no time, or less
             return value / adhesion.opening(math.inf) - 1.0
-        return self._rated(adhesion, value, -trial.speed(arrival), arrival.duration)
+        return self._rated(adhesion, value, speed, arrival.duration)
 
     def _rated(self, adhesion: Adhesion, value: float, speed: float, duration: float) -> float:
         """How far an opening edge is from its rate law, in work and in travel over the zone at once.
@@ -98,4 +99,4 @@ class EdgeLaw:
         if value <= adhesion.work:
             return travel + min(value / adhesion.closing - 1.0, 0.0)  # it would close
         work = (value - adhesion.opening(max(speed, 0.0))) / adhesion.work
-        return 1.0 / (1.0 / work + 1.0 / travel) if work * travel > 0.0 else 0.0
+        return work / (1.0 + work / travel) if work * travel > 0.0 else 0.0

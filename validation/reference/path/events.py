@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path.numerics import bracketed
-from validation.reference.path.tracker import FIRST_STEP, Correction, Fixed, Kind, Plan, Tracker
+from validation.reference.path.tracker import FIRST_STEP, SMALL_PART, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
@@ -231,6 +231,7 @@ def accept(tracker: Tracker, correction: Correction) -> None:
     tracker.state = state
     tracker.lasted, tracker.travelled = tracker.lasted + rise, tracker.travelled + travel
     tracker.vertex, tracker.corner = tracker.vertex - travel, tracker.corner - travel
+    tracker.depth = max(tracker.depth, SMALL_PART * abs(state.depth))
     tracker.zone = correction.trial.zone
     tracker.steps += 1
     if correction.trial.direction:

@@ -54,10 +54,10 @@ def inverse(way: Array, rise: Array) -> Array:
     Where it sets off or arrives with no slope, a turn of the edge, it is a square root: the parabola with
     the same slopes at both ends tells where to begin.
     """
-    if not len(rise):
-        return rise
-    orders = np.arange(len(way))
     whole = float(way.sum())
+    if not len(rise) or not whole:  # lost in rounding
+        return 0.0 * rise
+    orders = np.arange(len(way))
     share = np.minimum(np.maximum(rise / whole, 0.0), 1.0)
     linear = min(max(1.0 + 0.5 * float(way[1] - way @ orders) / whole, 0.0), 2.0)
     root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))

@@ -393,4 +393,5 @@ class Trial:
         """``da/dt`` at the end."""
         orders = np.arange(len(self.segment.way))
         slope = float(self.segment.way @ orders)
-        return slope / float(arrival.motion.clock @ orders)
+        time = float(arrival.motion.clock @ orders)
+        return slope / time if time else math.copysign(math.inf, slope)
