@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from contact_scene import (
@@ -19,8 +18,6 @@ from contact_scene import (
     Scene,
     Sphere,
 )
-from validation.reference.path.memory import NODES, collocation
-from validation.reference.path.numerics import powers
 from validation.reference.path.solver import solve
 
 BRANCHES = (Branch(4.8, 10.1), Branch(3.56, 0.447), Branch(0.012, 0.0034))
@@ -31,7 +28,7 @@ SCENES = {
     # a zone of 1.7e-7 of the radius under a jump of the load: rounding of the radius is 1e-9 zones
     "jump": (
         Scene(
-            SOFT, Adhesion(1.46e-6, 3.8e-8), Sphere(3.75), Loading("jump-in", 0.0134, (Force(-3e-4, 65.5),))
+            SOFT, Sphere(3.75), Loading("jump-in", 0.0134, (Force(-3e-4, 65.5),)), Adhesion(1.46e-6, 3.8e-8)
         ),
         OutcomeKind.DETACHED,
     ),
@@ -39,9 +36,9 @@ SCENES = {
     "collapse": (
         Scene(
             CUT,
-            Adhesion(0.000597, 1.67e-7, 0.000241, PowerRate(0.000622, 0.283)),
             Cone(87.6),
             Loading("relaxed", 0.000185, (Ramp(-0.000741, 0.00573),)),
+            Adhesion(0.000597, 1.67e-7, 0.000241, PowerRate(0.000622, 0.283)),
         ),
         OutcomeKind.BELOW_ZONE,
     ),
@@ -49,9 +46,9 @@ SCENES = {
     "sinking": (
         Scene(
             Material(0.75, 0.5, ()),
-            Adhesion(3.94e-5, 9.42e-8, 1.38e-6, PowerRate(0.474, 1.29)),
             Sphere(1.0),
             Loading("relaxed", 0.00836, (Force(-0.00346, 0.966),)),
+            Adhesion(3.94e-5, 9.42e-8, 1.38e-6, PowerRate(0.474, 1.29)),
         ),
         OutcomeKind.BELOW_ZONE,
     ),
@@ -59,9 +56,9 @@ SCENES = {
     "saturated": (
         Scene(
             Material(44400.0, 0.3, (Branch(1640.0, 3.4), Branch(2450.0, 4390.0))),
-            Adhesion(0.000292, 1.17e-10, 0.000199, SATURATES),
             Sphere(0.0013),
             Loading("jump-in", 1.16e-5, (Force(1.75e-4, 13.0), Force(8.62e-5, 252.0))),
+            Adhesion(0.000292, 1.17e-10, 0.000199, SATURATES),
         ),
         OutcomeKind.COMPLETED,
     ),
@@ -75,14 +72,3 @@ def test_outcomes_are_events(name: str) -> None:
     trace = solve(scene)
     assert trace.outcome.kind is outcome
     assert trace.counters.steps + trace.counters.rejected_steps < 2000
-
-
-def test_the_memory_keeps_its_digits() -> None:
-    """A change of the penetration by 1e-10 of it is known to the rounding of the whole, all along a step."""
-    clock = np.array([0.0, 1e-3, 0.0, 0.0, 0.0])
-    motion = collocation(np.array([1.0]), clock, np.array([0.5]), 1.0, 1e-10 * NODES, 0.0 * NODES).motion()
-    u = np.linspace(0.0, 1.0, 101)
-    _, memory, depth = motion.during(powers(u, len(NODES) - 1))
-    assert np.abs(depth - 1.0 - 1e-10 * u).max() < 1e-15
-    faded = 0.5 * np.exp(-1e-3 * u) + 1e-10 * u
-    assert np.abs(memory[:, 0] - faded).max() < 1e-13

@@ -40,8 +40,8 @@ DEPARTURES = 3
 TURNED = 0.01
 """Slope back, in the mean slope of a step, from which on the edge has turned: 1e-5 of the step is lost."""
 SPEED = 100.0
-"""Misprediction, in tolerances, that is as bad as one of all of the duration of a step, where the law asks for
-the speed of the edge: a collapse takes no time to speak of, and is not seen on the scale of time."""
+"""Misprediction, in tolerances, as bad as one of all of the duration of a step, where the law asks for the
+speed of the edge: a collapse takes no time to speak of, and is not seen on the scale of time."""
 NARROW = 1e-4
 """Change of a root by a secant, relative to it and in tolerances, with which it is found."""
 SECANTS = 12
@@ -160,7 +160,8 @@ class Continuation(Tracker):
         self.slopes = {}
         if self.h < SMALLEST_STEP or self.fails > 40:
             self.fails = 0
-            return Kind.FOLD if self.moving and events.runs_away(self) else Kind.LOST
+            known = self.tolerance * self.state.radius
+            return Kind.FOLD if self.moving and events.runs_away(self, known) else Kind.LOST
         return Kind.REJECTED
 
     def _correct(self, plan: Plan) -> Correction | None:
@@ -350,7 +351,7 @@ class Continuation(Tracker):
                 self.slopes[of] = slope
                 return x
         if best[0] >= 10.0 * self.noise and len(sides) == 2:
-            narrow = NARROW * self.tolerance * max(map(abs, sides.values()))
-            x = bracketed(function, *sides.values(), narrow)
+            first, last = sides.values()
+            x = bracketed(function, first, last, NARROW * self.tolerance * max(abs(first), abs(last)))
             best = abs(function(x)), x
         return best[1] if best[0] < 10.0 * self.noise else None

@@ -238,12 +238,15 @@ def accept(tracker: Tracker, correction: Correction) -> None:
         tracker.moving, tracker.direction = True, correction.trial.direction
 
 
-def runs_away(tracker: Tracker) -> bool:
-    """Whether an edge that sets off, or has come to a kink, is driven the more the farther it gets."""
+def runs_away(tracker: Tracker, known: float = 0.0) -> bool:
+    """Whether an edge that sets off, or has come to a kink, is driven the more the farther it gets.
+
+    ``known``: how well its place is.
+    """
     state = tracker.state
     values = []
     for share in (0.01, 0.02):
-        travel = tracker.direction * share * (tracker.law.zone or state.radius)
+        travel = tracker.direction * max(share * (tracker.law.zone or state.radius), 100.0 * share * known)
         trial = tracker.trial(travel, share, 1)
         values.append(tracker.residual(trial, 0.0)[0] * tracker.direction)
     return values[0] < 0.0 and values[1] < SAME * values[0]
