@@ -257,7 +257,9 @@ class Recorder:
         ends, at = (0.5 * foreseen, 0.5 * (1.0 + foreseen)), foreseen
         if slope(ends[0]) * slope(ends[1]) < 0.0:  # else a step too short for a dense path
             at = bracketed(slope, *ends, NARROW**2)
-        if trial.direction and self.law.adhesion is not None:
+        if (
+            trial.direction and self.law.adhesion is not None and not self.law.rated
+        ):  # one secant tells no speed
             middle = min(max(at, VERTEX), 1.0 - VERTEX)
             way, height = self._vertex(trial, arrival, middle)
             place = middle + VERTEX * way
