@@ -327,7 +327,8 @@ class Continuation(Tracker):
         """
         f = function(x)
         enough = RESIDUAL if of is Fixed.RADIUS else self.noise
-        rounding = 4.0 * math.ulp(self.state.parameter) if of is Fixed.RADIUS else 0.0
+        timeless = of is Fixed.RADIUS and not self.law.rated  # a speed is known closer than the time
+        rounding = 4.0 * math.ulp(self.state.parameter) if timeless else 0.0
         if abs(f) < enough:
             return x
         slope = self.slopes.get(of)
