@@ -200,7 +200,7 @@ class Continuation(Tracker):
         p, a = plan.z[0] * self.T, plan.z[1] * self.L
         s = self.chord(p, a)
         trial = self.trial(a, s)
-        found = self.solve_parameter(trial, p, 1e-3 * self.h * self.T)
+        found = self.solve_parameter(trial, p, 1e-3 * (p if p > 0.0 else self.h * self.T))
         if found is None:
             return None
         arrival, steepness = found

@@ -193,10 +193,10 @@ def _end_of_contact(run: Columns) -> int:
 
 
 def _work_apart(fine: Columns, coarse: Columns) -> float:
-    """Most that the works of two runs differ by at times of both, and at the end."""
-    _, here, there = np.intersect1d(fine["time"], coarse["time"], return_indices=True)
-    here, there = np.append(here, -1), np.append(there, -1)
-    return float(np.abs(fine["external_work"][here] - coarse["external_work"][there]).max())
+    """Most that the works of two runs differ by along the way, and at the end."""
+    works = fine["external_work"], coarse["external_work"]
+    along = float(distances(fine, coarse, "external_work").max()) * float(np.abs(works[0]).max())
+    return max(along, abs(float(works[0][-1] - works[1][-1])))
 
 
 def distances(fine: Columns, coarse: Columns, name: str) -> Array:
