@@ -351,7 +351,7 @@ class Continuation(Tracker):
             if abs(f) < enough or abs(after - x) < found:
                 self.slopes[of] = slope
                 return x
-        if best[0] >= 10.0 * self.noise and len(sides) == 2:
+        if best[0] >= 10.0 * self.noise and len(sides) == 2 and of is Fixed.LOAD:
             first, last = sides.values()
             x = bracketed(function, first, last, NARROW * self.tolerance * max(abs(first), abs(last)))
             best = abs(function(x)), x
