@@ -351,8 +351,9 @@ class Continuation(Tracker):
             if abs(f) < enough or abs(after - x) < found:
                 self.slopes[of] = slope
                 return x
-        if best[0] >= 10.0 * self.noise and len(sides) == 2 and of is Fixed.LOAD:
-            first, last = sides.values()
+        first, last = sides.get(True, 0.0), sides.get(False, 0.0)
+        one_way = of is Fixed.LOAD and first * last > 0.0  # at rest the edge changes its law
+        if best[0] >= 10.0 * self.noise and one_way:
             x = bracketed(function, first, last, NARROW * self.tolerance * max(abs(first), abs(last)))
             best = abs(function(x)), x
         return best[1] if best[0] < 10.0 * self.noise else None
