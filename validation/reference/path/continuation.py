@@ -61,7 +61,8 @@ class Continuation(Tracker):
         plan = events.plan(self)
         correction = self._correct(plan)
         error = math.inf if correction is None else correction.error / self._allowed(plan)
-        if len(self.rows) == 1 and correction is not None:
+        first = len(self.rows) == 1
+        if first and correction is not None:
             error = 0.0  # nothing to judge by: the first step is small
         if correction is not None and error <= REJECTED:
             passed_by = self._falls(plan, correction) or self._turns(correction.trial)
@@ -74,7 +75,7 @@ class Continuation(Tracker):
         events.finish(self, plan, correction)
         self.rows.order = min(len(self.rows), order)
         if plan.event is Kind.NONE:
-            self.h = plan.h * max(LEAST_GROWTH, growth)
+            self.h = (correction.s if first else plan.h) * max(LEAST_GROWTH, growth)
         return plan.event
 
     def _allowed(self, plan: Plan) -> float:
