@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Literal
 
@@ -257,12 +257,13 @@ class FiniteElements(Solver):
         return 0.01 * largest_contact_radius(scene) / (resolution or ADHESIONLESS_DIVISIONS)
 
     def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
-        """Half the resolution, with its mesh, and four times the step tolerance; or the reverse."""
+        """Half the resolution, twice the grading, four times the step tolerance; or the reverse."""
         from fem_solver.options import DEFAULT_TOLERANCE
 
         divisions, other = self._other_resolution(scene, resolution)
         ratio = divisions / other
-        run = partial(self.solve, scene, other, step_tolerance=ratio**2 * DEFAULT_TOLERANCE)
+        method = replace(self, grading=ratio * self._growth(divisions))
+        run = partial(method.solve, scene, other, step_tolerance=ratio**2 * DEFAULT_TOLERANCE)
         return ComparisonRun(run, ratio)
 
 
