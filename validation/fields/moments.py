@@ -29,10 +29,7 @@ _FOLLOWED_BEYOND = 240.0
 """Contact radius, in process zones, beyond which the mesh of a run with fields follows the edge, later than
 that of others: one that is fine along the whole path knows where energy has been dissipated, though it comes
 to gigabytes and a quarter of an hour."""
-_GRADING = 0.14
-"""Growth of the element size with the distance from the edge: under the middle of a contact, where no strip
-is fine, the stress is off by 0.9 % of the largest at every resolution, twice that at 0.2."""
-METHOD = FiniteElements(followed_beyond=_FOLLOWED_BEYOND, grading=_GRADING)
+METHOD = FiniteElements(followed_beyond=_FOLLOWED_BEYOND)
 """Only finite elements know the body."""
 PULL_OFF = "pull-off"
 HUNDREDTH = 0.01
