@@ -115,17 +115,10 @@ def moments(curve: MeasuredCurve) -> Moments:
 
 
 def _first_free(curve: MeasuredCurve, outward: NDArray[np.intp], noise: float, never: int) -> int:
-    """The first row without contact of those in which the drive moves out, or ``never``.
-
-    One straight line that rises out of the noise is contact throughout, not a baseline.
-    """
+    """The first row without contact of those in which the drive moves out, or ``never``."""
     if outward.size < FEWEST_ROWS:
         return never
-    position, force = curve.position[outward], curve.force[outward]
-    lost = loss_of_contact(position, force, noise).row
-    if lost is not None and lost <= 1:
-        rise = float(np.polyfit(position, force, 1)[0]) * float(np.ptp(position))
-        lost = None if rise > OFF * noise else lost
+    lost = loss_of_contact(curve.position[outward], curve.force[outward], noise).row
     return never if lost is None else int(outward[lost])
 
 
