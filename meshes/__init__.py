@@ -8,13 +8,14 @@ Importing this package does not load gmsh.
 from meshes.around_edge import EdgeMeshes
 from meshes.halfspace import cached, half_space
 from meshes.mesh import BOUNDARIES, HalfSpaceMesh
-from meshes.parameters import DOMAIN_RATIO, FAMILIES, MeshParameters, fit
+from meshes.parameters import DOMAIN_RATIO, FAMILIES, WIDEST, MeshParameters, fit
 from meshes.structured import structured_half_space
 
 __all__ = [
     "BOUNDARIES",
     "DOMAIN_RATIO",
     "FAMILIES",
+    "WIDEST",
     "EdgeMeshes",
     "HalfSpaceMesh",
     "MeshParameters",

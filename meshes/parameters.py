@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass
 
 FAMILIES = ("gmsh", "structured")
+WIDEST = 0.5
+"""Growth of the element size with the distance from the strip, at most."""
 DOMAIN_RATIO = 400.0
 """Radius of the domain over the largest radius that is fine, where none is specified."""
 
@@ -64,7 +66,7 @@ class MeshParameters:
         _require(self.fine_size > 0, "fine_size", self.fine_size, "a length > 0")
         _require(self.fine_from >= 0, "fine_from", self.fine_from, "a radius >= 0")
         _require(self.fine_to > self.fine_from, "fine_to", self.fine_to, f"a radius > {self.fine_from:g}")
-        _require(0 < self.grading <= 0.5, "grading", self.grading, "a number in (0, 0.5]")
+        _require(0 < self.grading <= WIDEST, "grading", self.grading, f"a number in (0, {WIDEST:g}]")
         _require(self.family in FAMILIES, "family", self.family, " or ".join(map(repr, FAMILIES)))
         intervals = (self.fine_to - self.fine_from) / self.fine_size
         if intervals > MAX_STRIP_INTERVALS:

@@ -8,7 +8,7 @@ import numpy as np
 
 from fem_solver.following.components import Components, VariablesOfParts
 
-_TOLD = 1e-3
+_LEAST_FREE = 1e-3
 """Share of a node that is free below which its mean does not tell what the free radii have been through: mean
 and radii in contact agree to the second order of a step, which is divided by this share."""
 
@@ -32,14 +32,14 @@ class NodeParts:
     contact: VariablesOfParts
 
     @property
-    def told(self) -> bool:
+    def free_known(self) -> bool:
         """Whether the mean tells what the free radii have been through."""
-        return 1.0 - self.share >= _TOLD
+        return 1.0 - self.share >= _LEAST_FREE
 
     @property
     def free(self) -> VariablesOfParts:
         """The free radii; where they are too few for the mean to tell, radii that are released now."""
-        if not self.told:
+        if not self.free_known:
             return self.released
         (v, b), (imposed, held) = self.mean, self.contact
         return (v - self.share * imposed) / (1.0 - self.share), (b - self.share * held) / (1.0 - self.share)

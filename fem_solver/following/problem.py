@@ -80,9 +80,8 @@ class FollowingProblem:
         self.compliance = compliance
         self.at_once = not 0.0 < dt < math.inf or state.edge < 0.0 or not solid.modulus.times.size
         self.evaluations = 0
-        self._passage: tuple[float, float, NodePassage] | None = (
-            None  # and penetration, of the edge asked for last
-        )
+        # of the edge asked for last: penetration and nodes in motion; all components and branch variables
+        self._passage: tuple[float, float, NodePassage] | None = None
         self._arrival: tuple[float, Array, Array] | None = None
         self._partly = int(np.floor(state.edge)) + 1 if state.edge >= 0.0 else None
         step = solid.modulus.increment(dt)

@@ -276,6 +276,17 @@ def test_the_run_that_errors_are_estimated_from_is_never_the_same():
     assert other("fem", load("adhesionless-cycle").scene, None)[0] == 2
 
 
+@pytest.mark.parametrize("name", ["cycle-v0.02", "adhesionless-cycle", "pdms-cycle-1um"])
+@pytest.mark.parametrize("resolution", [1, 2, 3, 4, 10])
+def test_the_coarser_run_of_finite_elements_has_a_mesh(name, resolution):
+    scene = load(name).scene
+    run = solvers.solver("fem").comparison_run(scene, resolution)
+    method, divisions = run.solve.func.__self__, run.solve.args[1]
+    made = method.parameters(scene, divisions)
+    own = solvers.solver("fem").parameters(scene, resolution)
+    assert (made.grading > own.grading) == (divisions < resolution)
+
+
 def test_a_run_without_its_coarser_run_has_no_estimate(monkeypatch):
     def refuse_twice(scene, resolution, **options):
         if resolution is not None:

@@ -31,8 +31,10 @@ linspace = [1.0, 2.0, 6]
 [[coordinates]]
 name = "depth"
 key = "loading.steps.0.to"
-linspace = [0.011, 0.02, 10]
+linspace = [0.011, 0.02, 40]
 """
+RUNS = 6 * 40
+"""Of the plan: so many that a signal comes before the last, on any machine."""
 SCENE = """
 [material]
 modulus = 1.0
@@ -137,7 +139,7 @@ def test_a_scheduler_that_is_killed_ends_the_sweep_and_its_runs_are_kept(plan, t
         f"crosscontact: kept in {out}: the same command goes on",
         f"crosscontact: error: the scheduler at {address} is gone",
     ]
-    assert 0 < len(stored(out / "runs.sqlite")) < 60
+    assert 0 < len(stored(out / "runs.sqlite")) < RUNS
 
 
 @pytest.mark.slow
@@ -158,7 +160,7 @@ def test_an_interrupted_dask_sweep_says_two_lines_and_goes_on(plan, whole, tmp_p
         "crosscontact: interrupted",
     ]
     before = stored(out / "runs.sqlite")
-    assert 0 < len(before) < 60
+    assert 0 < len(before) < RUNS
     again = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True)
     assert again.returncode == 0, again.stderr
     assert stored(out / "runs.sqlite").items() >= before.items()

@@ -26,7 +26,7 @@ LEFT = 0.15
 """Share of the pull-off force that still pulls behind a jump, below which it is the loss of contact."""
 STEEP, SHORT = 0.5, 0.1
 """Change of the line over the travel, over the pull-off force, from which a tail of less than a tenth of
-the rows is no free one: the force still falls."""
+the rows is no free one, for the force still falls; nor is the whole, which is contact throughout."""
 OUTLYING = 3.0
 """Deviations from which a free row counts less."""
 GAIN = 0.9
@@ -81,7 +81,7 @@ def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
         jump = float(rises[free[0]] if free else rises[high].max())
     still = row > count - max(min(12, count // 4), count // 50) and jump is None
     bent = abs(slope) * np.ptp(stage) > STEEP * max(deepest, 0.2 * float(np.ptp(force)))
-    steep = bent and row > (1.0 - SHORT) * count
+    steep = bent and (row > (1.0 - SHORT) * count or row <= 1)
     return Loss(None if still or steep else row, jump)
 
 
