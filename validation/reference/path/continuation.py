@@ -27,8 +27,8 @@ LEAST_WEIGHT = 0.3
 """Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
 LARGEST_GROWTH, LEAST_GROWTH = 3.0, 0.3
 """Ratio of successive steps."""
-SAFETY = 0.9
-"""Of the step at which the error would be the tolerance."""
+RUNG = 2.0**0.25
+"""Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
 SHARP = 30.0
@@ -50,6 +50,11 @@ SEEN = 1e6
 """Difference of two radii, in zones and the rounding of the residual, that tells the slope."""
 UNFORESEEN = 1e-2
 """Longest first step after a kink, in the scale of the radius, whichever way the edge then goes."""
+
+
+def on_ladder(ratio: float) -> float:
+    """The next lower power of the ratio of rungs."""
+    return float(RUNG ** math.floor(math.log(ratio) / math.log(RUNG)))
 
 
 class Continuation(Tracker):
@@ -75,7 +80,7 @@ class Continuation(Tracker):
         events.finish(self, plan, correction)
         self.rows.order = min(len(self.rows), order)
         if plan.event is Kind.NONE:
-            self.h = (correction.s if first else plan.h) * max(LEAST_GROWTH, growth)
+            self.h = (correction.s if first else plan.h) * on_ladder(max(LEAST_GROWTH, growth))
         return plan.event
 
     def _allowed(self, plan: Plan) -> float:
@@ -109,7 +114,7 @@ class Continuation(Tracker):
         """
 
         def growth(off: Array, rows: Array) -> Array:
-            return np.minimum(SAFETY * np.maximum(off, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH)
+            return np.minimum(np.maximum(off, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH)
 
         known, off = len(self.rows), np.array([error])
         if plan.fixed is not Fixed.REST and known > 1:
@@ -149,7 +154,7 @@ class Continuation(Tracker):
                 off = self._errors(plan, correction)[1:]
                 if off.min() < error:
                     error, self.rows.order = float(off.min()), 2 + int(off.argmin())
-            share = min(max(SAFETY * error ** (-1.0 / 3.0), 0.1), 0.8)
+            share = on_ladder(min(max(error ** (-1.0 / 3.0), 0.1), 0.8))
             if error > SHARP and plan.fixed is Fixed.RADIUS:
                 travel = plan.z[1] * self.L
                 self.corner = kinks.corner(self.state, self.law.zone, travel)
