@@ -21,9 +21,9 @@ from contact_scene.value_checks import Range, not_negative, several, whole_from
 from validation import cases
 from validation.solvers import PEERS, REFERENCE, SOLVERS
 
-RESOLUTION = whole_from(4)
-"""Divisions per process zone (without adhesion: per hundredth of the largest contact radius); below 4 the
-stress beside the contact edge is not resolved."""
+RESOLUTION = whole_from(1)
+"""Divisions per process zone (without adhesion: per hundredth of the largest contact radius); a solver may
+ask for more."""
 COUNT = whole_from(1)
 A_SCENE = "a Scene, the name of a built-in scene, or a scene file"
 

@@ -85,7 +85,7 @@ def test_scenes(capsys):
         (("stability", "--solver", "magic"), "choose from"),
         (("solve", "cycle-v0.1", "--solver", "magic"), "choose from"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "3"), "a whole number >= 4"),
-        (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "8.5"), "a whole number >= 4"),
+        (("solve", "cycle-v0.1", "--solver", "bem", "--resolution", "8.5"), "a whole number >= 1"),
         (("solve", "cycle-v0.1", "--solver", "bem", "--colour", "red"), "--colour"),
         (("solve", "cicle", "--solver", "bem"), "nearest: cycle"),
         (("solve", "\0", "--solver", "bem"), "built-in scene"),

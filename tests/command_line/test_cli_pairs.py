@@ -214,8 +214,8 @@ def has_no_zone(row: Row) -> bool:
 
 
 def is_refused(row: Row) -> bool:
-    """Whether only the finite elements can solve the scene of a row."""
-    return row.material in SEPARATE and row.command in ("solve bem", "solve reference")
+    """Whether the solver of a row does not take its material."""
+    return row.material in SEPARATE and row.command == "solve bem"
 
 
 ENDING = [

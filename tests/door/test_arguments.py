@@ -127,7 +127,7 @@ def test_what_stands_within_the_arguments_of_a_sweep_is_refused_in_one_line(what
         (lambda: cc.solve("a" * 5000), "aaa"),
         (lambda: cc.solve(3), "a Scene, the name of a built-in scene, or a scene file"),
         (lambda: cc.solve(SCENE, "magic"), "one of bem, fem, reference"),
-        (lambda: cc.solve(SCENE, resolution=3), "resolution: got 3; allowed: a whole number >= 4"),
+        (lambda: cc.solve(SCENE, resolution=0), "resolution: got 0; allowed: a whole number >= 1"),
         (lambda: cc.solve(SCENE, resolution=8.5), "resolution"),
         (lambda: cc.solve(SCENE, max_steps=0), "max_steps"),
         (lambda: cc.solve(SCENE, stop_times=[-1.0]), "stop_times[0]"),

@@ -26,6 +26,7 @@ class FrontTracking(Solver):
     tolerance = 5e-4
     curve_tolerance = 5e-4
     coarse_tolerance = 2e-3
+    least_resolution = 1
     estimates_errors = True
     curve_style: ClassVar[Mapping[str, Any]] = {"color": "#999999", "linestyle": "-", "linewidth": 3.6}
     marker = "D"
@@ -39,4 +40,4 @@ class FrontTracking(Solver):
         return DEFAULT_RESOLUTION
 
     def coarse_resolution(self, adhesive: bool) -> int:
-        return 4
+        return 8
