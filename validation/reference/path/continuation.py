@@ -68,11 +68,11 @@ class Continuation(Tracker):
         error = math.inf if correction is None else correction.error / self._allowed(plan)
         first = len(self.rows) == 1
         if first and correction is not None:
-            error = 0.0  # nothing to judge by: the first step is small
+            error *= 0.0  # nothing to judge by: the first step is small; no number stays none
         if correction is not None and error <= REJECTED:
             passed_by = self._falls(plan, correction) or self._turns(correction.trial)
             error = math.inf if passed_by else error
-        if correction is None or error > REJECTED:
+        if correction is None or not error <= REJECTED:
             return self._reject(plan, correction, error)
         self.fails = 0
         correction = events.to_level(self, plan, correction)

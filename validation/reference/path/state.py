@@ -69,10 +69,11 @@ class State:
         return np.array([-math.inf, *sorted(self.kinks + self.corners), math.inf])
 
     def edges_between(self, low: float, high: float) -> Array:
-        """Edges of the table strictly between two distances from the edge."""
+        """Edges of the table strictly between two distances from the edge, each once."""
         edges = self.surface.edges
         first, last = edges.searchsorted(low, side="right"), edges.searchsorted(high, side="left")
-        return edges[first:last]
+        edges = edges[first:last]
+        return edges[np.append(True, edges[1:] > edges[:-1])] if len(edges) else edges
 
     def thinned(self, edges: Array, size: float) -> Array:
         """Edges that rise, as close as the rows that left them where the path was not smooth, else sparse."""
