@@ -34,7 +34,7 @@ Flags = NDArray[np.bool_]
 
 NODES, WEIGHTS = gauss(6)
 """Points of an entry: a polynomial of degree 5 where the path has degree 4."""
-_TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
+TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
 
 
 @dataclass(frozen=True)
@@ -60,10 +60,7 @@ class Passages:
         entry = self.edges.searchsorted(x) - 1
         beyond = x > self.edges[-1]
         np.clip(entry, 0, len(self.held) - 1, out=entry)
-        start, whole, linear = self.parabola.take(entry, axis=0).T
-        share = np.minimum(np.maximum((x - start) / whole, 0.0), 1.0)
-        root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
-        g = 2.0 * share / np.maximum(linear + root, 1e-300)
+        g = along(self.parabola.take(entry, axis=0), x)[0]
         left = np.einsum("mk,mkn->mn", powers(g, len(NODES) - 1), self.left.take(entry, axis=0))
         held = self.held.take(entry)
         elapsed = np.maximum(-self.time.take(entry) - left[:, 0], 0.0)  # nothing is passed later
@@ -73,12 +70,31 @@ class Passages:
             carried[beyond], held = 0.0, held & ~beyond
         return held, carried
 
+    def joined(self, pairs: NDArray[np.intp], parabola: Array, carried: Array) -> Passages:
+        """The same with one entry for each of those and the next, that carries what is told now."""
+        kept = np.delete(np.arange(len(self.held)), pairs + 1)
+        at = pairs - np.arange(len(pairs))
+        parabolas, time, left, shape = (
+            part[kept] for part in (self.parabola, self.time, self.left, self.shape)
+        )
+        parabolas[at], time[at], shape[at] = parabola, 0.0, 0.0
+        left[at, :, 0], left[at, :, 1:] = 0.0, carried
+        return Passages(np.delete(self.edges, pairs + 1), self.held[kept], parabolas, time, left, shape)
+
     def seen_from(self, travel: float, radius: float, later: float) -> Passages:
         """The same when the edge has gone that far, to a radius, in that time."""
         edges, parabola = self.edges - travel, self.parabola.copy()
         edges[0] = -radius
         parabola[:, 0] -= travel
         return replace(self, edges=edges, parabola=parabola, time=self.time - later)
+
+
+def along(parabola: Array, x: Array) -> tuple[Array, Array]:
+    """``g`` at radii (m,) on parabolas (m, 3), and the size of ``dx/dg`` there."""
+    start, whole, linear = parabola.T
+    share = np.minimum(np.maximum((x - start) / whole, 0.0), 1.0)
+    root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
+    return 2.0 * share / np.maximum(linear + root, 1e-300), np.abs(whole) * root
 
 
 def untouched(radius: float, held: Array, shape: Array) -> Passages:
@@ -145,7 +161,7 @@ def passed(
     shape = np.where(first_touched[:, None], -moduli, 0.0)
     values = np.column_stack((elapsed, carried))[1:-1].reshape(entries, len(NODES), -1)
     values[:, :, 1:] -= shape[:, None, :] * G[1:-1].reshape(entries, -1, 1)
-    left = np.matmul(_TO_POWERS, values)
+    left = np.matmul(TO_POWERS, values)
     new: tuple[NDArray[Any], ...] = (
         np.full(entries, held),
         parabola,

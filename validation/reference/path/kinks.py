@@ -3,22 +3,31 @@
 The closure has its breaks there. The path has a corner where the edge or an end of its zone comes to one of
 them. Most are slight, and passed over: the next steps are predicted by as many rows as lie behind. A step
 that fails by far is tried again as far as the first corner on its way.
+
+Kinks fade, and what many old turns have left is then smooth. So at every new one the entries of the table are
+looked at two by two, and those joined that one polynomial replaces. A kink is what is still between entries.
+The rows begin anew there, too: no step is predicted across the little that this changes.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from validation.reference.path.fields import NODES, TO_POWERS, Passages, along
+from validation.reference.path.numerics import powers
 from validation.reference.path.rheology import Body, total
 from validation.reference.path.state import State
 
-NEARBY = 0.02
-"""Distance from a kink at which the fields are compared, in zones: a thinner layer counts as a jump."""
+Array = NDArray[np.float64]
 
-FADED = 1e-3
-"""Jump, in tolerances and the field at the edge, below which a kink is forgotten."""
+FADED = 1e-2
+"""Change, in tolerances and the field at the edge, below which two entries are joined: times their width, in
+zones or as seen from the edge, for it is integrals over the fields that count. And times zone over radius: it
+takes so little at least to drive the edge by a zone."""
 
 
 def corner(state: State, zone: float, travel: float) -> float:
@@ -30,26 +39,59 @@ def corner(state: State, zone: float, travel: float) -> float:
     return float(within[np.abs(within).argmin()]) if len(within) else math.nan
 
 
-def faded(state: State, body: Body, zone: float, tolerance: float) -> tuple[float, ...]:
-    """The kinks that are left, without those whose fields have become smooth.
+def faded(state: State, body: Body, zone: float, tolerance: float) -> State:
+    """The state with entries joined that have come to agree, and the kinks that are left."""
+    if state.radius == 0.0 or len(state.surface.held) < 2:
+        return state
+    size, relaxed = zone or 0.1 * state.radius, body.rheology.relaxed
+    G, carried = state.carried(body, size * np.array([-1.0, -1e-12, 1e-12, 1.0]))
+    field = np.abs(total(carried) + np.array([relaxed, relaxed, -1.0, -1.0]) * (state.depth - G))
+    allowed = FADED * tolerance * size / state.radius * np.array([field[2:].max(), field[:2].max()])
+    surface = state.surface
+    for first in (0, 1):
+        surface = _joined(surface, body, state.radius, first, size, allowed)
+    kinks = np.array(state.kinks).reshape(-1, 1)
+    left = np.abs(surface.edges - kinks).min(axis=1) <= 1e-9 * size
+    return replace(state, surface=surface, kinks=tuple(kinks[left, 0].tolist()))
 
-    The fields are compared as straight lines through two points on either side: a slope is no jump.
+
+def _joined(
+    surface: Passages, body: Body, radius: float, first: int, size: float, allowed: Array
+) -> Passages:
+    """The table with every other pair of entries joined where that changes less than ``allowed``.
+
+    The new one carries what they do now, as if it were passed now.
     """
-    kinks = np.array(state.kinks)
-    if state.radius == 0.0 or len(kinks) < 2:
-        return state.kinks
-    size, rheology = zone or 0.1 * state.radius, body.rheology
-    apart = np.minimum(NEARBY * size, np.maximum(np.abs(kinks) / 3.0, 1e-9 * size))
-    probes = (kinks[:, None] + apart[:, None] * np.array([-2.0, -1.0, 1.0, 2.0])).ravel()
-    x = np.concatenate((probes, size * np.array([-1.0, -1e-12, 1e-12, 1.0])))
-    G = body.transform(np.maximum(state.radius + x, 0.0))
-    held, carried = state.surface.at(x, G, rheology.times, rheology.retardation)
-    stress = rheology.relaxed * (state.depth - G) + float(rheology.moduli @ state.memory)
-    field = total(carried) + np.where(held, stress, G - state.depth)
-    one, two, three, four = field[:-4].reshape(-1, 4).T
-    jump, bend = np.abs(2.0 * (three - two) + one - four), np.abs(four - three - two + one)
-    at_edge = np.abs(field[-4:])
-    scale = np.where(kinks < 0.0, at_edge[:2].max(), at_edge[2:].max())
-    left = jump + bend > FADED * tolerance * scale
-    left |= np.abs(kinks) < 1e-6 * (zone or state.radius)
-    return tuple(kinks[left].tolist())
+    pairs = np.arange(first, len(surface.held) - 1, 2)
+    pairs = pairs[surface.held[pairs] == surface.held[pairs + 1]]
+    if not len(pairs):
+        return surface
+    low, middle, high = surface.edges[pairs], surface.edges[pairs + 1], surface.edges[pairs + 2]
+    parabola = _over_both(surface.parabola[pairs], surface.parabola[pairs + 1], low, middle, high)
+    linear, one, two = parabola[:, 2:], (middle - low)[:, None] * NODES, (high - middle)[:, None] * NODES
+    new = (high - low)[:, None] * NODES * (linear + (1.0 - linear) * NODES)
+    x = np.hstack((low[:, None] + new, low[:, None] + one, middle[:, None] + two))
+    G = body.transform(np.maximum(radius + x.ravel(), 0.0))
+    carried = surface.at(x.ravel(), G, body.rheology.times, body.rheology.retardation)[1]
+    carried = carried.reshape(*x.shape, -1)
+    count = len(NODES)
+    left = np.matmul(TO_POWERS, carried[:, :count])
+    g = along(parabola.repeat(2 * count, axis=0), x[:, count:].ravel())[0]
+    fitted = np.matmul(powers(g, count - 1).reshape(len(pairs), 2 * count, count), left)
+    change = np.abs(fitted - carried[:, count:]).sum(axis=2).max(axis=1)
+    width, away = high - low, np.minimum(np.abs(low), np.abs(high))
+    agree = (
+        change * width / np.minimum(np.maximum(width, away), size) < allowed[surface.held[pairs].astype(int)]
+    )
+    return surface.joined(pairs[agree], parabola[agree], left[agree])
+
+
+def _over_both(one: Array, two: Array, low: Array, middle: Array, high: Array) -> Array:
+    """Parabolas that leave with the slope of one, arrive with that of the next, and have its pace between."""
+    (begin, leaving), (met, before) = along(one, low), along(one, middle)
+    (after, behind), (end, arriving) = along(two, middle), along(two, high)
+    pace = behind / before
+    length = np.abs(met - begin) + np.abs(end - after) * pace
+    linear = 1.0 + 0.5 * length * (leaving - arriving / pace) / (high - low)
+    linear[~np.isfinite(linear)] = 1.0  # the edge turned between them
+    return np.column_stack((low, high - low, np.minimum(np.maximum(linear, 0.0), 2.0)))

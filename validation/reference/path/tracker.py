@@ -228,7 +228,7 @@ class Tracker:
         state = self.state
         if declare:
             self.travelled = 0.0
-            state = replace(state, kinks=kinks.faded(self.state, self.body, zone, self.tolerance))
+            state = kinks.faded(state, self.body, zone, self.tolerance)
         remembers = self.body.rheology.moduli.size > 0
         if remembers and all(abs(kink) > 1e-9 * (zone or radius) for kink in state.kinks + state.corners):
             if declare:
