@@ -358,8 +358,16 @@ class Continuation(Tracker):
                 self.slopes[of] = slope
                 return x
         first, last = sides.get(True, 0.0), sides.get(False, 0.0)
-        one_way = of is Fixed.LOAD and first * last > 0.0  # at rest the edge changes its law
-        if best[0] >= 10.0 * self.noise and one_way:
+        jumps = len(sides) > 1 and of is Fixed.LOAD and not self.law.zone  # with what the edge has left; there it rests
+        if jumps and last < 0.0 < first:
+            value = function(0.0)
+            if value == 0.0:
+                return 0.0
+            first, last = (0.0, last) if value > 0.0 else (first, 0.0)
+        one_way = of is Fixed.LOAD and first * last > 0.0 or jumps and last < first
+        if best[0] >= 10.0 * self.noise and one_way:  # at rest the edge changes its law
             x = bracketed(function, first, last, NARROW * self.tolerance * max(abs(first), abs(last)))
+            if jumps:
+                return x
             best = abs(function(x)), x
         return best[1] if best[0] < 10.0 * self.noise else None

@@ -97,7 +97,7 @@ class Trial:
         if closed and zone > 0.0 and not cohesive:
             self._close(zone)
         elif closed and zone == 0.0:
-            self._lay(none, edge) if self.direction > 0.0 else self._lay(edge, none)
+            self._lay(none if self.direction > 0.0 else edge, none if self.direction < 0.0 else edge)
         else:
             self._lay(none, none)
 
@@ -204,14 +204,19 @@ class Trial:
         return Arrival(rise, motion, passing, integral)
 
     def _integral(self, motion: Motion, passing: Passing | None) -> float:
-        """Closure integral; without a zone the strain at the edge."""
+        """Closure integral; without a zone the strain at the edge: of pressing behind it, of overlap ahead.
+
+        An edge that stays is pressed behind and open ahead: 0, unless one of them has become the opposite.
+        """
         rheology, form, covers = self.body.rheology, self.closure, self.direction > 0.0
         gained, depth = motion.end
         fresh = np.exp(-motion.duration / rheology.retardation)
         if form is None:
-            if covers:
-                return -float(self._begun[0] @ fresh) + depth - float(self._G[0])
-            return float(self.stress(self._G, self._begun, motion)[0]) / rheology.glassy
+            ahead = depth - float(self._G[-1]) - float(self._begun[-1] @ fresh)
+            behind = float(self.stress(self._G[:1], self._begun[:1], motion)[0]) / rheology.glassy
+            if self.direction:
+                return ahead if covers else behind
+            return max(ahead, 0.0) + min(behind, 0.0)
         count = len(form.s)
         side, strain = (slice(0, count) if covers else slice(count, None)), depth - self._G
         other = self._begun[side]
