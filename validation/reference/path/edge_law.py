@@ -75,6 +75,9 @@ class EdgeLaw:
         if not math.isfinite(value):
             return math.nan
         if adhesion is None:
+            if trial.direction == 0.0:  # it rests where it is pressed behind and open ahead
+                overlap = 0.0 if self.at_rim(trial.radius) else trial.overlap(arrival.motion)
+                value = min(value, 0.0) + max(overlap, 0.0)
             widest = max(trial.radius, trial.state.radius)
             strain = abs(arrival.depth) + float(trial.body.transform(np.array([widest]))[0])
             return -value / strain if strain > 0.0 else 0.0

@@ -204,19 +204,14 @@ class Trial:
         return Arrival(rise, motion, passing, integral)
 
     def _integral(self, motion: Motion, passing: Passing | None) -> float:
-        """Closure integral; without a zone the strain at the edge: of pressing behind it, of overlap ahead.
-
-        An edge that stays is pressed behind and open ahead: 0, unless one of them has become the opposite.
-        """
+        """Closure integral; without a zone the strain at the edge: behind it, unless it covers."""
         rheology, form, covers = self.body.rheology, self.closure, self.direction > 0.0
         gained, depth = motion.end
         fresh = np.exp(-motion.duration / rheology.retardation)
         if form is None:
-            ahead = depth - float(self._G[-1]) - float(self._begun[-1] @ fresh)
-            behind = float(self.stress(self._G[:1], self._begun[:1], motion)[0]) / rheology.glassy
-            if self.direction:
-                return ahead if covers else behind
-            return max(ahead, 0.0) + min(behind, 0.0)
+            if covers:
+                return self.overlap(motion)
+            return float(self.stress(self._G[:1], self._begun[:1], motion)[0]) / rheology.glassy
         count = len(form.s)
         side, strain = (slice(0, count) if covers else slice(count, None)), depth - self._G
         other = self._begun[side]
@@ -234,6 +229,11 @@ class Trial:
             field[self._changing - (0 if covers else count)] = changed
         beside = float(still @ self._beside), float(field[-1 if covers else 0])
         return form.integral(float(still @ (self._factors @ field)), *(beside[::-1] if covers else beside))
+
+    def overlap(self, motion: Motion) -> float:
+        """Strain next to an edge without a zone that covers or stays: how far the surface is in the indenter."""
+        fresh = np.exp(-motion.duration / self.body.rheology.retardation)
+        return motion.end[1] - float(self._G[-1]) - float(self._begun[-1] @ fresh)
 
     def stress(self, G: Array, begun: Array, motion: Motion) -> Array:
         """``q`` at the end at points that stay in contact."""
