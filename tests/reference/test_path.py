@@ -212,6 +212,22 @@ def test_what_earlier_turns_leave_costs_no_more_from_cycle_to_cycle():
     assert trace.counters.steps + trace.counters.rejected_steps < 8 * 150
 
 
+@pytest.mark.parametrize(
+    ("name", "end", "work"),
+    [
+        ("instruments:608", 6.1706e-3, 3.8614e-15),  # a hold right after a step that was cut at a level
+        ("instruments:405", 35.70681, 4.640604e-15),  # turns on what earlier turns have left
+        ("usual:803", 50.29868, -6.718641e-05),  # a flat face, with nothing ahead of its edge
+    ],
+)
+def test_an_edge_without_adhesion_rests_where_it_is_pressed_behind_and_open_ahead(name, end, work):
+    """Ends and works by another solver."""
+    trace = solve(scene_of(name))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(end, rel=2e-5)
+    assert trace.external_work[-1] == pytest.approx(work, abs=1e-5 * np.abs(trace.external_work).max())
+
+
 def test_an_edge_that_closes_on_a_ragged_profile_jumps_ahead():
     trace = solve(scene_of("plain:218"))
     assert trace.outcome.kind is OutcomeKind.DETACHED

@@ -329,7 +329,8 @@ class Continuation(Tracker):
     ) -> float | None:
         """Root by secants; where rounding stops them, the best point if it is one.
 
-        Where they lose their way, it is looked for between points on either side of it.
+        Where they lose their way, it is looked for between points on either side of it. Without adhesion the
+        residual rises with the radius at rest, too, and jumps where the edge has left a jump: there it rests.
         """
         f = function(x)
         enough = RESIDUAL if of is Fixed.RADIUS else self.noise
@@ -358,14 +359,14 @@ class Continuation(Tracker):
                 self.slopes[of] = slope
                 return x
         first, last = sides.get(True, 0.0), sides.get(False, 0.0)
-        jumps = len(sides) > 1 and of is Fixed.LOAD and not self.law.zone  # with what the edge has left; there it rests
+        one_way = of is Fixed.LOAD and first * last > 0.0  # at rest the edge changes its law
+        jumps = of is Fixed.LOAD and not self.law.zone and len(sides) > 1 and last < first
         if jumps and last < 0.0 < first:
             value = function(0.0)
             if value == 0.0:
                 return 0.0
             first, last = (0.0, last) if value > 0.0 else (first, 0.0)
-        one_way = of is Fixed.LOAD and first * last > 0.0 or jumps and last < first
-        if best[0] >= 10.0 * self.noise and one_way:  # at rest the edge changes its law
+        if best[0] >= 10.0 * self.noise and (one_way or jumps):
             x = bracketed(function, first, last, NARROW * self.tolerance * max(abs(first), abs(last)))
             if jumps:
                 return x

@@ -231,7 +231,7 @@ class Trial:
         return form.integral(float(still @ (self._factors @ field)), *(beside[::-1] if covers else beside))
 
     def overlap(self, motion: Motion) -> float:
-        """Strain next to an edge without a zone that covers or stays: how far the surface is in the indenter."""
+        """Strain by which the surface is within the indenter next to an edge that covers or stays."""
         fresh = np.exp(-motion.duration / self.body.rheology.retardation)
         return motion.end[1] - float(self._G[-1]) - float(self._begun[-1] @ fresh)
 
