@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from validation.fits.background import FEWEST, background, loss_of_contact
 from validation.fits.contact import Array, white_noise
-from validation.fits.features import Drive
 from validation.fits.record import MeasuredCurve
 
 JUMP = 8.0
@@ -88,19 +87,26 @@ class Moments:
 
 def moments(curve: MeasuredCurve) -> Moments:
     """Read them off a curve."""
-    force, rows, drive = curve.force, curve.time.size, Drive.of(curve)
+    cycle, force, rows = curve.cycle, curve.force, curve.time.size
     least = LEAST_NOISE * float(np.ptp(force))
     noise, source = max(white_noise(force), least), "differences of neighbouring rows"
     degrees = MEDIAN_EFFICIENCY * rows
-    first = _first_free(curve, drive.approach[::-1], noise, -1) + 1
-    last = _first_free(curve, drive.retraction, noise, rows)
+    first, last = 0, rows
+    if cycle.approach.size >= FEWEST_ROWS:
+        inward = cycle.approach[::-1]
+        begin = loss_of_contact(curve.position[inward], force[inward], noise).row
+        first = 0 if begin is None else int(inward[begin]) + 1
+    if cycle.retraction.size >= FEWEST_ROWS:
+        outward = cycle.retraction
+        end = loss_of_contact(curve.position[outward], force[outward], noise).row
+        last = rows if end is None else int(outward[end])
     snap_in, pull_off = _jump(curve, first - 1, noise, 1), _jump(curve, last - 1, noise, -1)
     free = np.zeros(rows, bool)
     free[: first if snap_in else _free_rows(force[:first])] = True
     free[last if pull_off else rows - _free_rows(force[last:][::-1]) :] = True
     level = np.full(rows, float(np.median(force[free])) if free.any() else 0.0)
     if free.sum() > FEWEST:
-        base = background(curve.time, curve.position, drive.speed, force, free, drive.apex, None)
+        base = background(cycle, free)
         degrees = float(free.sum() - len(base.parts))
         noise = max(base.rough * float(np.sqrt(free.sum() / degrees)), least)
         level, source = base.force, f"baseline, {free.sum()} rows"
@@ -112,14 +118,6 @@ def moments(curve: MeasuredCurve) -> Moments:
     while pull_off is None and first < last < rows and off[last]:
         last += 1
     return Moments(noise, degrees, source, level, first, last, snap_in, pull_off)
-
-
-def _first_free(curve: MeasuredCurve, outward: NDArray[np.intp], noise: float, never: int) -> int:
-    """The first row without contact of those in which the drive moves out, or ``never``."""
-    if outward.size < FEWEST_ROWS:
-        return never
-    lost = loss_of_contact(curve.position[outward], curve.force[outward], noise).row
-    return never if lost is None else int(outward[lost])
 
 
 def _free_rows(force: Array) -> int:
