@@ -18,7 +18,6 @@ from crosscontact import arguments
 from crosscontact.arguments import RESOLUTION, case_of, checked_path, given
 from crosscontact.result import html_table
 from validation.fits import charts
-from validation.fits.curve_tables import write_csv
 from validation.fits.each import EachFit, dataset, write_each
 from validation.fits.each import fit_each as fit_curves_each
 from validation.fits.errors import Estimate
@@ -26,11 +25,12 @@ from validation.fits.fit import fit_curves
 from validation.fits.instruments import KNOWN, write_afm
 from validation.fits.page import lead, statements, table, write_fit
 from validation.fits.parameters import REGULARISATION, FitSettings, question
-from validation.fits.readers import choose, given_of, read_file
+from validation.fits.readers import choose, read_file
 from validation.fits.reading import Given
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic
+from validation.fits.tables import write_csv
 from validation.report.terminal import aligned
 from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
@@ -394,8 +394,8 @@ def read_curve(
         If the package that reads such files is not installed.
     """
     file = checked_path(path, "path")
-    given = given_of(spring_constant, sensitivity, sampling_rate, speed, columns)
-    curves = choose(read_file(file, given, si=True), enum, segment, file)
+    stated = Given(spring_constant, sensitivity, sampling_rate, speed, columns)
+    curves = choose(read_file(file, stated, si=True), enum, segment, file)
     if len(curves) > 1:
         raise SceneError("enum", f"{len(curves)} curves", f"one from 0 to {len(curves) - 1}", str(file))
     return curves[0]
@@ -405,15 +405,14 @@ def read_given(path: str, options: Namespace, si: bool) -> list[MeasuredCurve]:
     """The curves of a file, as the options of a command read it: in SI units at least where they state
     something in these."""
     file = checked_path(path, "path")
-    stated = (
+    stated = Given(
         options.spring_constant,
         options.sensitivity,
         options.sampling_rate,
         options.speed,
         options.columns,
     )
-    given = given_of(*stated)
-    return choose(read_file(file, given, si or given != Given()), options.enum, options.segment, file)
+    return choose(read_file(file, stated, si or stated != Given()), options.enum, options.segment, file)
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:

@@ -13,8 +13,8 @@ from support.recorded import elastic_scene, hertz_curve
 import crosscontact as cc
 from contact_scene import SceneError, write_scene
 from crosscontact.cli import main
-from validation.fits.curve_tables import write_csv
 from validation.fits.instruments import write_afm
+from validation.fits.tables import write_csv
 
 afmformats = pytest.importorskip("afmformats", reason="the optional extra `fit` is not installed")
 h5py = pytest.importorskip("h5py", reason="the optional extra `fit` is not installed")

@@ -20,10 +20,10 @@ from contact_scene import (
     write_scene,
 )
 from crosscontact.cli import main
-from validation.fits.curve_tables import write_csv
 from validation.fits.fit import fit_curves
 from validation.fits.page import statements
 from validation.fits.parameters import question
+from validation.fits.tables import write_csv
 from validation.runs.folder import claim
 
 pytestmark = pytest.mark.usefixtures("closed_form")
