@@ -12,8 +12,9 @@ import numpy as np
 
 from validation.drawing.axes import format_axes, label_axes
 from validation.drawing.styles import GREY, INK, SERIES, VERMILION
+from validation.fits.contact import Array
 from validation.fits.features import Features
-from validation.fits.record import KINDS, Array, MeasuredCurve
+from validation.fits.record import KINDS, MeasuredCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

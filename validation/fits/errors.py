@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+from validation.fits.contact import Array
 from validation.fits.parameters import Unknown
-from validation.fits.record import Array
 
 CONFIDENCE = 0.95
 UNLIKELY = 1e-3
@@ -62,9 +62,8 @@ class Combination:
     @property
     def text(self) -> str:
         """In words."""
-        return " · ".join(
-            name if power == 1.0 else f"({name})^{power:.2g}" for name, power in self.powers.items()
-        )
+        parts = (name if power == 1.0 else f"({name})^{power:.2g}" for name, power in self.powers.items())
+        return " · ".join(parts)
 
 
 @dataclass(frozen=True)
@@ -154,9 +153,8 @@ def covariance(jacobian: Array, variance: float) -> tuple[Array, Array, Array]:
     """Covariance of the numbers of the search, infinite where the data do not see them; deviations along its
     directions, falling; and the directions, rows of unit length."""
     _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
-    scale = np.sqrt(variance)
-    seen = singular**2 > NEGLIGIBLE * singular[0] ** 2 if singular.size and singular[0] > 0 else singular > 0
-    deviations = np.where(seen, scale / np.where(seen, singular, 1.0), np.inf)
+    seen = singular**2 > NEGLIGIBLE * singular.max(initial=0.0) ** 2
+    deviations = np.where(seen, np.sqrt(variance) / np.where(seen, singular, 1.0), np.inf)
     result = (directions.T * np.where(seen, deviations, 0.0) ** 2) @ directions
     blind = (np.abs(directions[~seen]) > np.sqrt(NEGLIGIBLE)).any(axis=0)
     result[blind, blind] = np.inf
@@ -168,14 +166,14 @@ def estimate(one: Unknown, at: float, variance: float) -> Estimate:
     deviation = float(np.sqrt(variance))
     low, high = one.plain(one.low), one.plain(one.high)
     reach = float(stats.norm.ppf(0.5 + 0.5 * CONFIDENCE)) * deviation
-    ends = one.value(max(at - reach, low)), one.value(min(at + reach, high))
     note = ""
     if min(at - low, high - at) < AT_BOUND:
         note = "held by its bound"
     elif not deviation < (VAGUE if one.logarithmic else np.inf):
         note = "not determined by these data"
     size = deviation if one.logarithmic else deviation * one.scale
-    return Estimate(one.name, one.value(at), size, one.logarithmic, ends[0], ends[1], one.start, note)
+    ends = one.value(max(at - reach, low)), one.value(min(at + reach, high))
+    return Estimate(one.name, one.value(at), size, one.logarithmic, *ends, one.start, note)
 
 
 def correlation(spread: Array) -> Array:
@@ -201,9 +199,5 @@ def combinations(names: Sequence[str], deviations: Array, directions: Array) -> 
 
 def confused(names: Sequence[str], correlations: Array) -> list[tuple[str, str, float]]:
     """Pairs of parameters that the data hardly tell apart, with their correlation."""
-    return [
-        (names[i], names[j], float(correlations[i, j]))
-        for i in range(len(names))
-        for j in range(i)
-        if abs(correlations[i, j]) >= ALIKE
-    ]
+    pairs = np.argwhere(np.tril(np.abs(correlations) >= ALIKE, -1)).tolist()
+    return [(names[i], names[j], float(correlations[i, j])) for i, j in pairs]

@@ -1,17 +1,17 @@
 """What is asked of a fit, and what it varies: numbers of the scene by dotted path, and of the instrument.
 
-A search by lmfit sees plain numbers of order one within bounds: the logarithm of a positive number, any other
-over its scale. Each sets the number it stands for, and at a ratio those that are tied to it. What the force
-is linear in, the background, is no parameter of the search: it follows from every point.
+A search sees plain numbers of order one within bounds: the logarithm of a positive number, any other over its
+scale. Each sets the number it stands for, and at a ratio those that are tied to it. What the force is linear
+in, the background, is no parameter of the search: it follows from every point.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -20,19 +20,14 @@ from contact_scene import Branch, Machine, Scene, SceneError
 from contact_scene.errors import shown
 from contact_scene.run_control import whole_number
 from contact_scene.scene import value_at
-from contact_scene.value_checks import finite, not_negative, positive
-from validation.fits.model import CurveModel
-from validation.fits.record import Array, MeasuredCurve
+from contact_scene.value_checks import as_tuple, finite, not_negative, positive
+from validation.fits.contact import Array
+from validation.fits.model import BACKGROUND, CurveModel
+from validation.fits.record import MeasuredCurve
 from validation.runs.provenance import hashed
 from validation.solvers import REFERENCE
 
 CONTACT_POINT, TIME_OFFSET = "contact_point", "time_offset"
-BACKGROUND = {
-    "baseline": ("baseline",),
-    "drift": ("drift",),
-    "background": ("baseline", "tilt", "drag", "wave_cosine", "wave_sine"),
-}
-"""Parts of the background that each name of ``free`` stands for."""
 INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)
 SPRING = ("machine.stiffness", "loading.machine.stiffness")
 """Paths of the spring between stage and indenter."""
@@ -67,38 +62,38 @@ class FitSettings:
     within: float | None = None
 
     def __post_init__(self) -> None:
+        checked: dict[str, Any] = {}
         for name in ("vary", "tie", "per_curve", "free", "profile"):
             given = getattr(self, name)
-            if isinstance(given, str) or not all(isinstance(one, str) for one in given):
+            checked[name] = (given,) if isinstance(given, str) else as_tuple(given, name, "several names")
+            if not all(isinstance(one, str) for one in checked[name]):
                 raise SceneError(name, f"got {shown(given)}", "several names")
-            object.__setattr__(self, name, tuple(given))
-        for name in self.free:
+        for name in checked["free"]:
             if name not in INSTRUMENT:
                 raise SceneError("free", f"got {shown(name)}", ", ".join(INSTRUMENT))
-        times = tuple(positive(value, "prony") for value in self.prony)
-        object.__setattr__(self, "prony", times)
-        if list(times) != sorted(set(times)):
+        times = as_tuple(self.prony, "prony", "several relaxation times")
+        checked["prony"] = tuple(positive(time, "prony") for time in times)
+        if list(checked["prony"]) != sorted(set(checked["prony"])):
             raise SceneError("prony", f"got {shown(times)}", "rising relaxation times")
-        not_negative(self.regularisation, "regularisation")
-        whole_number(self.starts, "starts", 1)
-        whole_number(self.seed, "seed", 0)
+        checked["regularisation"] = not_negative(self.regularisation, "regularisation")
+        checked["starts"] = whole_number(self.starts, "starts", 1)
+        checked["seed"] = whole_number(self.seed, "seed", 0)
         if self.max_steps is not None:
-            object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
+            checked["max_steps"] = whole_number(self.max_steps, "max_steps", 1)
         if self.within is not None and not 0.0 < positive(self.within, "within") < 1.0:
             raise SceneError("within", f"got {shown(self.within)}", "a share of the range between 0 and 1")
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
     @property
     def grid(self) -> tuple[str, ...]:
         """Paths of the moduli on the fixed relaxation times."""
         return tuple(f"material.branches[{index}].modulus" for index in range(len(self.prony)))
 
-    @property
-    def bending(self) -> Callable[[Mapping[str, float]], Array] | None:
-        """Second differences of the logarithms of the Prony weights, weighted; ``None`` if they are free."""
-        if len(self.grid) < 3 or not self.regularisation:
-            return None
-        weight = math.sqrt(self.regularisation)
-        return lambda values: weight * np.diff(np.log([values[name] for name in self.grid]), 2)
+    def bending(self, values: Mapping[str, float]) -> Array:
+        """Second differences of the logarithms of the Prony weights, weighted; empty if they are free."""
+        weights = [values[name] for name in self.grid] if self.regularisation else []
+        return math.sqrt(self.regularisation) * np.diff(np.log(weights), 2)
 
 
 def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
@@ -122,20 +117,6 @@ def first_guess(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSett
     relaxing = scene.material.glassy_modulus - scene.material.modulus or scene.material.modulus
     branches = tuple(Branch(relaxing / len(settings.prony), time) for time in settings.prony)
     return replace(scene, material=replace(scene.material, branches=branches))
-
-
-def lmfit() -> Any:
-    """The package (extra ``fit``), imported when it is needed.
-
-    Raises
-    ------
-    SceneError
-        If it is not installed.
-    """
-    try:
-        return import_module("lmfit")
-    except ImportError:
-        raise SceneError("", "lmfit is not installed", "pip install 'crosscontact[fit]'") from None
 
 
 @dataclass(frozen=True)
@@ -173,16 +154,20 @@ class Unknowns:
     found: Sequence[Unknown]
 
     def __post_init__(self) -> None:
-        known: dict[str, list[int | None]] = {}
+        known: dict[str, list[int | None]] = defaultdict(list)
         for one in self.found:
             for path in one.sets:
-                others = known.setdefault(path, [])
-                if one.curve in others or None in others or (others and one.curve is None):
+                if one.curve in known[path] or None in known[path] or (known[path] and one.curve is None):
                     raise SceneError(path, "is varied twice", "each number once")
-                others.append(one.curve)
+                known[path].append(one.curve)
 
     def __len__(self) -> int:
         return len(self.found)
+
+    @property
+    def names(self) -> list[str]:
+        """Of all, in their order."""
+        return [one.name for one in self.found]
 
     def sets(self, *paths: str) -> bool:
         """Whether one of some paths is varied or tied, or a number of each curve's instrument free."""
@@ -198,13 +183,6 @@ class Unknowns:
         """Bounds as the search sees them, shape (P,) each."""
         low = np.array([one.plain(one.low) for one in self.found])
         return low, np.array([one.plain(one.high) for one in self.found])
-
-    def box(self, x: Array, held: int | None = None) -> Any:
-        """The numbers of a point, ``x0``, ``x1``, ..., as parameters of lmfit, all free but one."""
-        box = lmfit().Parameters()
-        for place, (value, low, high) in enumerate(zip(x, *self.bounds, strict=True)):
-            box.add(f"x{place}", value, vary=place != held, min=low, max=high)
-        return box
 
     def values(self, x: Array, curve: int | None = None) -> dict[str, float]:
         """What a point sets by path: for a curve, or only what all curves share."""
@@ -226,16 +204,7 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
     """
     shared = (*settings.vary, *settings.grid)
     varied = [entry.partition("=")[0] for entry in (*shared, *settings.per_curve)]
-    tied: dict[str, list[str]] = {}
-    for entry in settings.tie:
-        path, _, other = entry.partition("=")
-        if not path or not other:
-            raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
-        if path == other:
-            raise SceneError("tie", f"{shown(path)} is tied to itself", "two numbers of the scene")
-        if other not in varied:
-            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
-        tied.setdefault(other, []).append(path)
+    tied = _ties(settings.tie, varied)
     for path in (*varied, *(one for ties in tied.values() for one in ties)):
         _check_part(path, models)
     found = [_of_scene(scene, entry, tied) for entry in shared]
@@ -247,6 +216,21 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
     if not found:
         raise SceneError("vary", "is empty", "at least one number of the scene")
     return Unknowns(found)
+
+
+def _ties(entries: Sequence[str], varied: Sequence[str]) -> dict[str, list[str]]:
+    """The paths that are tied to each one that is varied."""
+    tied: dict[str, list[str]] = defaultdict(list)
+    for entry in entries:
+        path, _, other = entry.partition("=")
+        if not path or not other:
+            raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
+        if path == other:
+            raise SceneError("tie", f"{shown(path)} is tied to itself", "two numbers of the scene")
+        if other not in varied:
+            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
+        tied[other].append(path)
+    return tied
 
 
 def _check_part(path: str, models: Sequence[CurveModel]) -> None:
@@ -275,17 +259,16 @@ def _of_scene(
     widest = (start / RANGE, start * RANGE) if logarithmic else (start - reach, start + reach)
     low = max(widest[0] if low is None else low, least)
     high = min(widest[1] if high is None else high, most)
-    ratios = {path: 1.0}
-    for other in tied.get(path, ()):
-        if start == 0.0:
-            raise SceneError(path, "is zero, and others are tied to it", "a value that ratios refer to")
-        ratios[other] = value_at(scene, other) / start
+    if start == 0.0 and path in tied:
+        raise SceneError(path, "is zero, and others are tied to it", "a value that ratios refer to")
+    ratios = {path: 1.0} | {other: value_at(scene, other) / start for other in tied.get(path, ())}
     place, name = curve
     name = path if place is None else f"{path}@{name}"
     return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place, ratios)
 
 
 def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
+    """Bounds and form that an entry states, if any."""
     if not text:
         return None, None, ""
     match = re.fullmatch(r"([^:]+):([^:]+)(?::(log|linear))?", text)
@@ -301,12 +284,10 @@ def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
 def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
     """Contact point or time offset of a curve, with its first guess from the record."""
     curve, seen = model.curve, model.moments
-    name, sets = f"{kind}@{curve.name}", {kind: 1.0}
-    if kind == TIME_OFFSET:
-        duration = float(np.ptp(curve.time))
-        return Unknown(name, 0.0, -TIME_SHARE * duration, TIME_SHARE * duration, False, duration, index, sets)
-    reach, touch = float(np.ptp(curve.position)), 0.0
-    if 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
+    start, scale = 0.0, float(np.ptp(curve.time if kind == TIME_OFFSET else curve.position))
+    reach = TIME_SHARE * scale if kind == TIME_OFFSET else scale
+    if kind == CONTACT_POINT and 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
         first_touch = float(curve.position[seen.first - 1 : seen.first + 1].mean())
-        touch = first_touch - model.scene.loading.penetration
-    return Unknown(name, touch, touch - reach, touch + reach, False, reach, index, sets)
+        start = first_touch - model.scene.loading.penetration
+    name = f"{kind}@{curve.name}"
+    return Unknown(name, start, start - reach, start + reach, False, scale, index, {kind: 1.0})

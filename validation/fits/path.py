@@ -13,8 +13,7 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from contact_scene.errors import SceneError
-from validation.fits.contact import white_noise
-from validation.fits.record import Array
+from validation.fits.contact import Array, white_noise
 
 NOISE_WITHIN = 4.0
 """Deviations of the noise by which a row may miss its line: one in 16 000 by chance."""

@@ -10,8 +10,9 @@ import numpy as np
 from contact_scene import Machine, Scene, SceneError
 from contact_scene.run_control import whole_number
 from contact_scene.value_checks import a_string, finite, not_negative, of_class, one_of, positive
+from validation.fits.contact import Array
 from validation.fits.model import ON_TIME, FitRun, corners_of, run_of, sampled
-from validation.fits.record import FEWEST_ROWS, Array, MeasuredCurve
+from validation.fits.record import FEWEST_ROWS, MeasuredCurve
 from validation.solvers import REFERENCE, SOLVERS
 
 ROWS = 300
