@@ -179,7 +179,8 @@ def find_contact(stage: Array, force: Array, spring: float) -> tuple[Contact, Sc
     """The contact, with the wave that explains more, from the rows that explain it; with the scan of all."""
     end = int(np.argmax(force)) + 1
     rows = slice(end if end > 0.3 * force.size else None)
-    scan = Scan(*means(MOST_ROWS, stage[rows], force[rows]), spring)
+    place, seen = means(MOST_ROWS, stage[rows], force[rows])
+    scan = Scan(place, seen, spring)
     found = scan.contact()
     if found is None:
         return None

@@ -99,6 +99,11 @@ class Goodness:
         return self.chi_squared / self.degrees
 
     @property
+    def misfit(self) -> float:
+        """Root mean square of what is left, over the noise."""
+        return float(np.sqrt(self.reduced))
+
+    @property
     def explained(self) -> bool:
         """Whether the model explains the data within the share that was asked for, else within their noise.
 

@@ -49,68 +49,50 @@ ENOUGH = 20
 """Rows of an approach or a retraction that is looked at."""
 
 
+def _shown(words: str, unit: str) -> Any:
+    """A number that a curve may show, in words, and its unit."""
+    return field(default=None, metadata={"words": words, "unit": unit})
+
+
 @dataclass(frozen=True)
 class Features:
     """What a curve shows of itself, in SI units; ``None`` where it does not.
 
-    Parameters
-    ----------
-    noise, rough : float
-        White noise of the force, and what is left on the free rows over their background.
-    contact, contact_error, contact_time : float or None
-        Position of the stage at which indenter and sample touch without force, its standard deviation, and
-        when.
-    depth, stiffness : float or None
-        Largest indentation, and K of the force ``K depth**1.5``.
-    modulus : float or None
-        Young's modulus of Hertz' or DMT's contact, of an indenter whose radius is stated.
-    misfit : float or None
-        Root mean square of what the contact leaves of the approach, over the noise.
-    snap_in, pull_off : float or None
-        Least force of a jump into contact, and of the retraction; negative.
-    lost, lost_time : float or None
-        Position of the stage at which contact is lost, and when.
-    drop : float or None
-        Force that is lost at once.
-    work : float or None
-        Of separation: ``-F`` over the path of the tip, where it pulls.
-    hysteresis : float or None
-        Work of the stage from first contact to its loss.
-    background : dict
-        ``level``, ``tilt``, ``drag``, ``drift`` in N over N, m, m/s, s; ``wave``: length and amplitude;
-        ``wall``: length and force of the drag near the wall; ``wall/water``: its size over that in water.
-    force : ndarray, shape (N,)
-        Over its background, wall drag included.
-    free : ndarray of bool, shape (N,)
-        Rows without contact.
-    warnings : tuple of str
+    ``stiffness`` is K of the force ``K depth**1.5``, ``modulus`` that of Hertz' or DMT's contact, of an
+    indenter whose radius is stated; ``misfit`` is what the contact leaves of the approach, over the noise;
+    ``work`` is ``-F`` over the path of the tip, where it pulls, ``hysteresis`` that of the stage from first
+    contact to its loss. ``background`` holds ``level``, ``tilt``, ``drag``, ``drift`` in N over N, m, m/s, s;
+    ``wave``: length and amplitude; ``wall``: length and force of the drag near the wall; ``wall/water``: its
+    size over that in water. ``force``, shape (N,), is that over its background, wall drag included; rows
+    that are ``free`` are without contact.
     """
 
-    noise: float
-    rough: float
-    force: Array
-    free: NDArray[np.bool_]
-    contact: float | None = None
-    contact_error: float | None = None
+    contact: float | None = _shown("contact point of the stage", "m")
+    contact_error: float | None = _shown("its standard deviation", "m")
+    depth: float | None = _shown("largest indentation", "m")
+    modulus: float | None = _shown("Young's modulus, elastic guess", "Pa")
+    stiffness: float | None = _shown("K of the force K depth^1.5", "N/m^1.5")
+    snap_in: float | None = _shown("snap-in force", "N")
+    pull_off: float | None = _shown("pull-off force", "N")
+    lost: float | None = _shown("contact lost at", "m")
+    drop: float | None = _shown("force lost at once", "N")
+    work: float | None = _shown("work of separation", "J")
+    hysteresis: float | None = _shown("hysteresis", "J")
+    noise: float = _shown("noise, white", "N")
+    rough: float = _shown("free rows over their background", "N")
     contact_time: float | None = None
-    depth: float | None = None
-    stiffness: float | None = None
-    modulus: float | None = None
-    misfit: float | None = None
-    snap_in: float | None = None
-    pull_off: float | None = None
-    lost: float | None = None
     lost_time: float | None = None
-    drop: float | None = None
-    work: float | None = None
-    hysteresis: float | None = None
-    background: dict[str, float | tuple[float, float]] = field(default_factory=dict)
+    misfit: float | None = None
+    background: dict[str, Any] = field(default_factory=dict)
+    force: Array = field(default_factory=lambda: np.zeros(0))
+    free: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
     warnings: tuple[str, ...] = ()
 
 
 def features(recorded: Cycle, radius: float | None = None, poisson: float = 0.5) -> Features:
     """Read them off a record."""
-    cycle, contact, warned = recorded, None, []
+    cycle, contact = recorded, None
+    warned: list[str] = []
     if recorded.approach.size >= ENOUGH:
         cycle, contact, warned = _contact_behind_drag(recorded, radius)
     stage, force, back = cycle.stage, cycle.force, cycle.retraction

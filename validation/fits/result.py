@@ -58,9 +58,10 @@ class FittedCurve:
         return self.misfit * self.noise / float(np.ptp(self.curve.force))
 
     @property
-    def missed(self) -> bool:
-        """Whether a stretch of the curve is missed at all."""
-        return self.stretch.stop > self.stretch.start
+    def missed(self) -> tuple[float, float] | None:
+        """First and last time of the stretch, if any is missed."""
+        begin, end = self.stretch.start, self.stretch.stop - 1
+        return (float(self.curve.time[begin]), float(self.curve.time[end])) if end >= begin else None
 
 
 @dataclass(frozen=True)
