@@ -24,7 +24,7 @@ from validation.fits.errors import Estimate
 from validation.fits.fit import fit_curves
 from validation.fits.instruments import KNOWN, write_afm
 from validation.fits.page import lead, statements, table, write_fit
-from validation.fits.parameters import REGULARISATION, FitSettings, question
+from validation.fits.parameters import FitSettings, question
 from validation.fits.readers import choose, read_file
 from validation.fits.reading import Given
 from validation.fits.record import MeasuredCurve
@@ -244,15 +244,8 @@ def fit_each(
     return dataset(each_and_write(measured, guess, settings, folder, executor, progress))
 
 
-def _settings(**given_by_name: Any) -> FitSettings:
+def _settings(**asked: Any) -> FitSettings:
     """Settings of a fit from arguments that anybody may have made."""
-    asked = dict(given_by_name)
-    for name in {"vary", "tie", "per_curve", "free", "profile"} & set(asked):
-        asked[name] = _names(asked[name], name)
-    if "prony" in asked:
-        asked["prony"] = as_tuple(asked["prony"], "prony", "several relaxation times")
-    if asked.get("regularisation") is None:
-        asked["regularisation"] = REGULARISATION
     for name in {"solver", "check_solver"} & set(asked):
         if name == "solver" or asked[name] is not None:
             arguments.check_solver(asked[name], name, arguments.names())
@@ -287,11 +280,6 @@ def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
         of_class(one, "curves", (MeasuredCurve, str, os.PathLike), _CURVES)
         measured += [one] if isinstance(one, MeasuredCurve) else read_curves(one)
     return measured
-
-
-def _names(given: Sequence[str], key: str) -> tuple[str, ...]:
-    """Paths and names as given; one of them may come without a sequence around it."""
-    return (given,) if isinstance(given, str) else as_tuple(given, key, "several names")
 
 
 def fit_and_write(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import subprocess
 import sys
 
@@ -64,27 +63,6 @@ def test_the_log_of_afmformats_stays_off_stderr(tmp_path):
     assert ended.returncode == 2
     assert len(ended.stderr.splitlines()) == 1
     assert "cannot be read: ValueError invalid binary wave version" in ended.stderr
-
-
-def test_the_log_of_afmformats_is_only_put_aside(tmp_path, caplog):
-    def one_that_its_user_asked_for(record):
-        kept.append(record.getMessage())
-        return True
-
-    kept, handler, logger = [], logging.StreamHandler(), logging.getLogger("afmformats")
-    handler.addFilter(one_that_its_user_asked_for)
-    logger.addHandler(handler)
-    before = list(logger.handlers), logger.propagate
-    write_afm(hertz_curve(), tmp_path / "a.tab")
-    text = (tmp_path / "a.tab").read_text()
-    (tmp_path / "a.tab").write_text(text.replace('"duration"', '"no such key"'))
-    try:
-        assert "cannot be read: " in refusal(tmp_path / "a.tab")
-        assert (logger.handlers, logger.propagate) == before
-    finally:
-        logger.removeHandler(handler)
-    assert any("Loader failed" in line for line in kept)
-    assert not caplog.records
 
 
 def test_what_is_no_file_is_told_as_what_it_is(tmp_path):

@@ -31,6 +31,11 @@ MOTIONS = {"extend": "approach", "pause": "pause", "retract": "retract"}
 """Kinds of segments as JPK calls them."""
 SLOWEST = 2.0
 """Rows a second of a stated rate, at least: some files state the rate of curves there, about one a second."""
+for _reader in (
+    "afmformats",
+    "igor2",
+):  # whole buffers are logged: not to a terminal that nobody set up for it
+    logging.getLogger(_reader).addHandler(logging.NullHandler())
 _UNITS = {"time": "s", "force": "N", STAGE: "m", PIEZO: "m", TIP: "m"}
 
 
@@ -269,11 +274,11 @@ def _told_how_to_install() -> Iterator[None]:
 
 @contextmanager
 def _in_one_line(path: Path) -> Iterator[None]:
-    """What the readers of foreign files raise as one line; their warnings and logs stay off the terminal."""
+    """What the readers of foreign files raise as one line, without their warnings."""
     with _told_how_to_install():
         from afmformats import errors, meta
     try:
-        with _told_how_to_install(), _logged_nowhere_else(), warnings.catch_warnings():
+        with _told_how_to_install(), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             yield
     except (SceneError, ImportError):
@@ -288,20 +293,3 @@ def _in_one_line(path: Path) -> Iterator[None]:
             raise UnknownFormat("", problem, allowed, str(path)) from None
         reason = f"{type(error).__name__} {error}"
         raise SceneError("", f"cannot be read: {reason}", "a file of afmformats", str(path)) from None
-
-
-@contextmanager
-def _logged_nowhere_else() -> Iterator[None]:
-    """Logs of foreign readers go only to handlers of their own, as of a file that its user asked for."""
-    handler = logging.NullHandler()  # with none: stderr, whole buffers among it
-    loggers = [logging.getLogger(name) for name in ("afmformats", "igor2")]
-    propagated = [logger.propagate for logger in loggers]
-    for logger in loggers:
-        logger.propagate = False
-        logger.addHandler(handler)
-    try:
-        yield
-    finally:
-        for logger, was in zip(loggers, propagated, strict=True):
-            logger.removeHandler(handler)
-            logger.propagate = was

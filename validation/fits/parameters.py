@@ -51,7 +51,7 @@ class FitSettings:
     per_curve: tuple[str, ...] = ()
     free: tuple[str, ...] = ()
     prony: tuple[float, ...] = ()
-    regularisation: float = REGULARISATION
+    regularisation: float | None = REGULARISATION
     starts: int = 3
     seed: int = 0
     profile: tuple[str, ...] = ()
@@ -75,7 +75,8 @@ class FitSettings:
         checked["prony"] = tuple(positive(time, "prony") for time in times)
         if list(checked["prony"]) != sorted(set(checked["prony"])):
             raise SceneError("prony", f"got {shown(times)}", "rising relaxation times")
-        checked["regularisation"] = not_negative(self.regularisation, "regularisation")
+        weight = REGULARISATION if self.regularisation is None else self.regularisation
+        checked["regularisation"] = not_negative(weight, "regularisation")
         checked["starts"] = whole_number(self.starts, "starts", 1)
         checked["seed"] = whole_number(self.seed, "seed", 0)
         if self.max_steps is not None:
@@ -92,8 +93,9 @@ class FitSettings:
 
     def bending(self, values: Mapping[str, float]) -> Array:
         """Second differences of the logarithms of the Prony weights, weighted; empty if they are free."""
-        weights = [values[name] for name in self.grid] if self.regularisation else []
-        return math.sqrt(self.regularisation) * np.diff(np.log(weights), 2)
+        weight = self.regularisation or 0.0
+        logarithms = np.log([values[name] for name in self.grid if weight])
+        return math.sqrt(weight) * np.diff(logarithms, 2)
 
 
 def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
