@@ -14,25 +14,20 @@ from numpy.typing import NDArray
 
 from validation.fits.contact import Array, wave_columns
 
-FAR, ROUGH = 5.0, 2.5
-"""Deviations of a mean of rows, and of a row, from which the retraction is off its own line."""
-SHALLOW = 0.02
-"""Share of the deepest force below which it is no contact: the ring-down behind a jump."""
+FAR, ROUGH, SHALLOW = 5.0, 2.5, 0.02
+"""Deviations of a mean of rows, and of a row, from which the retraction is off its own line; share of the
+deepest force below which it is no contact: the ring-down behind a jump."""
 EXTENSIONS = 8
 """Of the line, each by no more than its own length, as a line through a few rows says little far away."""
-JUMP, JUMP_SHARE = 8.0, 0.25
-"""A jump rises by eight deviations of the noise, and by a quarter of the pull-off force."""
-LEFT = 0.15
-"""Share of the pull-off force that still pulls behind a jump, below which it is the loss of contact."""
+JUMP, JUMP_SHARE, LEFT = 8.0, 0.25, 0.15
+"""A jump rises by eight deviations of the noise and a quarter of the pull-off force; it is the loss of
+contact if less than the last share still pulls behind it."""
 STEEP, SHORT = 0.5, 0.1
 """Change of the line over the travel, over the pull-off force, from which a tail of less than a tenth of
 the rows is no free one, for the force still falls; nor is the whole, which is contact throughout."""
-OUTLYING = 3.0
-"""Deviations from which a free row counts less."""
-GAIN = 0.9
-"""Roughness with a drift over that without, from which there is one."""
-FEWEST = 20
-"""Free rows of one side from which it tells more than a level."""
+OUTLYING, GAIN, FEWEST = 3.0, 0.9, 20
+"""Deviations from which a free row counts less; roughness with a drift over that without, from which there is
+one; free rows of one side from which it tells more than a level."""
 
 
 class Cycle(NamedTuple):

@@ -23,11 +23,9 @@ Array = NDArray[np.float64]
 
 EXPONENT = 1.5
 """p, of a sphere or a paraboloid."""
-MOST_ROWS = 1500
-"""Rows of a scan, which resolve a contact of a thousandth of the travel."""
-EVEN, DENSE = 160, 60
-"""Contact points tried: evenly over the travel, and ever closer towards its end, where contact may be short.
-A quarter of the first will do for each length of a drag."""
+MOST_ROWS, EVEN, DENSE = 1500, 160, 60
+"""Rows of a scan, which resolve a contact of a thousandth of the travel, and contact points tried: evenly
+over it, and ever closer towards its end, where contact may be short."""
 REWEIGHTED, SETTLED = 4, 1e-6
 """Repetitions with the weights of the last, at most: a spring as soft as the contact needs three. They end
 once the sum of squares changes by this share, a hundredth of the variance of a row."""
@@ -41,10 +39,9 @@ BETTER = 0.85
 NEAR, HALVED = (0.5, 0.25, 0.125), 0.5
 """Shares of the largest force up to which the power law is tried, as long as the misfit is halved: deep in a
 layered or a soft sample it does not hold."""
-WAVES = 400
-"""Lengths tried for the wave, from a 25th of the free travel to all of it."""
-ROUGH, SHARE = 1.5, 0.5
-"""A wave is looked for if free rows are rougher than white noise, and taken if it is half their variance."""
+WAVES, ROUGH, SHARE = 400, 1.5, 0.5
+"""Lengths tried for the wave, from a 25th of the free travel to all of it; it is looked for where free rows
+are rougher than white noise, and taken if it is half their variance."""
 _THIRD_DIFFERENCE = np.sqrt(20.0)  # standard deviation of 1, -3, 3, -1 times independent noise
 _NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard normal number
 

@@ -1,11 +1,10 @@
 """How well a fit determines its parameters, and whether its model explains the data at all.
 
 Residuals are in units of the noise. If the model is right their sum of squares is chi-squared, their signs
-follow each other at random, and the covariance of the parameters is ``s^2 (J^T J)^-1``, with the variance
-``s^2`` of baseline and residuals together. Where residuals are too large to be noise ``s^2`` is theirs alone
-(Birge, Phys. Rev. 40, 207, 1932); where they are correlated, n rows count as n/L independent ones, with the
-correlation length L of each curve, so that deviations grow with its root. Both make intervals honest about
-size and not about bias.
+follow each other at random, and the covariance is ``s^2 (J^T J)^-1``, with the variance ``s^2`` of baseline
+and residuals together. Where residuals are too large to be noise ``s^2`` is theirs alone (Birge, Phys. Rev.
+40, 207, 1932); where they are correlated, n rows count as n/L independent ones. Both make intervals honest
+about size and not about bias.
 """
 
 from __future__ import annotations
@@ -24,16 +23,13 @@ UNLIKELY = 1e-3
 """Probability below which a misfit, or the order of its signs, is not taken for chance."""
 VAGUE = 0.5
 """Standard deviation of a logarithm from which a parameter, or a product of powers, counts as unknown: its
-95 % interval spans a factor of seven. Below, a parameter is known to its order of magnitude at least."""
-ALIKE = 0.97
-"""Correlation from which two parameters are named as hardly told apart: each alone is known four times worse
-than with the other given."""
-TAKES_PART = 0.2
-"""Power of a parameter in a normalised product of powers from which it is named."""
-AT_BOUND = 1e-3
-"""Distance from a bound, in numbers of the search, below which a parameter counts as held by it."""
-NEGLIGIBLE = 1e-12
-"""Eigenvalue over the largest below which a direction is not determined at all: round-off of derivatives."""
+95 % interval spans a factor of seven."""
+ALIKE, TAKES_PART = 0.97, 0.2
+"""Correlation from which two parameters are hardly told apart, each alone known four times worse than with
+the other given; and power of a parameter in a normalised product from which it is named."""
+AT_BOUND, NEGLIGIBLE = 1e-3, 1e-12
+"""Distance from a bound, in numbers of the search, below which a parameter is held by it; and eigenvalue over
+the largest below which a direction is not determined at all: round-off of derivatives."""
 
 
 @dataclass(frozen=True)

@@ -37,16 +37,12 @@ SNAP, SNAP_SHARE, ONSET = 8.0, 0.02, 0.15
 BEFORE, BEHIND, FEW = 0.10, 0.05, 0.03
 """Shares of the rows: free before contact and behind its loss, below which the background is poorly known,
 and in contact, below which they tell little."""
-BENDS = 1.2
-"""Bending of the spring over the travel of the stage from which one of the two is in another unit."""
-FAINT = 1e-12
-"""Newtons, of which no instrument has a range."""
-AVERAGED = 200
-"""Means of the approach with which the retraction is compared: quieter than its rows."""
-PULLED = 3.0
-"""Deviations of three rows' mean from which the least force is a pull-off."""
-ENOUGH = 20
-"""Rows of an approach or a retraction that is looked at."""
+BENDS, FAINT = 1.2, 1e-12
+"""Bending of the spring over the travel of the stage, and newtons of the range of the force, from and below
+which one of them is in another unit."""
+ENOUGH, AVERAGED, PULLED = 20, 200, 3.0
+"""Rows of an approach or a retraction that is looked at; means of the approach with which the retraction is
+compared, quieter than its rows; deviations of three rows' mean from which the least force is a pull-off."""
 
 
 def _shown(words: str, unit: str) -> Any:

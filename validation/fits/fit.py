@@ -41,33 +41,27 @@ from validation.runs.store import Store
 from validation.solvers import REFERENCE
 
 MOST_ROWS = 20_000
-"""Rows of a curve that are fitted: they resolve a thousandth of the record with twenty rows, and the mean of
-more loses nothing that the motion's straight lines and a smooth force hold."""
+"""Rows of a curve that are fitted: twenty resolve a thousandth of the record, in which it is smooth."""
 TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
 """Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
 is four steps per process zone, the fewest that resolve one."""
-ERROR_SHARE = 0.05
-"""Error of a run over the noise (root mean square), at most: it moves a parameter by a twentieth of its
-standard deviation at the worst."""
-ORDER_TWO = 4.0 / 3.0
-"""Error of a run over its difference from one of half the step, for a method of second order."""
+ERROR_SHARE, ORDER_TWO = 0.05, 4.0 / 3.0
+"""Error of a run over the noise, at most: it moves a parameter by a twentieth of its deviation at the worst;
+and over its difference from a run of half the step, for a method of second order."""
 SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
-"""Bounds of the step of differences: the root of the relative error of a run, which makes the error of a
-derivative least if the errors of two neighbouring runs have nothing in common, lies between them."""
-SPREAD = np.log(3.0)
-"""Starts are drawn within a factor of three about the scene's values: whoever knows less states bounds."""
-DRAWN_BEFORE = 4
-"""Points drawn for a start, of which the one of least misfit is taken: a point costs no derivatives."""
+"""Bounds of the step of differences, the root of the relative error of a run: the best if the errors of two
+neighbouring runs have nothing in common."""
+SPREAD, DRAWN_BEFORE = np.log(3.0), 4
+"""Starts are drawn within a factor of three about the scene's values (whoever knows less states bounds); of
+so many points the one of least misfit is taken: a point costs no derivatives."""
 EXPLORING, MOST_EVALUATIONS, PROFILING = 4, 40, 6
-"""Evaluations of a start before the starts are compared, of the last search, and of the others as one
-parameter is held."""
+"""Evaluations of a start before starts are compared, of the last search, and with one parameter held."""
 SETTLED = 0.01
-"""Change of the sum of squares, over the variance of a residual, at which a search ends: a parameter that is
-off by a tenth of its standard deviation costs as much."""
-STEPS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
-"""Distances from the best value at which a profile fits the others, in standard deviations."""
-WIDEST = 1.0
-"""Standard deviation that the distances are taken of, at most: a factor of 20 on each side."""
+"""Change of the sum of squares, over the variance of a residual, at which a search ends: the cost of a
+parameter that is off by a tenth of its deviation."""
+STEPS, WIDEST = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 1.0
+"""Distances from the best value at which a profile fits the others, in standard deviations of at most one: a
+factor of 20 on each side."""
 
 
 def fit_curves(
@@ -127,8 +121,8 @@ def fit_curves(
         except KeyboardInterrupt:
             best = None
         raise InterruptedFit(best) from None
-    spent = {"runs": problem.runs, "seconds": time.perf_counter() - began}
-    return replace(result, profiles=profiles, check=check, error_share=share, **spent)
+    result = replace(result, profiles=profiles, check=check, error_share=share)
+    return replace(result, runs=problem.runs, seconds=time.perf_counter() - began)
 
 
 def _prepared(

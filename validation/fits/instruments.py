@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from contact_scene.errors import SceneError
-from validation.fits.contact import Array
 from validation.fits.reading import Given, missing
 from validation.fits.record import MeasuredCurve
 
@@ -169,7 +168,7 @@ def read_nanoscope(path: Path, given: Given) -> list[MeasuredCurve]:
     stated = file.filemetadata
     spring = given.spring(stated["spring_const_Nbym"], path)
     slope = given.sensitivity or 1e-9 * stated["defl_sens_nmbyV"]
-    parts: list[tuple[Array, Array, Array, Array]] = []  # number of the segment, time, stage, deflection
+    parts: list[tuple[Any, ...]] = []  # number of the segment, time, stage, deflection
     begin = 0.0
     for n, (_, segment) in enumerate(file.getcurve(0).get_segments()):
         time, height, volts = (

@@ -43,12 +43,10 @@ BACKGROUND = {
 }
 """Parts of the background by what is said to be free."""
 PATH_SHARE = 0.3
-"""Force that a deviation of the straight lines from the motion may cost, over the noise of the force:
-together with the noise it is 4 % more than the noise alone."""
-CORNER = 0.1
-"""Change of the rate over the largest from which curves are not taken as smooth across it."""
-ON_TIME = 1e-9
-"""Distance of a row from the corner it was stepped onto, over the duration, at most: round-off of times."""
+"""Force that the straight lines may cost, over its noise: both together are 4 % more than the noise."""
+CORNER, ON_TIME = 0.1, 1e-9
+"""Change of the rate over the largest from which curves are not taken as smooth across it; distance of a row
+from the corner it was stepped onto, over the duration, at most: round-off of times."""
 LEAST_RADIUS_NOISE = 1e-4
 """Noise of a measured contact radius over its range, at least."""
 OWN_PART = 1e-3

@@ -22,15 +22,12 @@ OVER_NEIGHBOURS = 3.0
 has them about equal."""
 OFF = 4.0
 """The same from which a row is off the background: one in 16 000 by chance."""
-EXCLUDED = 2
-"""Rows on both sides of a jump that are not compared: between them the force tells the moment of the jump
-only, for which there is a residual of its own, and the force would make misfit a step function of it."""
-LEAST_NOISE = 1e-6
-"""Noise over the range of the force, at least: of records without noise, so that weights remain finite."""
-FEWEST_ROWS = 6
-"""Rows of an approach or a retraction in which a moment is looked for."""
-MEDIAN_EFFICIENCY = 0.37
-"""Variance of the standard deviation over that of the median magnitude, both of as many normal numbers."""
+EXCLUDED, FEWEST_ROWS = 2, 6
+"""Rows on both sides of a jump that are not compared, as the moment of the jump has a residual of its own;
+and of an approach or a retraction in which a moment is looked for."""
+LEAST_NOISE, MEDIAN_EFFICIENCY = 1e-6, 0.37
+"""Noise over the range of the force, at least, so that weights remain finite; and variance of the standard
+deviation over that of the median magnitude, both of as many normal numbers."""
 
 
 @dataclass(frozen=True)

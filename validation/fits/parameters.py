@@ -12,15 +12,15 @@ import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
 from contact_scene import Branch, Machine, Scene, SceneError
+from contact_scene.checked import Checked, NotNegative, Positive
 from contact_scene.errors import shown
-from contact_scene.run_control import whole_number
 from contact_scene.scene import value_at
-from contact_scene.value_checks import as_tuple, finite, not_negative, positive
+from contact_scene.value_checks import Range, finite, whole_from
 from validation.fits.contact import Array
 from validation.fits.model import BACKGROUND, CurveModel
 from validation.fits.record import MeasuredCurve
@@ -31,60 +31,51 @@ CONTACT_POINT, TIME_OFFSET = "contact_point", "time_offset"
 INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)
 SPRING = ("machine.stiffness", "loading.machine.stiffness")
 """Paths of the spring between stage and indenter."""
-RANGE = 1e3
-"""Factor about the scene's value within which a positive parameter is searched, if no bounds are given."""
+RANGE, TIME_SHARE = 1e3, 0.1
+"""Factor about the scene's value within which a positive parameter is searched, if no bounds are given; and
+time offset over the duration of a record, at most."""
 LIMITED = {"material.poisson": (0.0, 0.5)}
 """Numbers that may not leave an interval, by path."""
-TIME_SHARE = 0.1
-"""Time offset over the duration of a record, at most."""
 REGULARISATION = 0.1
 """Weight of the squared second differences of the logarithms of Prony weights, beside squares of residuals:
 neighbours on the grid may bend by a factor of exp(3) at the cost of one standard deviation."""
 
+SHARE = Range("a share of the range between 0 and 1", 0.0, 1.0, open=True)
+
 
 @dataclass(frozen=True)
-class FitSettings:
-    """What to fit and how: see :func:`crosscontact.fit`."""
+class FitSettings(Checked):
+    """What to fit and how: see :func:`crosscontact.fit`; one name needs no sequence around it."""
 
     vary: tuple[str, ...] = ()
     tie: tuple[str, ...] = ()
     per_curve: tuple[str, ...] = ()
     free: tuple[str, ...] = ()
-    prony: tuple[float, ...] = ()
-    regularisation: float | None = REGULARISATION
-    starts: int = 3
-    seed: int = 0
+    prony: tuple[Positive, ...] = ()
+    regularisation: NotNegative | None = REGULARISATION
+    starts: Annotated[int, whole_from(1)] = 3
+    seed: Annotated[int, whole_from(0)] = 0
     profile: tuple[str, ...] = ()
     solver: str = REFERENCE
-    resolution: int | None = None
+    resolution: Annotated[int, whole_from(1)] | None = None
     check_solver: str | None = "bem"
-    max_steps: int | None = None
-    within: float | None = None
+    max_steps: Annotated[int, whole_from(1)] | None = None
+    within: Annotated[float, SHARE] | None = None
 
     def __post_init__(self) -> None:
-        checked: dict[str, Any] = {}
         for name in ("vary", "tie", "per_curve", "free", "profile"):
-            given = getattr(self, name)
-            checked[name] = (given,) if isinstance(given, str) else as_tuple(given, name, "several names")
-            if not all(isinstance(one, str) for one in checked[name]):
-                raise SceneError(name, f"got {shown(given)}", "several names")
-        for name in checked["free"]:
+            if isinstance(getattr(self, name), str):
+                object.__setattr__(self, name, (getattr(self, name),))
+        super().__post_init__()
+
+    def rules(self) -> None:
+        for name in self.free:
             if name not in INSTRUMENT:
                 raise SceneError("free", f"got {shown(name)}", ", ".join(INSTRUMENT))
-        times = as_tuple(self.prony, "prony", "several relaxation times")
-        checked["prony"] = tuple(positive(time, "prony") for time in times)
-        if list(checked["prony"]) != sorted(set(checked["prony"])):
-            raise SceneError("prony", f"got {shown(times)}", "rising relaxation times")
-        weight = REGULARISATION if self.regularisation is None else self.regularisation
-        checked["regularisation"] = not_negative(weight, "regularisation")
-        checked["starts"] = whole_number(self.starts, "starts", 1)
-        checked["seed"] = whole_number(self.seed, "seed", 0)
-        if self.max_steps is not None:
-            checked["max_steps"] = whole_number(self.max_steps, "max_steps", 1)
-        if self.within is not None and not 0.0 < positive(self.within, "within") < 1.0:
-            raise SceneError("within", f"got {shown(self.within)}", "a share of the range between 0 and 1")
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        if list(self.prony) != sorted(set(self.prony)):
+            raise SceneError("prony", f"got {shown(self.prony)}", "rising relaxation times")
+        if self.regularisation is None:
+            object.__setattr__(self, "regularisation", REGULARISATION)
 
     @property
     def grid(self) -> tuple[str, ...]:

@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene.checked import Checked, Positive
 from contact_scene.errors import SceneError, shown
-from contact_scene.value_checks import SMALLEST, Column, a_string, as_tuple, finite, number, positive
+from contact_scene.value_checks import SMALLEST, Column, Kind, finite, number, positive
 from validation.fits.background import Cycle
 from validation.fits.contact import Array
 from validation.fits.features import Features, features
@@ -32,12 +33,14 @@ KINDS = ("approach", "pause", "retract")
 FEWEST_OF_SPEED = 6
 """Rows of a segment from which it has a speed."""
 AT_REST = 0.02
-"""Share of the travel of the record below which the net motion of a segment is none: what creep and noise of
-a closed-loop stage leave of a pause."""
+"""Share of the travel below which a segment is a pause: what creep and noise of a closed-loop stage leave."""
 PLATEAU = 0.005, 0.1
 """A record whose segments nobody tells has a pause at its apex if more than a tenth of its rows lie within
 half a percent of the travel: those of a triangle are one percent, of a sine four and a half."""
-_NUMBERS = Column("finite numbers, one a row", finite)
+SEGMENTS = Kind(
+    f"(kind, first row, row after the last), one behind the other; kind: {', '.join(KINDS)}", (tuple, list)
+)
+Numbers = Annotated[Array, Column("finite numbers, one a row", finite)]
 
 
 class CurveSegment(NamedTuple):
@@ -54,7 +57,7 @@ class CurveSegment(NamedTuple):
 
 
 @dataclass(frozen=True)
-class MeasuredCurve:
+class MeasuredCurve(Checked):
     """One record of an instrument.
 
     Parameters
@@ -82,42 +85,31 @@ class MeasuredCurve:
         One line, if the columns are no record of a curve.
     """
 
-    time: Array
-    force: Array
-    penetration: Array | None = None
-    stage: Array | None = None
-    contact_radius: Array | None = None
-    stiffness: float | None = None
-    indenter_radius: float | None = None
-    noise: float | None = None
+    time: Numbers
+    force: Numbers
+    penetration: Numbers | None = None
+    stage: Numbers | None = None
+    contact_radius: Numbers | None = None
+    stiffness: Positive | None = None
+    indenter_radius: Positive | None = None
+    noise: Positive | None = None
     name: str = "curve"
-    segments: Sequence[CurveSegment] = ()
+    segments: Annotated[Sequence[CurveSegment], SEGMENTS] = ()
 
     def __post_init__(self) -> None:
-        a_string(self.name, "name")
         try:
-            for name in COLUMNS:
-                if getattr(self, name) is not None or name in ("time", "force"):
-                    object.__setattr__(self, name, self._checked(name))
-            self._check_columns()
-            for name in NUMBERS:
-                if getattr(self, name) is not None:
-                    object.__setattr__(self, name, positive(getattr(self, name), name))
-            object.__setattr__(self, "segments", self._checked_segments())
+            super().__post_init__()
         except SceneError as error:
-            raise error.in_file(self.name) from None
+            raise error.in_file(str(self.name)) from None
 
-    def _checked(self, name: str) -> Array:
-        values = _NUMBERS(getattr(self, name), name)
-        if name != "time" and values.shape != self.time.shape:
-            raise SceneError(name, f"has shape {values.shape}", "one number for each time")
-        if values.size and 0.0 < np.ptp(values) < SMALLEST:
-            raise SceneError(name, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")
-        return values
-
-    def _check_columns(self) -> None:
+    def rules(self) -> None:
         if self.time.size < FEWEST_ROWS:
             raise SceneError("", f"{self.time.size} rows", f"at least {FEWEST_ROWS}")
+        for name, values in self.columns().items():
+            if values.shape != self.time.shape:
+                raise SceneError(name, f"has shape {values.shape}", "one number for each time")
+            if 0.0 < np.ptp(values) < SMALLEST:
+                raise SceneError(name, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")
         stuck = np.flatnonzero(np.diff(self.time) <= 0.0)
         if stuck.size:
             problem = f"does not advance from row {stuck[0] + 1} to {stuck[0] + 2}"
@@ -127,20 +119,16 @@ class MeasuredCurve:
         if self.stage is not None and self.stiffness is None:
             allowed = "the spring constant between stage and indenter"
             raise SceneError("stiffness", "is missing beside stage", allowed)
-
-    def _checked_segments(self) -> tuple[CurveSegment, ...]:
-        allowed = f"(kind, first row, row after the last), one behind the other; kind: {', '.join(KINDS)}"
         try:
-            given = as_tuple(self.segments, "segments", allowed)
-            segments = [CurveSegment(str(kind), int(first), int(last)) for kind, first, last in given]
+            segments = [CurveSegment(str(kind), int(first), int(last)) for kind, first, last in self.segments]
         except (TypeError, ValueError):
-            raise SceneError("segments", f"got {shown(self.segments)}", allowed) from None
+            raise SEGMENTS.refused("segments", f"got {shown(self.segments)}") from None
         end = 0
         for one in segments:
             if one.kind not in KINDS or not end <= one.first < one.last <= self.time.size:
-                raise SceneError("segments", f"got {shown(tuple(one))}", allowed)
+                raise SEGMENTS.refused("segments", f"got {shown(tuple(one))}")
             end = one.last
-        return tuple(segments) or apex_segments(self.position)
+        object.__setattr__(self, "segments", tuple(segments) or apex_segments(self.position))
 
     @property
     def driven(self) -> str:

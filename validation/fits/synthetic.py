@@ -102,7 +102,8 @@ def synthetic(
     return MeasuredCurve(
         time - time[0],
         force + baseline + drift * time,
-        **{"stage" if spring else "penetration": position},
+        stage=position if spring else None,
+        penetration=None if spring else position,
         stiffness=1.0 / spring if spring else None,
         name=name or scene.title or "curve",
     )

@@ -100,14 +100,15 @@ def _columns_by_hand(table: TextTable, given: Given) -> dict[str, Array]:
     return found
 
 
-def _force(deflection: Array, table: TextTable, given: Given, spring: float | None, path: Path) -> Array:
+def _force(deflection: Array, table: TextTable, given: Given, spring: Any, path: Path) -> Array:
     """Force of a deflection, in metres or in volts."""
-    volts = any(k == "deflection" and u.endswith("V") for k, u in zip(table.kinds, table.units, strict=True))
-    needed = {"spring constant": spring, "sensitivity": given.sensitivity or (None if volts else 1.0)}
+    units = dict(zip(table.kinds, table.units, strict=True))
+    slope: Any = given.sensitivity or (None if units.get("deflection", "").endswith("V") else 1.0)
+    needed = {"spring constant": spring, "sensitivity": slope}
     absent = [key for key, value in needed.items() if not value]
     if absent:
         raise missing(absent, path)
-    return np.asarray(deflection * needed["spring constant"] * needed["sensitivity"])
+    return np.asarray(deflection * spring * slope)
 
 
 def _factor(table: TextTable, place: int) -> float:
