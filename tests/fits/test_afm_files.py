@@ -11,7 +11,6 @@ from support.recorded import elastic_scene, hertz_curve
 
 import crosscontact as cc
 from contact_scene import SceneError, write_scene
-from crosscontact.cli import main
 from validation.fits.instruments import write_afm
 from validation.fits.tables import write_csv
 
@@ -38,18 +37,6 @@ def test_a_file_in_no_known_format_is_refused_in_one_line(tmp_path, ending):
     assert UNKNOWN.format(ending) in refusal(file)
     file.write_bytes(b"")
     assert refusal(file).startswith("the file is empty;")
-
-
-def test_half_a_file_is_refused_by_the_command_in_one_line(tmp_path, capsys):
-    file, scene = tmp_path / "a.h5", tmp_path / "scene.toml"
-    write_afm(hertz_curve(), file)
-    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-    write_scene(elastic_scene(), scene)
-    assert main(["fit", str(file), str(scene), "--vary", "material.modulus"]) == 2
-    said = capsys.readouterr().err.splitlines()
-    assert len(said) == 1
-    assert said[0].startswith(f"crosscontact: error: {file}: cannot be read: OSError")
-    assert "truncated file" in said[0]
 
 
 @pytest.mark.slow
@@ -125,14 +112,6 @@ def test_a_row_that_is_cut_off_is_told_by_its_line(tmp_path):
     assert len(cc.read_curves(file)) == 1
 
 
-def test_a_table_called_txt_is_read_as_one(tmp_path):
-    curve = hertz_curve()
-    write_csv(curve, tmp_path / "a.txt")
-    [back] = cc.read_curves(tmp_path / "a.txt")
-    assert back.name == "a"
-    assert np.array_equal(back.force, curve.force)
-
-
 def test_such_a_table_needs_no_afmformats(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "afmformats", None)
     write_csv(hertz_curve(), tmp_path / "a.txt")
@@ -155,20 +134,6 @@ def test_such_a_table_needs_no_afmformats(tmp_path, monkeypatch):
 def test_a_txt_that_is_no_table_is_told_as_one_unless_afmformats_knows_it(tmp_path, text, words):
     (tmp_path / "a.txt").write_text(text)
     assert words in refusal(tmp_path / "a.txt")
-
-
-def test_a_txt_of_a_microscope_is_left_to_afmformats(tmp_path):
-    rows = "\n".join(f"{k / 10}\t{k}\t{k}\t{k}\t{2 * k}" for k in range(30))
-    head = [
-        "Date\t1.1.2026\tTime\t12:00:00\tDevice:\tChiaro\tSoftware version\t1",
-        "k (N/m)\t0.5\tMax load (\u00b5N)\t29",
-        "Piezo position (nm) (Measured)\t58\tPiezo speed  (\u00b5m/s)\t1",
-        "Time (s)\tLoad (uN)\tIndentation (nm)\tCantilever (nm)\tPiezo (nm)",
-    ]
-    (tmp_path / "a.txt").write_text("\n".join([*head, rows]), encoding="ISO-8859-1")
-    [curve] = cc.read_curves(tmp_path / "a.txt")
-    assert curve.stiffness == 0.5
-    assert curve.force[-1] == pytest.approx(29e-6)
 
 
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit])

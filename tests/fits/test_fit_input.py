@@ -70,14 +70,6 @@ def test_a_file_is_read_with_the_options_of_the_reader(tmp_path, capsys):
     assert "has no pause" in capsys.readouterr().err
 
 
-def test_a_record_without_contact_is_told_before_the_ranges_of_what_is_free(tmp_path):
-    """A baseline between the least and the largest of forces that are all 0 has none."""
-    curve, free = hertz_curve(), ["contact_point", "baseline"]
-    silent = cc.MeasuredCurve(curve.time, 0.0 * curve.force, curve.motion)
-    with pytest.raises(SceneError, match="no contact"):
-        cc.fit(silent, elastic_scene(), vary=["material.modulus"], free=free)
-
-
 def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path, capsys):
     write_csv(hertz_curve(), tmp_path / "a.csv")
     write_scene(elastic_scene(), tmp_path / "scene.toml")

@@ -47,18 +47,14 @@ class Cycle(NamedTuple):
 
 
 class Loss(NamedTuple):
-    """Of a retraction: the ``row`` from which it is free, if contact is lost in it, and the height of a
-    ``jump``."""
+    """Of a retraction: the ``row`` from which it is free, if any, and the height of a ``jump``."""
 
     row: int | None
     jump: float | None
 
 
 def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
-    """From the last row backward against its own line, then the jump behind the minimum that frees it.
-
-    ``force``: over that of the approach at the same position.
-    """
+    """From the last row backward against its own line, then the jump behind the minimum that frees it."""
     count = stage.size
     width, tail = max(3, count // 400), max(min(12, count // 4), count // 20)
     deepest = float(np.median(force[-max(10, count // 20) :]) - force.min())
@@ -110,8 +106,7 @@ class Background(NamedTuple):
 
 
 def background(cycle: Cycle, free: NDArray[np.bool_], wave: float | None = None) -> Background:
-    """That of all free rows, with a wave of some length; two sides, ahead of the apex and behind, tell a
-    drag, and a drift where it gains."""
+    """That of all free rows, with a wave of a length; two sides tell a drag, and a drift where it gains."""
     time, stage, force, speed = cycle.time, cycle.stage, cycle.force[free], cycle.speed
     ahead = free & (np.arange(free.size) <= cycle.apex)
     behind = free & ~ahead

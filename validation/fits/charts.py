@@ -23,8 +23,7 @@ LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "labelcolor": I
 
 
 def draw_curves(result: FitResult) -> Figure:
-    """A column for each curve: force over position, residuals over time; a stretch that is not explained is
-    marked in both."""
+    """A column for each curve: force over position, residuals over time; what is not explained is marked."""
     from matplotlib.figure import Figure
 
     count = len(result.curves)

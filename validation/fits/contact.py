@@ -48,9 +48,7 @@ _NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard nor
 
 @dataclass(frozen=True)
 class Contact:
-    """What an approach shows.
-
-    ``place``: of the stage where indenter and surface touch without force; ``stiffness``: K; ``level`` and
+    """``place``: of the stage where indenter and surface touch without force; ``stiffness``: K; ``level`` and
     ``tilt``: of the background, about the stage at ``origin``; ``wave``: length, and amplitudes of cosine and
     sine; ``wall``: length h0 and force D at the wall; ``snap_in``: force of a jump into contact.
     """

@@ -69,8 +69,7 @@ def rows(curve: MeasuredCurve, told: Features) -> list[tuple[str, str]]:
 
 
 def written(curves: Iterable[tuple[MeasuredCurve, Features]]) -> str:
-    """All curves as CSV, a row each, with all digits in SI units; empty where a curve does not show
-    something."""
+    """All curves as CSV, a row each, with all digits in SI units; empty where a curve shows nothing."""
     stream = io.StringIO()
     out = csv.writer(stream, lineterminator="\n")
     units = [f"{key} [{unit}]" for key, (_, unit) in QUANTITIES.items()]

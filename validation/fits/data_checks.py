@@ -38,13 +38,7 @@ of little use."""
 
 
 def check(model: CurveModel, scene: Scene, parameters: Unknowns) -> list[str]:
-    """Warnings about a curve, which the scene, as its user states it, is fitted to.
-
-    Raises
-    ------
-    SceneError
-        One line, if the curve cannot be a contact as the scene describes it.
-    """
+    """Warnings about a curve, which the scene, as its user states it, is fitted to."""
     curve = model.curve
     try:
         if np.ptp(curve.force) > 0.0:

@@ -74,13 +74,7 @@ def fit_each(
     progress: Callable[[str], None] | None = None,
     on_result: Callable[[list[EachFit]], None] | None = None,
 ) -> list[EachFit]:
-    """Fit every curve, whatever becomes of the others; ``on_result`` gets all that is there after each.
-
-    Raises
-    ------
-    SceneError
-        If no curve can be fitted, the reason of the first.
-    """
+    """Fit every curve, whatever becomes of the others; ``on_result`` gets all that is there after each."""
     alone = replace(settings, vary=(*settings.vary, *settings.per_curve), per_curve=())
     guess, store = scene, store or Store()
     found: list[EachFit] = []

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from validation.fits.contact import Array
 from validation.fits.parameters import Unknown
@@ -75,10 +75,9 @@ class RunsTest:
 
 @dataclass(frozen=True)
 class Goodness:
-    """Whether what is left looks like noise: the sum of squares over it, the degrees of freedom of residuals
-    and of the noise, the probability of a sum as large by chance, a runs test for each curve, the largest
-    root mean square of a curve over the range of its force (``share``), the share that was asked for, and the
-    ``variance`` of a residual as it is weighted."""
+    """Whether what is left looks like noise: ``probability``: of a sum of squares as large by chance;
+    ``share``: the largest root mean square of a curve over the range of its force; ``variance``: of a
+    residual as it is weighted."""
 
     chi_squared: float
     degrees: int
@@ -101,13 +100,10 @@ class Goodness:
 
     @property
     def explained(self) -> bool:
-        """Whether the model explains the data within the share that was asked for, else within their noise.
-
-        Where residuals are less than noise can be, as of a record without any, their signs tell nothing.
-        """
+        """Whether the model explains the data within the share that was asked for, or else their noise."""
         if self.within is not None:
             return self.share <= self.within
-        below = self.probability > 1.0 - UNLIKELY
+        below = self.probability > 1.0 - UNLIKELY  # less than noise can be: then signs tell nothing
         at_random = all(one.probability >= UNLIKELY for one in self.runs)
         return self.probability >= UNLIKELY and (below or at_random)
 
@@ -124,12 +120,11 @@ def runs_test(curve: str, residuals: Array) -> RunsTest:
     expected = 1.0 + 2.0 * above * below / both
     variance = (expected - 1.0) * (expected - 2.0) / max(both - 1.0, 1.0)
     z = (runs + 0.5 - expected) / np.sqrt(variance) if variance > 0.0 else 0.0
-    return RunsTest(curve, runs, expected, float(stats.norm.cdf(z)))
+    return RunsTest(curve, runs, expected, float(special.ndtr(z)))
 
 
 def correlation_length(residuals: Array) -> float:
-    """Rows of one curve that tell as much as one independent row: twice the sum of the autocorrelation, up to
-    where it is what white noise has by chance."""
+    """Rows that tell as much as one: twice the sum of the autocorrelation, up to what white noise has."""
     rows = residuals.size
     power = np.abs(np.fft.rfft(residuals, 2 * rows)) ** 2
     product = np.fft.irfft(power)[:rows]
@@ -166,7 +161,7 @@ def estimate(one: Unknown, at: float, variance: float) -> Estimate:
     """A number with its standard deviation and 95 % interval, within its bounds."""
     deviation = float(np.sqrt(variance))
     low, high = one.plain(one.low), one.plain(one.high)
-    reach = float(stats.norm.ppf(0.5 + 0.5 * CONFIDENCE)) * deviation
+    reach = float(special.ndtri(0.5 + 0.5 * CONFIDENCE)) * deviation
     note = ""
     if min(at - low, high - at) < AT_BOUND:
         note = "held by its bound"

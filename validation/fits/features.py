@@ -116,8 +116,7 @@ def features(recorded: Cycle, radius: float | None = None, poisson: float = 0.5)
 
 
 def _contact_behind_drag(cycle: Cycle, radius: float | None) -> tuple[Cycle, Contact | None, list[str]]:
-    """The contact of the approach and the record without the drag near the wall, where it is one; a warning
-    where it may be one."""
+    """The record without drag near the wall, the contact of its approach, and a warning in doubt."""
     found = _contact(cycle)
     if found is None:
         return cycle, None, []

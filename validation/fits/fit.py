@@ -16,7 +16,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
@@ -72,18 +72,8 @@ def fit_curves(
     store: Store | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> FitResult:
-    """Fit a scene, the first guess and all that is not varied, to curves.
-
-    The executor carries out the runs of a derivative side by side; the store holds runs, from which an
-    interrupted fit goes on; progress is called with a line of text at each point.
-
-    Raises
-    ------
-    SceneError
-        One line, if data or settings are no good.
-    InterruptedFit
-        At Ctrl-C.
-    """
+    """Fit a scene, the first guess and all that is not varied, to curves; the store holds runs, from which an
+    interrupted fit goes on."""
     began = time.perf_counter()
     curves = named_apart(curves)
     asked = question(curves, scene, settings)
@@ -329,7 +319,7 @@ def _point(values: Any) -> Array:
 
 def _crossing(at: Array, increase: Array) -> float | None:
     """Where a profile first passes the limit of its interval, by the root of the increase between points."""
-    limit = np.sqrt(float(stats.chi2.ppf(CONFIDENCE, 1)))
+    limit = np.sqrt(float(special.chdtri(1, 1.0 - CONFIDENCE)))
     above = np.flatnonzero(increase >= limit**2)
     if not above.size:
         return None

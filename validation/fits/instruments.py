@@ -185,13 +185,7 @@ def read_nanoscope(path: Path, given: Given) -> list[MeasuredCurve]:
 
 
 def write_afm(curve: MeasuredCurve, path: Path) -> None:
-    """Write a curve so that afmformats, and what is built on it, reads it.
-
-    Raises
-    ------
-    SceneError
-        If the ending is none of those that can be written.
-    """
+    """Write a curve so that afmformats, and what is built on it, reads it."""
     if path.suffix.lower() not in WRITTEN:
         raise SceneError("path", f"cannot write {path.suffix}", ", ".join((".csv", *WRITTEN)))
     with _told_how_to_install():

@@ -143,13 +143,7 @@ class CurveModel:
 
     @classmethod
     def of(cls, curve: MeasuredCurve, scene: Scene, within: float = 0.0) -> CurveModel:
-        """Prepare a curve.
-
-        Raises
-        ------
-        SceneError
-            If it cannot be compared with the scene, one line.
-        """
+        """Prepare a curve."""
         seen = moments(curve)
         if curve.indenter_radius is not None:
             if not isinstance(scene.indenter, Sphere):
@@ -202,16 +196,8 @@ class CurveModel:
         return columns * int(self.kept.sum()) + len(self.jumps)
 
     def scene_of(self, values: Mapping[str, float], contact_point: float = 0.0) -> tuple[Scene, float] | None:
-        """The scene to solve with these numbers by path, and the time its clock starts at.
-
-        ``contact_point`` is the measured position at which the penetration is zero; ``None`` comes back if
-        the motion never comes to contact.
-
-        Raises
-        ------
-        SceneError
-            If the scene does not take the values.
-        """
+        """The scene to solve with these numbers by path, and the time its clock starts at; ``None`` if the
+        motion never comes to contact."""
         scene = with_values(self.scene, values)
         heights = self.heights - contact_point
         first, begin = scene.loading.penetration, float(self.knots[0])

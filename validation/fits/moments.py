@@ -43,12 +43,8 @@ class Jump:
 
 @dataclass(frozen=True)
 class Moments:
-    """What a record shows of itself.
-
-    ``first``, ``last``: the first row in contact, and the row after the last, the number of rows if contact
-    is not seen to end. ``background``: the force without contact, of every row. ``noise_degrees``: degrees
-    of freedom from which the noise is known, infinite if it was stated.
-    """
+    """What a record shows of itself: ``first`` row in contact, and the row after the ``last``; the force
+    without contact of every row; degrees of freedom from which the noise is known, infinite if stated."""
 
     noise: float
     noise_degrees: float
@@ -118,11 +114,8 @@ def moments(curve: MeasuredCurve) -> Moments:
 
 
 def _free_rows(force: Array) -> int:
-    """Rows of a baseline in which the smooth contact that begins behind it cannot hide in the noise.
-
-    From its end back to the last row on the other side of the level contact may have been; and, as its force
-    grows from nothing, as far again before that.
-    """
+    """Rows of a baseline in which the smooth contact that begins behind it cannot hide in the noise: not back
+    to the last row on the other side of the level, nor as far again before that."""
     if force.size < FEWEST_ROWS:
         return 0
     over = force - float(np.median(force[: force.size // 2]))

@@ -188,13 +188,7 @@ class Unknowns:
 
 
 def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) -> Unknowns:
-    """All parameters of a fit with their first guesses: shared ones, then those of each curve.
-
-    Raises
-    ------
-    SceneError
-        If a path names no number of the scene, or is tied to one that is not varied.
-    """
+    """All parameters of a fit with their first guesses: shared ones, then those of each curve."""
     shared = (*settings.vary, *settings.grid)
     varied = [entry.partition("=")[0] for entry in (*shared, *settings.per_curve)]
     tied = _ties(settings.tie, varied)

@@ -62,10 +62,7 @@ def _kept_rows(time: Array, position: Array, within: float) -> np.ndarray:
 
 
 def _moved_corners(time: Array, position: Array, rows: np.ndarray) -> Array:
-    """Times of the corners: where two straight stretches meet, if that is among the rows between them.
-
-    A corner between two rows is kept as both of them, with a short stretch in between that is none.
-    """
+    """Times of the corners: where two straight stretches meet, if that is among the rows between them."""
     stretches: list[tuple[int, int, float, float]] = []
     for begin, end in pairwise(rows.tolist()):
         inner = slice(begin + 1, end)

@@ -42,12 +42,8 @@ class Point:
 
 @dataclass
 class FitProblem:
-    """Residuals and derivatives of curves, and last those of a regularisation.
-
-    ``tolerance``: of the time steps where no resolution is asked for; ``step``: of differences in numbers of
-    the search; ``runs``: carried out; ``force_rows``: residuals of the force of each curve; ``parts``: curve
-    and name of each part of the background.
-    """
+    """Residuals and derivatives of curves, and last those of a regularisation; ``tolerance`` is that of time
+    steps where no resolution is asked for, ``step`` that of differences, ``runs`` what was carried out."""
 
     models: Sequence[CurveModel]
     unknowns: Unknowns

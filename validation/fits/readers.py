@@ -21,15 +21,7 @@ WORKSHOP = b"Force-Distance Curve"
 
 
 def read_file(path: Path, given: Given | None = None, si: bool = False) -> list[MeasuredCurve]:
-    """All curves of a file; ``si``: units that a table states are converted.
-
-    Raises
-    ------
-    SceneError
-        One line: file, line or column, what is wrong, or which option states what the file does not.
-    ImportError
-        If the package that reads such files is not installed.
-    """
+    """All curves of a file; ``si``: units that a table states are converted."""
     given = given or Given()
     _require_content(path)
     ending = path.suffix.lower()

@@ -80,11 +80,8 @@ class Given:
         kinds: Sequence[str] = (),
         **more: Any,
     ) -> MeasuredCurve:
-        """A curve of columns as recorded, whose segments bear numbers.
-
-        ``rate``: rows a second, if stated; ``kinds``: what the drive does in each row, if stated.
-        Left out are rows that are not numbers, and those whose time does not rise.
-        """
+        """A curve of columns as recorded, with the number of the segment of each row and what the drive does
+        there, and rows a second, if stated; left out are rows without numbers or of a time told before."""
         kept = {key: np.asarray(column, float) for key, column in columns.items()}
         driven = "stage" if "stage" in kept else "penetration"
         if "time" not in kept:

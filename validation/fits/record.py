@@ -202,11 +202,8 @@ class MeasuredCurve(Checked):
         return features(self.cycle, radius, poisson)
 
     def means(self, most: int) -> tuple[Self, int]:
-        """The curve with at most ``most`` rows, and how many of its rows each one is the mean of.
-
-        The noise of the rows is taken to be independent: a stated one falls with the root of their number.
-        Rows at the end that fill no mean are left out.
-        """
+        """The curve with at most ``most`` rows, and of how many each is the mean; white noise falls with the
+        root of their number, and rows at the end that fill no mean are left out."""
         together = -(-self.time.size // most)
         if together == 1:
             return self, 1

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import special
 
 from contact_scene import Scene
 from contact_scene.scene import with_values
@@ -148,10 +148,10 @@ def goodness(problem: FitProblem, point: Point) -> Goodness:
     total, within = float(over_noise @ over_noise), problem.settings.within
     own_variance = float(point.residuals @ point.residuals) / degrees
     if np.isfinite(known):
-        chance = float(stats.f.sf(total / degrees, degrees, known))
+        chance = float(special.fdtrc(degrees, known, total / degrees))
         pooled = (total + known) / (degrees + known)
     else:
-        chance, pooled = float(stats.chi2.sf(total, degrees)), 1.0
+        chance, pooled = float(special.chdtrc(degrees, total)), 1.0
     variance = max(own_variance, 1.0) if chance < UNLIKELY else pooled
     variance = own_variance if within else variance
     return Goodness(total, degrees, float(known), chance, tuple(runs), max(shares), within, variance)

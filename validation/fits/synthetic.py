@@ -110,10 +110,7 @@ def synthetic(
 
 
 def _driven(scene: Scene, stiffness: float | None) -> Scene:
-    """The scene with its spring, which nothing bends before contact: contact is made at constant stage.
-
-    Refused are load steps that do not prescribe a position, or that nothing ends.
-    """
+    """The scene with its spring, which nothing bends before contact: contact is made at constant stage."""
     loading = scene.loading
     if stiffness is not None:
         loading = replace(loading, machine=Machine(positive(stiffness, "stiffness")))
@@ -128,8 +125,7 @@ def _driven(scene: Scene, stiffness: float | None) -> Scene:
 
 
 def _row_times(scene: Scene, run: FitRun, driven: Array, sampling: float | None, seed: int) -> Array:
-    """Times of the rows, zero where contact begins; where between two rows it begins and ends is drawn, as
-    no instrument has a row at that very moment."""
+    """Times of the rows, zero where contact begins, which is at none of them: its place is drawn."""
     end = float(run.time[-1])
     of_begin, of_end = np.random.default_rng([seed, 1]).random(2).tolist()
     step = end / (ROWS - of_end) if sampling is None else sampling

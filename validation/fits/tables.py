@@ -52,13 +52,7 @@ class _OrNone(Range):
 
 
 def read_table_curve(path: Path, given: Given, si: bool) -> MeasuredCurve:
-    """One curve; ``si``: units in brackets are converted.
-
-    Raises
-    ------
-    SceneError
-        One line: file, line or column, what is wrong.
-    """
+    """One curve; ``si``: units in brackets are converted."""
     table = read_table(_plain(_text(path)), str(path), () if given.columns else KINDS, _BY_HAND)
     si |= bool(given.columns) or any(kind in INSTRUMENTS for kind in table.kinds)
     columns = _columns_by_hand(table, given) if given.columns else _columns(table, si)
@@ -153,11 +147,8 @@ def _text(path: Path) -> str:
 
 
 def _plain(text: str) -> str:
-    """A record as a table: decimal commas as points, and lines above its rows that state numbers as comments.
-
-    Rows are the lines of numbers alone, as many in each as in most; where they are too few for a record, the
-    text stays as it is. Commas are decimal where something else parts the cells of every row.
-    """
+    """A record as a table: decimal commas as points, and lines that state numbers above its rows as comments;
+    rows are the lines of numbers alone, as many in each as in most."""
     lines = re.split(r"\r\n|\r|\n", text)
     for decimal in (True, False):
         parted = r";|\s" if decimal else r"[;,\s]"
