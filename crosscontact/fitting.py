@@ -22,11 +22,11 @@ from validation.fits.each import EachFit, dataset, write_each
 from validation.fits.each import fit_each as fit_curves_each
 from validation.fits.errors import Estimate
 from validation.fits.fit import fit_curves
+from validation.fits.given import Given
 from validation.fits.instruments import KNOWN, write_afm
 from validation.fits.page import lead, statements, table, write_fit
 from validation.fits.parameters import FitSettings, question
 from validation.fits.readers import choose, read_file
-from validation.fits.reading import Given
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic

@@ -120,7 +120,10 @@ class Scan:
         height = found.coefficients[2] * depth**EXPONENT
         if (found.depth > 0.0).sum() < LEAST_ROWS or height <= LEAST_HEIGHT * np.sqrt(variance):
             return None
-        if self._without_contact() - found.cost < LEAST_GAIN * variance:
+        along = (self.stage - self.stage[0]) / span
+        line = [np.ones_like(along), along, *wave_columns(self.stage, self.wave)]
+        left = _least_squares(line, self.force, np.ones_like(along))[1]
+        if float(left @ left) - found.cost < LEAST_GAIN * variance:
             return None
         aside = 3e-3 * max(depth, 1e-4 * span)
         rises = [self.trial(place + way * aside, level).cost - found.cost for way in (-1.0, 1.0)]
@@ -161,13 +164,6 @@ class Scan:
             before = cost
         found[2] /= span**EXPONENT
         return Trial(cost, found, span * depth)
-
-    def _without_contact(self) -> float:
-        """Sum of squares of line and wave alone."""
-        along = (self.stage - self.stage[0]) / np.ptp(self.stage)
-        columns = [np.ones_like(along), along, *wave_columns(self.stage, self.wave)]
-        left = _least_squares(columns, self.force, np.ones_like(along))[1]
-        return float(left @ left)
 
 
 def find_contact(stage: Array, force: Array, spring: float) -> tuple[Contact, Scan] | None:

@@ -19,7 +19,6 @@ import numpy as np
 from scipy import special
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import shown
 from validation.fits import data_checks
 from validation.fits.contact import Array
 from validation.fits.errors import CONFIDENCE, covariance
@@ -329,11 +328,8 @@ def _crossing(at: Array, increase: Array) -> float | None:
 
 def named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:
     """Curves with names that differ."""
-    if isinstance(curves, MeasuredCurve):
-        curves = [curves]
-    if not curves or not all(isinstance(curve, MeasuredCurve) for curve in curves):
-        allowed = "one or several MeasuredCurve, as read_curves gives them"
-        raise SceneError("curves", f"got {shown(curves)}", allowed)
+    if not curves:
+        raise SceneError("curves", "there are none", "one or several MeasuredCurve, or paths of files")
     names: Counter[str] = Counter()
     made = []
     for curve in curves:

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene.errors import SceneError
-from validation.fits.reading import Given, missing
+from validation.fits.given import Given, missing
 from validation.fits.record import MeasuredCurve
 
 WRITTEN = {".h5": "hdf5", ".tab": "tab"}

@@ -11,8 +11,8 @@ from typing import Any
 
 from contact_scene.errors import SceneError, shown
 from contact_scene.value_checks import Whole, a_string
+from validation.fits.given import Given
 from validation.fits.instruments import KNOWN, UnknownFormat, is_nanoscope, read_instrument
-from validation.fits.reading import Given
 from validation.fits.record import KINDS, MeasuredCurve
 from validation.fits.tables import LARGEST_FILE, read_table_curve
 

@@ -26,7 +26,7 @@ from contact_scene.files import read_text, write_whole
 from contact_scene.tables import TextTable, bracketed, finite, is_number, read_table
 from contact_scene.value_checks import Range
 from validation.fits.contact import Array
-from validation.fits.reading import INSTRUMENTS, KINDS, Given, missing
+from validation.fits.given import INSTRUMENTS, KINDS, Given, missing
 from validation.fits.record import COLUMNS, FEWEST_ROWS, NUMBERS, MeasuredCurve
 
 LARGEST_FILE = 200_000_000

@@ -8,13 +8,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene.checked import Checked, Positive
 from contact_scene.errors import SceneError, shown
-from contact_scene.value_checks import LARGEST, finite, positive
+from contact_scene.value_checks import LARGEST, Rule, finite
 from validation.fits.contact import Array
 from validation.fits.record import COLUMNS, MeasuredCurve, moved_segments
 
@@ -24,28 +25,46 @@ KINDS = (*COLUMNS, *INSTRUMENTS)
 MOST_DROPPED = 0.05
 """Share of rows without numbers, or at whose time one has been recorded before, above which there is no
 record: a clock that is read twice between two ticks doubles a few."""
-_COLUMNS = "HOLDS=COLUMN[:FACTOR], ...: COLUMN by name or by number from 1, HOLDS one of " + ", ".join(KINDS)
+
+
+class ColumnsByHand(Rule):
+    """Columns of a table by what they hold: name or number (from 1) of the column, and a factor, stated as
+    ``"time=3,stage=1:1e-6"``, or as a mapping to columns or (column, factor)."""
+
+    def __call__(self, value: Any, key: str) -> dict[str, tuple[str | int, float]]:
+        if isinstance(value, str):
+            parts = (part.partition("=") for part in value.split(","))
+            value = {holds.strip(): tuple(at.strip().rsplit(":", 1)) for holds, _, at in parts}
+        if not isinstance(value, Mapping):
+            raise self.refused(key, f"got {shown(value)}")
+        found: dict[str, tuple[str | int, float]] = {}
+        for holds, stated in value.items():
+            column, factor = (*stated, 1.0)[:2] if isinstance(stated, tuple) else (stated, 1.0)
+            is_column = isinstance(column, (int, str)) and not isinstance(column, bool) and column != ""
+            if holds not in KINDS or not is_column:
+                raise self.refused(key, f"got {shown(holds)}: {shown(stated)}")
+            column = int(column) if isinstance(column, str) and column.isdigit() else column
+            try:
+                found[holds] = column, finite(float(factor), key)
+            except (TypeError, ValueError):
+                raise SceneError(key, f"got the factor {shown(factor)}", "a number") from None
+        return found
+
+
+BY_HAND = ColumnsByHand(
+    f"HOLDS=COLUMN[:FACTOR], ...: COLUMN by name or by number from 1, HOLDS one of {', '.join(KINDS)}"
+)
 
 
 @dataclass(frozen=True)
-class Given:
-    """Stated by the user, in SI units: it goes before what the file says.
+class Given(Checked):
+    """Stated by the user, in SI units: it goes before what the file says."""
 
-    ``columns``: of a table, by what they hold: name or number (from 1) of the column, and a factor, as
-    ``"time=3,stage=1:1e-6"``, or as a mapping to columns or (column, factor).
-    """
-
-    spring_constant: float | None = None
-    sensitivity: float | None = None
-    sampling_rate: float | None = None
-    speed: float | None = None
-    columns: Any = None
-
-    def __post_init__(self) -> None:
-        for name in ("spring_constant", "sensitivity", "sampling_rate", "speed"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, positive(getattr(self, name), name))
-        object.__setattr__(self, "columns", _columns(self.columns))
+    spring_constant: Positive | None = None
+    sensitivity: Positive | None = None
+    sampling_rate: Positive | None = None
+    speed: Positive | None = None
+    columns: Annotated[Any, BY_HAND] | None = None
 
     def overrides(self) -> dict[str, float]:
         """The first two as ``afmformats`` takes them."""
@@ -106,22 +125,3 @@ def missing(keys: list[str], file: Path) -> SceneError:
     """The error of a file that does not state something, with the options that do."""
     options = ", ".join(f"--{key.replace(' ', '-')}" for key in keys)
     return SceneError("", f"states no {' and no '.join(keys)}", f"{options} with it", str(file))
-
-
-def _columns(asked: Any) -> dict[str, tuple[str | int, float]]:
-    if isinstance(asked, str):
-        parts = (part.partition("=") for part in asked.split(","))
-        asked = {key.strip(): tuple(value.strip().rsplit(":", 1)) for key, _, value in parts}
-    if asked is not None and not isinstance(asked, Mapping):
-        raise SceneError("columns", f"got {shown(asked)}", _COLUMNS)
-    found: dict[str, tuple[str | int, float]] = {}
-    for key, value in (asked or {}).items():
-        column, factor = (*value, 1.0)[:2] if isinstance(value, tuple) else (value, 1.0)
-        if key not in KINDS or not isinstance(column, (int, str)) or isinstance(column, bool) or column == "":
-            raise SceneError("columns", f"got {shown(key)}: {shown(value)}", _COLUMNS)
-        number = int(column) if isinstance(column, str) and column.isdigit() else column
-        try:
-            found[key] = number, finite(float(factor), "columns")
-        except (TypeError, ValueError):
-            raise SceneError("columns", f"got the factor {shown(factor)}", "a number") from None
-    return found
