@@ -17,7 +17,7 @@ from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown as shown_value
 from validation.drawing.axes import SIZE, format_axes, label_axes
 from validation.drawing.curves import Labels, RunCurves, labels, of_trace
-from validation.drawing.styles import CLOSED_FORM, GREY, INK, curve_style
+from validation.drawing.styles import CLOSED_FORM, INK, curve_style
 from validation.measure.scaling import drawn_sizes
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ HEIGHT, WIDTHS = 3.4, {1: 4.6, 2: 8.4, 3: 12.0}  # inches of a figure with as ma
 QUANTITIES = {"F": "force", "D": "penetration", "a": "contact_radius", "X": "stage", "t": "time"}
 """Columns by the letters that name them in ``F(t)``."""
 Pairs = tuple[tuple[str, str], ...]
-MEASURED: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3, "color": GREY, "zorder": 1}
+MEASURED: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3, "color": INK, "zorder": 1}
 INSTABILITY = "instability"  # what the legend says of the crosses
 
 

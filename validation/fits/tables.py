@@ -85,7 +85,7 @@ def _columns_by_hand(table: TextTable, given: Given) -> dict[str, Array]:
     """Columns that the user names by their number from 1, or their name in the header."""
     names = [name.replace("_", " ") for name in table.names]
     found = {}
-    for key, (column, factor) in given.columns.items():
+    for key, (column, factor) in (given.columns or {}).items():
         place = column - 1 if isinstance(column, int) else names.index(column) if column in names else -1
         if not 0 <= place < table.width:
             listed = ", ".join(f"{n} {name}".strip() for n, name in enumerate(names, 1))
