@@ -22,7 +22,8 @@ from crosscontact.fitting import MeasuredCurve
 from validation.drawing.export import png
 from validation.fits.curve_page import draw_over_stage, prefixed
 from validation.fits.features import Features
-from validation.fits.readers import choose, given_of, read_file
+from validation.fits.given import Given
+from validation.fits.readers import choose, read_file
 
 COLUMNS = ("file", "contact", "indentation", "modulus", "pull-off", "lost", "noise", "told")
 PANELS, DOTS = 5, 90
@@ -60,7 +61,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _read(file: Path, stated: dict[str, Any]) -> tuple[MeasuredCurve, Features]:
     radius, enum = stated.pop("radius", None), stated.pop("enum", 0)
-    curve = choose(read_file(file, given_of(**stated), si=True), enum, None, file)[0]
+    curve = choose(read_file(file, Given(**stated), si=True), enum, None, file)[0]
     return curve, curve.features(radius)
 
 

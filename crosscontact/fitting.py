@@ -18,19 +18,19 @@ from crosscontact import arguments
 from crosscontact.arguments import RESOLUTION, case_of, checked_path, given
 from crosscontact.result import html_table
 from validation.fits import charts
-from validation.fits.curve_tables import write_csv
 from validation.fits.each import EachFit, dataset, write_each
 from validation.fits.each import fit_each as fit_curves_each
 from validation.fits.errors import Estimate
 from validation.fits.fit import fit_curves
+from validation.fits.given import Given
 from validation.fits.instruments import KNOWN, write_afm
 from validation.fits.page import lead, statements, table, write_fit
-from validation.fits.parameters import REGULARISATION, FitSettings, question
-from validation.fits.readers import choose, given_of, read_file
-from validation.fits.reading import Given
+from validation.fits.parameters import FitSettings, question
+from validation.fits.readers import choose, read_file
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic
+from validation.fits.tables import write_csv
 from validation.report.terminal import aligned
 from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
@@ -244,15 +244,8 @@ def fit_each(
     return dataset(each_and_write(measured, guess, settings, folder, executor, progress))
 
 
-def _settings(**given_by_name: Any) -> FitSettings:
+def _settings(**asked: Any) -> FitSettings:
     """Settings of a fit from arguments that anybody may have made."""
-    asked = dict(given_by_name)
-    for name in {"vary", "tie", "per_curve", "free", "profile"} & set(asked):
-        asked[name] = _names(asked[name], name)
-    if "prony" in asked:
-        asked["prony"] = as_tuple(asked["prony"], "prony", "several relaxation times")
-    if asked.get("regularisation") is None:
-        asked["regularisation"] = REGULARISATION
     for name in {"solver", "check_solver"} & set(asked):
         if name == "solver" or asked[name] is not None:
             arguments.check_solver(asked[name], name, arguments.names())
@@ -287,11 +280,6 @@ def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
         of_class(one, "curves", (MeasuredCurve, str, os.PathLike), _CURVES)
         measured += [one] if isinstance(one, MeasuredCurve) else read_curves(one)
     return measured
-
-
-def _names(given: Sequence[str], key: str) -> tuple[str, ...]:
-    """Paths and names as given; one of them may come without a sequence around it."""
-    return (given,) if isinstance(given, str) else as_tuple(given, key, "several names")
 
 
 def fit_and_write(
@@ -394,8 +382,8 @@ def read_curve(
         If the package that reads such files is not installed.
     """
     file = checked_path(path, "path")
-    given = given_of(spring_constant, sensitivity, sampling_rate, speed, columns)
-    curves = choose(read_file(file, given, si=True), enum, segment, file)
+    stated = Given(spring_constant, sensitivity, sampling_rate, speed, columns)
+    curves = choose(read_file(file, stated, si=True), enum, segment, file)
     if len(curves) > 1:
         raise SceneError("enum", f"{len(curves)} curves", f"one from 0 to {len(curves) - 1}", str(file))
     return curves[0]
@@ -405,15 +393,14 @@ def read_given(path: str, options: Namespace, si: bool) -> list[MeasuredCurve]:
     """The curves of a file, as the options of a command read it: in SI units at least where they state
     something in these."""
     file = checked_path(path, "path")
-    stated = (
+    stated = Given(
         options.spring_constant,
         options.sensitivity,
         options.sampling_rate,
         options.speed,
         options.columns,
     )
-    given = given_of(*stated)
-    return choose(read_file(file, given, si or given != Given()), options.enum, options.segment, file)
+    return choose(read_file(file, stated, si or stated != Given()), options.enum, options.segment, file)
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:

@@ -174,6 +174,7 @@ class Result:
         *,
         quantity: str | None = None,
         units: bool = False,
+        data: Any = None,
         **line: Any,
     ) -> tuple[Axes, ...]:
         """Draw force against penetration and contact radius against force; the pull-off is marked.
@@ -189,6 +190,9 @@ class Result:
             ``D``, contact radius ``a``, time ``t`` and, on a spring, stage ``X``.
         units : bool
             In units of the scene, of a sphere too, whether the scene names them or not.
+        data : MeasuredCurve, optional
+            A record in the units of the scene, as :func:`crosscontact.read_curve` gives one: its rows stand
+            behind the run in each panel whose quantities it holds, its times and positions as they are.
         **line
             Line properties of Matplotlib, e.g. ``color``; ``label`` is by default the solver's name, behind
             the scene's where the axes hold another run of that solver.
@@ -209,6 +213,9 @@ class Result:
         panels = run_figures.checked_axes(axes, len(pairs))
         label = run_figures.free_label(panels[0], self.solver, self.name)
         style = {"label": label} | curve_style(self.solver) | line
+        pairs = pairs if len(panels) == len(pairs) else run_figures.side_by_side(False)
+        if data is not None:
+            run_figures.draw_measured(panels, data, scene, pairs)
         run_figures.draw_side_by_side(panels, self.trace, scene, style, pairs)
         return panels
 

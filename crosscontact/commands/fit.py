@@ -48,6 +48,7 @@ SETTINGS: shared.Options = {
     "--within": value("SHARE", "of the range that the model may miss, as 1%%", type=_share, default=None),
     **shared.resolution("default: by the noise"),
     **shared.MAX_STEPS,
+    "--regularisation": value("X", "weight of the bending of these moduli; default: 0.1", type=float),
 }
 """Options that are settings of a fit as they are."""
 OPTIONS = {
@@ -55,7 +56,6 @@ OPTIONS = {
     "scene": value("SCENE", "the first guess: a TOML file or a built-in name"),
     **SETTINGS,
     **shared.READING,
-    "--regularisation": value("X", "weight of the bending of these moduli; default: 0.1", type=float),
     **shared.solver("default: the reference"),
     "--check-solver": value("NAME", "or none; default: bem, with --each none"),
     "--each": shared.flag("every curve by itself, from the answer before it: table.csv, map.nc and a page"),
@@ -112,8 +112,6 @@ def _settings(options: argparse.Namespace) -> FitSettings:
     """What to fit and how."""
     stated = [name.strip("-").replace("-", "_") for name in SETTINGS]
     chosen = {name: getattr(options, name) for name in stated}
-    if options.regularisation is not None:
-        chosen["regularisation"] = options.regularisation
     solver = options.solver or arguments.REFERENCE
     arguments.check_solver(solver, "--solver", arguments.names())
     chosen["starts"] = options.starts or (1 if options.each else 3)
@@ -121,4 +119,7 @@ def _settings(options: argparse.Namespace) -> FitSettings:
     check = None if check == "none" else check
     if check is not None and check not in arguments.names():
         raise SceneError("--check-solver", f"got {shown(check)}", f"none, {', '.join(arguments.names())}")
-    return FitSettings(**chosen, solver=solver, check_solver=check)
+    try:
+        return FitSettings(**chosen, solver=solver, check_solver=check)
+    except SceneError as error:
+        raise SceneError(f"--{error.key.replace('_', '-')}", error.problem, error.allowed) from None

@@ -169,6 +169,22 @@ def test_one_quantity_in_units_of_the_scene(sprung, axes_free, quantity, across,
     assert sprung.plot(panel, quantity=quantity) == (panel,)
 
 
+@pytest.mark.parametrize("quantity", ["F(t)", "F(D)", "F(X)"])
+def test_a_record_stands_behind_the_run(sprung, axes_free, quantity):
+    trace, stiffness = sprung.trace, sprung.scene.machine.stiffness
+    time, rows = np.unique(trace.time, return_index=True)
+    record = cc.MeasuredCurve(time, trace.force[rows], stage=trace.extra["stage"][rows], stiffness=stiffness)
+    (panel,) = sprung.plot(quantity=quantity, data=record)
+    (dots,) = (line for line in panel.lines if line.get_label() == record.name)
+    run = next(line for line in panel.lines if line.get_label() == sprung.solver)
+    assert dots.get_zorder() < run.get_zorder()
+    assert np.max(dots.get_ydata()) == pytest.approx(np.max(run.get_ydata()))
+    assert np.max(dots.get_xdata()) == pytest.approx(np.max(run.get_xdata()), rel=1e-6)
+    for wrong, asked in ((record, "a(F)"), ("a.csv", "F(t)")):
+        with pytest.raises(cc.SceneError, match=r"^data: "):
+            sprung.plot(quantity=asked, data=wrong)
+
+
 @pytest.mark.parametrize("quantity", ["F", "F(F)", "x(t)", "X(t)", 3])
 def test_a_quantity_that_there_is_not_is_told(result, quantity):
     with pytest.raises(cc.SceneError, match=r"^quantity: .*; allowed: two of F, D, a, t, as F\(t\)"):

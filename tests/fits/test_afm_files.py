@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import subprocess
 import sys
 
@@ -12,9 +11,8 @@ from support.recorded import elastic_scene, hertz_curve
 
 import crosscontact as cc
 from contact_scene import SceneError, write_scene
-from crosscontact.cli import main
-from validation.fits.curve_tables import write_csv
 from validation.fits.instruments import write_afm
+from validation.fits.tables import write_csv
 
 afmformats = pytest.importorskip("afmformats", reason="the optional extra `fit` is not installed")
 h5py = pytest.importorskip("h5py", reason="the optional extra `fit` is not installed")
@@ -41,18 +39,6 @@ def test_a_file_in_no_known_format_is_refused_in_one_line(tmp_path, ending):
     assert refusal(file).startswith("the file is empty;")
 
 
-def test_half_a_file_is_refused_by_the_command_in_one_line(tmp_path, capsys):
-    file, scene = tmp_path / "a.h5", tmp_path / "scene.toml"
-    write_afm(hertz_curve(), file)
-    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-    write_scene(elastic_scene(), scene)
-    assert main(["fit", str(file), str(scene), "--vary", "material.modulus"]) == 2
-    said = capsys.readouterr().err.splitlines()
-    assert len(said) == 1
-    assert said[0].startswith(f"crosscontact: error: {file}: cannot be read: OSError")
-    assert "truncated file" in said[0]
-
-
 @pytest.mark.slow
 def test_the_log_of_afmformats_stays_off_stderr(tmp_path):
     file, scene = tmp_path / "a.ibw", tmp_path / "scene.toml"
@@ -64,27 +50,6 @@ def test_the_log_of_afmformats_stays_off_stderr(tmp_path):
     assert ended.returncode == 2
     assert len(ended.stderr.splitlines()) == 1
     assert "cannot be read: ValueError invalid binary wave version" in ended.stderr
-
-
-def test_the_log_of_afmformats_is_only_put_aside(tmp_path, caplog):
-    def one_that_its_user_asked_for(record):
-        kept.append(record.getMessage())
-        return True
-
-    kept, handler, logger = [], logging.StreamHandler(), logging.getLogger("afmformats")
-    handler.addFilter(one_that_its_user_asked_for)
-    logger.addHandler(handler)
-    before = list(logger.handlers), logger.propagate
-    write_afm(hertz_curve(), tmp_path / "a.tab")
-    text = (tmp_path / "a.tab").read_text()
-    (tmp_path / "a.tab").write_text(text.replace('"duration"', '"no such key"'))
-    try:
-        assert "cannot be read: " in refusal(tmp_path / "a.tab")
-        assert (logger.handlers, logger.propagate) == before
-    finally:
-        logger.removeHandler(handler)
-    assert any("Loader failed" in line for line in kept)
-    assert not caplog.records
 
 
 def test_what_is_no_file_is_told_as_what_it_is(tmp_path):
@@ -147,14 +112,6 @@ def test_a_row_that_is_cut_off_is_told_by_its_line(tmp_path):
     assert len(cc.read_curves(file)) == 1
 
 
-def test_a_table_called_txt_is_read_as_one(tmp_path):
-    curve = hertz_curve()
-    write_csv(curve, tmp_path / "a.txt")
-    [back] = cc.read_curves(tmp_path / "a.txt")
-    assert back.name == "a"
-    assert np.array_equal(back.force, curve.force)
-
-
 def test_such_a_table_needs_no_afmformats(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "afmformats", None)
     write_csv(hertz_curve(), tmp_path / "a.txt")
@@ -168,29 +125,13 @@ def test_such_a_table_needs_no_afmformats(tmp_path, monkeypatch):
     ("text", "words"),
     [
         ("time;penetration;force\n0;0;0\n", "1 rows; allowed: at least 20"),
-        ("time,penetration,force\n0,0,x\n", "force, line 2: got 'x'"),
         ("weight,depth\n1,2\n", "columns: got 'weight,depth'; allowed: a header: time"),
-        ("", "the file is empty"),
         ("0 1 2\n1 2 3\n", "states no spring constant and no sensitivity; allowed: "),
     ],
 )
 def test_a_txt_that_is_no_table_is_told_as_one_unless_afmformats_knows_it(tmp_path, text, words):
     (tmp_path / "a.txt").write_text(text)
     assert words in refusal(tmp_path / "a.txt")
-
-
-def test_a_txt_of_a_microscope_is_left_to_afmformats(tmp_path):
-    rows = "\n".join(f"{k / 10}\t{k}\t{k}\t{k}\t{2 * k}" for k in range(30))
-    head = [
-        "Date\t1.1.2026\tTime\t12:00:00\tDevice:\tChiaro\tSoftware version\t1",
-        "k (N/m)\t0.5\tMax load (\u00b5N)\t29",
-        "Piezo position (nm) (Measured)\t58\tPiezo speed  (\u00b5m/s)\t1",
-        "Time (s)\tLoad (uN)\tIndentation (nm)\tCantilever (nm)\tPiezo (nm)",
-    ]
-    (tmp_path / "a.txt").write_text("\n".join([*head, rows]), encoding="ISO-8859-1")
-    [curve] = cc.read_curves(tmp_path / "a.txt")
-    assert curve.stiffness == 0.5
-    assert curve.force[-1] == pytest.approx(29e-6)
 
 
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, SystemExit])

@@ -11,7 +11,6 @@ from support.recorded import MODULUS, elastic_scene, hertz_curve, settings_of
 
 from contact_scene import SceneError
 from contact_scene.scene import with_values
-from validation.fits.curve_tables import write_csv
 from validation.fits.data_checks import check
 from validation.fits.instruments import write_afm
 from validation.fits.model import CurveModel
@@ -20,6 +19,7 @@ from validation.fits.parameters import unknowns
 from validation.fits.path import straight_lines
 from validation.fits.readers import read_file
 from validation.fits.record import MeasuredCurve
+from validation.fits.tables import write_csv
 
 
 def test_a_curve_comes_back_from_csv_bit_for_bit(tmp_path):

@@ -20,10 +20,10 @@ from contact_scene import (
     write_scene,
 )
 from crosscontact.cli import main
-from validation.fits.curve_tables import write_csv
 from validation.fits.fit import fit_curves
 from validation.fits.page import statements
 from validation.fits.parameters import question
+from validation.fits.tables import write_csv
 from validation.runs.folder import claim
 
 pytestmark = pytest.mark.usefixtures("closed_form")
@@ -68,14 +68,6 @@ def test_a_file_is_read_with_the_options_of_the_reader(tmp_path, capsys):
     assert "material.modulus" in capsys.readouterr().out
     assert main([*asked, "--columns", columns, "--segment", "pause"]) == 2
     assert "has no pause" in capsys.readouterr().err
-
-
-def test_a_record_without_contact_is_told_before_the_ranges_of_what_is_free(tmp_path):
-    """A baseline between the least and the largest of forces that are all 0 has none."""
-    curve, free = hertz_curve(), ["contact_point", "baseline"]
-    silent = cc.MeasuredCurve(curve.time, 0.0 * curve.force, curve.motion)
-    with pytest.raises(SceneError, match="no contact"):
-        cc.fit(silent, elastic_scene(), vary=["material.modulus"], free=free)
 
 
 def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path, capsys):

@@ -31,6 +31,7 @@ HEIGHT, WIDTHS = 3.4, {1: 4.6, 2: 8.4, 3: 12.0}  # inches of a figure with as ma
 QUANTITIES = {"F": "force", "D": "penetration", "a": "contact_radius", "X": "stage", "t": "time"}
 """Columns by the letters that name them in ``F(t)``."""
 Pairs = tuple[tuple[str, str], ...]
+MEASURED: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3, "color": INK, "zorder": 1}
 INSTABILITY = "instability"  # what the legend says of the crosses
 
 
@@ -166,7 +167,6 @@ def draw_side_by_side(
     ``line`` has the line properties of Matplotlib, the label among them.
     """
     curve, names = of_trace(trace, scene), labels(scene)
-    pairs = pairs if len(axes) == len(pairs) else side_by_side(False)
     for panel, (across, up) in zip(axes, pairs, strict=True):
         _draw_run(panel, curve, across, up, line)
         pulled, known = curve.pull_off, any(text.get_text() == "pull-off" for text in panel.texts)
@@ -181,6 +181,23 @@ def draw_side_by_side(
         panel.margins(0.06, 0.12)
         panel.locator_params(axis="x", nbins=5)  # more labels run into each other
     axes[0].legend(frameon=False, fontsize="small")
+
+
+def draw_measured(axes: Sequence[Axes], data: Any, scene: Scene, pairs: Pairs) -> None:
+    """Draw the rows of a record, which stand behind a run, in each panel whose quantities it holds."""
+    if not hasattr(data, "motion"):
+        allowed = "a MeasuredCurve, as read_curve gives one"
+        raise SceneError("data", f"got {shown_value(data)}", allowed)
+    size = drawn_sizes(scene)
+    sizes = {"time": 1.0, "force": size.get("force", 1.0)}
+    columns = {"penetration": data.motion, **data.columns()}
+    held = [(panel, pair) for panel, pair in zip(axes, pairs, strict=True) if columns.keys() >= set(pair)]
+    if not held:
+        wanted = " and ".join(pairs[0]).replace("_", " ")
+        raise SceneError("data", f"{data.name} does not record {wanted}", "a record of what is drawn")
+    for panel, pair in held:
+        x, y = (columns[name] / sizes.get(name, size.get("length", 1.0)) for name in pair)
+        panel.plot(x, y, label=data.name, rasterized=x.size > MANY, **MEASURED)
 
 
 def _mark_instabilities(panel: Axes, trace: Trace, scene: Scene, drawn: tuple[str, str], color: Any) -> None:

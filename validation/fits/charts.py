@@ -9,60 +9,57 @@ import numpy as np
 
 from validation.drawing.axes import format_axes, label_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
-from validation.fits.result import FitResult, LikelihoodProfile
+from validation.fits.result import FitResult, FittedCurve, LikelihoodProfile
 from validation.measure.scaling import unit_name
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, HEIGHT = 3.6, 4.6  # inches of a curve's column
 MOST_COLUMNS = 4  # curves side by side
 MANY_LABELS = 8  # parameters whose correlations are written into the map
-SIZE = 2.2  # points of a marker
-ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": SIZE, "rasterized": True}
+ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.2, "rasterized": True}
+LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "labelcolor": INK}
 
 
 def draw_curves(result: FitResult) -> Figure:
-    """A column for each curve: force over position, residuals over time; a stretch that is not explained is
-    marked in both."""
+    """A column for each curve: force over position, residuals over time; what is not explained is marked."""
     from matplotlib.figure import Figure
 
-    curves, explained = result.curves, result.goodness.explained
-    length, force, time = (f" ({unit_name(result.scene, name)})" for name in ("penetration", "force", "time"))
-    columns, rows = min(len(curves), MOST_COLUMNS), -(-len(curves) // MOST_COLUMNS)
-    figure = Figure(figsize=(WIDTH * max(columns, 1.4), HEIGHT * rows), layout="constrained")
+    count = len(result.curves)
+    columns, rows = min(count, MOST_COLUMNS), -(-count // MOST_COLUMNS)
+    figure = Figure(figsize=(3.6 * max(columns, 1.4), 4.6 * rows), layout="constrained")
     panels = figure.subplots(2 * rows, columns, squeeze=False, height_ratios=[2.2, 1.0] * rows)
-    for place in range(columns * rows):
-        upper, lower = panels[2 * (place // columns) : 2 * (place // columns) + 2, place % columns]
-        if place >= len(curves):
-            upper.set_axis_off()
-            lower.set_axis_off()
-            continue
-        one = curves[place]
-        kept = one.compared
-        upper.plot(one.position[kept], one.curve.force[kept], color=SERIES[0], label="measured", **ROWS)
-        if not kept.all():
-            left = one.position[~kept], one.curve.force[~kept]
-            upper.plot(*left, color=GREY, label="not compared", **ROWS)
-        if not explained and one.stretch.stop > one.stretch.start:
-            missed = one.position[one.stretch], one.curve.force[one.stretch]
-            upper.plot(*missed, color=SERIES[1], label="not explained", **ROWS)
-            ends = one.curve.time[[one.stretch.start, one.stretch.stop - 1]]
-            lower.axvspan(*ends, color=SERIES[1], alpha=0.2, linewidth=0)
-        upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
-        driven = "penetration" if one.curve.stage is None else "position of the stage"
-        upper.set_title(one.curve.name)
-        lower.plot(one.curve.time[kept], one.residuals[kept], color=SERIES[0], **ROWS)
-        lower.axhline(0.0, color=INK, linewidth=0.8)
-        for axes in (upper, lower):
-            format_axes(axes)
-            axes.locator_params(axis="x", nbins=5)
+    length, force, time = (f" ({unit_name(result.scene, name)})" for name in ("penetration", "force", "time"))
+    upper, lower = panels[::2].ravel(), panels[1::2].ravel()
+    for place, one in enumerate(result.curves):
+        _draw_curve(upper[place], lower[place], one, result.goodness.explained)
         first = place % columns == 0
-        label_axes(upper, driven + length, f"force{force}" if first else "")
-        label_axes(lower, f"time{time}", "(measured - fit)/noise" if first else "")
-        upper.title.set_fontsize("medium")
-    panels[0, 0].legend(frameon=False, fontsize="small", labelcolor=INK)
+        driven = "penetration" if one.curve.stage is None else "position of the stage"
+        label_axes(upper[place], driven + length, f"force{force}" if first else "")
+        label_axes(lower[place], f"time{time}", "(measured - fit)/noise" if first else "")
+    for axes in (*upper[count:], *lower[count:]):
+        axes.set_axis_off()
+    upper[0].legend(**LEGEND)
     return figure
+
+
+def _draw_curve(upper: Axes, lower: Axes, one: FittedCurve, explained: bool) -> None:
+    kept, force, time = one.compared, one.curve.force, one.curve.time
+    upper.plot(one.position[kept], force[kept], color=SERIES[0], label="measured", **ROWS)
+    if not kept.all():
+        upper.plot(one.position[~kept], force[~kept], color=GREY, label="not compared", **ROWS)
+    if not explained and one.missed:
+        missed = one.position[one.stretch], force[one.stretch]
+        upper.plot(*missed, color=SERIES[1], label="not explained", **ROWS)
+        lower.axvspan(*one.missed, color=SERIES[1], alpha=0.2, linewidth=0)
+    upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
+    upper.set_title(one.curve.name, fontsize="medium")
+    lower.plot(time[kept], one.residuals[kept], color=SERIES[0], **ROWS)
+    lower.axhline(0.0, color=INK, linewidth=0.8)
+    for axes in (upper, lower):
+        format_axes(axes)
+        axes.locator_params(axis="x", nbins=5)
 
 
 def draw_correlations(result: FitResult) -> Figure:
@@ -94,17 +91,16 @@ def draw_profiles(profiles: Sequence[LikelihoodProfile]) -> Figure:
     columns, rows = min(len(profiles), MOST_COLUMNS), -(-len(profiles) // MOST_COLUMNS)
     figure = Figure(figsize=(2.6 * max(columns, 1.5), 2.4 * rows), layout="constrained")
     panels = figure.subplots(rows, columns, squeeze=False)
-    for place, axes in enumerate(panels.flat):
-        if place >= len(profiles):
-            axes.set_axis_off()
-            continue
-        one = profiles[place]
-        axes.plot(one.values, one.increases, color=SERIES[0], marker=MARKERS[0], markersize=3, linewidth=1.0)
+    look: dict[str, Any] = {"color": SERIES[0], "marker": MARKERS[0], "markersize": 3, "linewidth": 1.0}
+    for axes, one in zip(panels.flat, profiles, strict=False):
+        axes.plot(one.values, one.increases, **look)
         axes.axhline(3.84, color=VERMILION, linestyle="--", linewidth=1.0, label="95 %")
         axes.set(xlabel=one.name, ylim=(0.0, 12.0))
-        if place % columns == 0:
-            axes.set_ylabel("increase of the sum of squares")
         format_axes(axes)
         axes.locator_params(axis="x", nbins=4)
-    panels[0, 0].legend(frameon=False, fontsize="small", labelcolor=INK)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("increase of the sum of squares", color=INK)
+    for axes in panels.ravel()[len(profiles) :]:
+        axes.set_axis_off()
+    panels[0, 0].legend(**LEGEND)
     return figure

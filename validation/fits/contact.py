@@ -6,9 +6,9 @@ Rows up to the largest force, at most ``MOST_ROWS`` means of neighbours. With th
 .. math:: F = b + c z + [a \cos q z + a' \sin q z] + [D/(1 + (x_0 - x)_+/h_0)] + K (x - x_0)_+^p ,
 
 level and tilt of the background, a wave on it (interference of the laser), the hydrodynamic drag near the
-wall :math:`6 \pi \eta R^2 v/(h + h_0)` (Alcaraz et al. 2002), and a Hertzian contact. For each contact point
-:math:`x_0` the rest is linear least squares, with rows weighted by :math:`1/(1 + F'(x)/k)`: the noise of the
-force is in :math:`x` too, and these are the weights of the implicit model to first order.
+wall :math:`6 \pi \eta R^2 v/(h + h_0)` (Alcaraz et al. 2002), and a Hertzian contact. Rows are weighted by
+:math:`1/(1 + F'(x)/k)`: the noise of the force is in :math:`x` too, and these are the weights of the implicit
+model to first order.
 """
 
 from __future__ import annotations
@@ -23,41 +23,32 @@ Array = NDArray[np.float64]
 
 EXPONENT = 1.5
 """p, of a sphere or a paraboloid."""
-MOST_ROWS = 1500
-"""Rows of a scan, which resolve a contact of a thousandth of the travel."""
-EVEN, DENSE = 160, 60
-"""Contact points tried: evenly over the travel, and ever closer towards its end, where contact may be
-short. Of them a quarter will do for each of the lengths of a drag, whose contact is near that without
-it."""
+MOST_ROWS, EVEN, DENSE = 1500, 160, 60
+"""Rows of a scan, which resolve a contact of a thousandth of the travel, and contact points tried: evenly
+over it, and ever closer towards its end, where contact may be short."""
 REWEIGHTED, SETTLED = 4, 1e-6
-"""Repetitions with the weights and the line of the last, at most: a spring as soft as the contact needs
-three, a rigid one none. They end once the sum of squares changes by this share, of some thousand rows less
-than a hundredth of the variance of one."""
+"""Repetitions with the weights of the last, at most: a spring as soft as the contact needs three. They end
+once the sum of squares changes by this share, a hundredth of the variance of a row."""
 SHRINKINGS = 24
 """Of five points about the best, each by 0.6: to 5e-6 of the gap between the points tried."""
 LEAST_GAIN, LEAST_HEIGHT, LEAST_ROWS = 40.0, 4.0, 5
 """There is a contact if it lowers the sum of squares by 40 residual variances (by chance, with all places
 tried, once in 10^6 records), is four deviations high, and has five rows."""
 BETTER = 0.85
-"""Misfit with a further term over that without, at most: a drag or a wave that explains less is
-not told from the creep of the drive."""
+"""Misfit with a further term over that without, at most: less is not told from the creep of the drive."""
 NEAR, HALVED = (0.5, 0.25, 0.125), 0.5
 """Shares of the largest force up to which the power law is tried, as long as the misfit is halved: deep in a
 layered or a soft sample it does not hold."""
-WAVES = 400
-"""Lengths tried for the wave, from a 25th of the free travel to all of it."""
-ROUGH, SHARE = 1.5, 0.5
-"""A wave is looked for if the free rows are rougher than white noise, and taken if it is half of their
-variance."""
+WAVES, ROUGH, SHARE = 400, 1.5, 0.5
+"""Lengths tried for the wave, from a 25th of the free travel to all of it; it is looked for where free rows
+are rougher than white noise, and taken if it is half their variance."""
 _THIRD_DIFFERENCE = np.sqrt(20.0)  # standard deviation of 1, -3, 3, -1 times independent noise
 _NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard normal number
 
 
 @dataclass(frozen=True)
 class Contact:
-    """What an approach shows; in SI units.
-
-    ``place``: of the stage where indenter and surface touch without force; ``stiffness``: K; ``level`` and
+    """``place``: of the stage where indenter and surface touch without force; ``stiffness``: K; ``level`` and
     ``tilt``: of the background, about the stage at ``origin``; ``wave``: length, and amplitudes of cosine and
     sine; ``wall``: length h0 and force D at the wall; ``snap_in``: force of a jump into contact.
     """
@@ -83,18 +74,12 @@ class Contact:
         return stage - (force - self.line(stage)) / spring
 
 
-class Placed(NamedTuple):
-    """A contact point with the rest as fitted: sum of squares, coefficients, and the indentation of each
-    row."""
+class Trial(NamedTuple):
+    """A contact point with the rest as fitted: sum of squares, coefficients, indentation of each row."""
 
     cost: float
     coefficients: Array
     depth: Array
-
-    @property
-    def allowed(self) -> float:
-        """The cost where indenter and sample repel and the drag resists, else infinite."""
-        return self.cost if self.coefficients[2] > 0.0 else np.inf
 
 
 @dataclass(frozen=True)
@@ -115,43 +100,49 @@ class Scan:
         last = float((self.stage - (self.force - level) / self.spring).max())
         even = np.linspace(self.stage.min() + 0.02 * span, last - 1e-3 * span, self.even)
         places = np.unique(np.concatenate([even, last - span * np.geomspace(2e-4, 0.3, DENSE)]))
-        costs = np.array([self.trial(place, level).allowed for place in places])
-        if not np.isfinite(costs).any():
+
+        def best(places: Array) -> int | None:
+            """Of the places where indenter and sample repel, that of the least sum of squares."""
+            trials = [self.trial(place, level) for place in places]
+            costs = [one.cost if one.coefficients[2] > 0.0 else np.inf for one in trials]
+            return int(np.argmin(costs)) if np.isfinite(costs).any() else None
+
+        nearest = best(places)
+        if nearest is None:
             return None
-        best = int(np.argmin(costs))
-        centre, step = float(places[best]), float(np.diff(places)[max(best - 1, 0) : best + 1].max())
+        place, step = places[nearest], np.diff(places)[max(nearest - 1, 0) : nearest + 1].max()
         for _ in range(SHRINKINGS):
-            tried = centre + step * np.array([-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 1.0])
-            centre = float(tried[np.argmin([self.trial(place, level).allowed for place in tried])])
+            tried = place + step * np.array([-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 1.0])
+            place = tried[best(tried) or 0]
             step *= 0.6
-        found = self.trial(centre, level)
-        variance = found.cost / max(self.stage.size - 5, 1)
-        height = found.coefficients[2] * found.depth.max() ** EXPONENT
-        gain = self._without_contact() - found.cost
-        seen = int((found.depth > 0.0).sum()) >= LEAST_ROWS and height > LEAST_HEIGHT * np.sqrt(variance)
-        if not seen or gain < LEAST_GAIN * variance:
+        found = self.trial(place, level)
+        variance, depth = found.cost / max(self.stage.size - 5, 1), float(found.depth.max())
+        height = found.coefficients[2] * depth**EXPONENT
+        if (found.depth > 0.0).sum() < LEAST_ROWS or height <= LEAST_HEIGHT * np.sqrt(variance):
             return None
-        aside = 3e-3 * max(float(found.depth.max()), 1e-4 * span)
-        curvature = (
-            sum(self.trial(centre + way * aside, level).cost - found.cost for way in (-1.0, 1.0)) / aside**2
-        )
-        error = np.sqrt(2.0 * variance / curvature) if curvature > 0.0 else span
+        along = (self.stage - self.stage[0]) / span
+        line = [np.ones_like(along), along, *wave_columns(self.stage, self.wave)]
+        left = _least_squares(line, self.force, np.ones_like(along))[1]
+        if float(left @ left) - found.cost < LEAST_GAIN * variance:
+            return None
+        aside = 3e-3 * max(depth, 1e-4 * span)
+        rises = [self.trial(place + way * aside, level).cost - found.cost for way in (-1.0, 1.0)]
+        error = aside * np.sqrt(2.0 * variance / sum(rises)) if sum(rises) > 0.0 else span
         level, tilt, stiffness, *rest = found.coefficients.tolist()
-        near = (self.wall, rest.pop(0)) if self.wall else None
         return Contact(
-            centre,
-            float(error),
-            stiffness,
-            float(found.depth.max()),
-            float(np.sqrt(variance)),
-            level,
-            tilt / span,
-            float(self.stage[0]),
-            (self.wave, rest[0], rest[1]) if self.wave else None,
-            near,
+            place=float(place),
+            error=float(error),
+            stiffness=stiffness,
+            depth=depth,
+            misfit=float(np.sqrt(variance)),
+            level=level,
+            tilt=tilt / span,
+            origin=float(self.stage[0]),
+            wave=(self.wave, rest[-2], rest[-1]) if self.wave else None,
+            wall=(self.wall, rest[0]) if self.wall else None,
         )
 
-    def trial(self, place: float, level: float) -> Placed:
+    def trial(self, place: float, level: float) -> Trial:
         """Linear least squares with one contact point; a level tells the tip to begin with."""
         span = float(np.ptp(self.stage))
         along = (self.stage - self.stage[0]) / span
@@ -164,26 +155,15 @@ class Scan:
             columns = [np.ones_like(along), along, depth * root]
             if self.wall:
                 columns.append(1.0 / (1.0 + np.maximum(place - tip, 0.0) / self.wall))
-            found, left = _least_squares(
-                [*columns, *self._waves()], self.force, 1.0 / (1.0 + slope / self.spring)
-            )
+            columns += wave_columns(self.stage, self.wave)
+            found, left = _least_squares(columns, self.force, 1.0 / (1.0 + slope / self.spring))
             background, stiffness = found[0] + found[1] * along, max(float(found[2]), 0.0)
             cost = float(left @ left)
             if abs(cost - before) <= SETTLED * cost:
                 break
             before = cost
         found[2] /= span**EXPONENT
-        return Placed(cost, found, span * depth)
-
-    def _without_contact(self) -> float:
-        along = (self.stage - self.stage[0]) / np.ptp(self.stage)
-        _, left = _least_squares(
-            [np.ones_like(along), along, *self._waves()], self.force, np.ones_like(along)
-        )
-        return float(left @ left)
-
-    def _waves(self) -> list[Array]:
-        return wave_columns(self.stage, self.wave)
+        return Trial(cost, found, span * depth)
 
 
 def find_contact(stage: Array, force: Array, spring: float) -> tuple[Contact, Scan] | None:
@@ -231,12 +211,12 @@ def wave_length(stage: Array, left: Array) -> float | None:
         return None
     span, total = float(np.ptp(stage)), float(np.var(left) * left.size)
     shares = {}
-    for wave in np.linspace(1.2 / span, 25.0 / span, WAVES):
+    for wave in np.linspace(1.2 / span, 25.0 / span, WAVES).tolist():
         columns = [np.ones_like(stage), stage - stage.mean(), *wave_columns(stage, 1.0 / wave)]
-        _, rest = _least_squares(columns, left, np.ones_like(stage))
+        rest = _least_squares(columns, left, np.ones_like(stage))[1]
         shares[1.0 / wave] = 1.0 - float(rest @ rest) / total
     length = max(shares, key=shares.__getitem__)
-    return float(length) if shares[length] > SHARE else None
+    return length if shares[length] > SHARE else None
 
 
 def wave_columns(stage: Array, length: float | None) -> list[Array]:

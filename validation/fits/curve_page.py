@@ -6,37 +6,26 @@ import csv
 import io
 import math
 from collections.abc import Iterable
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from validation.drawing.axes import format_axes, label_axes
 from validation.drawing.styles import GREY, INK, SERIES, VERMILION
+from validation.fits.contact import Array
 from validation.fits.features import Features
-from validation.fits.record import KINDS, Array, MeasuredCurve
+from validation.fits.record import KINDS, MeasuredCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, HEIGHT = 11.0, 3.4  # inches of three pairs of axes
 COLOURS = dict(zip(KINDS, (SERIES[0], SERIES[2], SERIES[1]), strict=True))
 """Of the segments of a curve, by what the drive does."""
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 QUANTITIES = {
-    "contact": ("contact point of the stage", "m"),
-    "contact_error": ("its standard deviation", "m"),
-    "depth": ("largest indentation", "m"),
-    "modulus": ("Young's modulus, elastic guess", "Pa"),
-    "stiffness": ("K of the force K depth^1.5", "N/m^1.5"),
-    "snap_in": ("snap-in force", "N"),
-    "pull_off": ("pull-off force", "N"),
-    "lost": ("contact lost at", "m"),
-    "drop": ("force lost at once", "N"),
-    "work": ("work of separation", "J"),
-    "hysteresis": ("hysteresis", "J"),
-    "noise": ("noise, white", "N"),
-    "rough": ("free rows over their background", "N"),
+    one.name: (one.metadata["words"], one.metadata["unit"]) for one in fields(Features) if one.metadata
 }
 """Numbers of a curve in the order of their table, in words, and their units."""
 PARTS = {"level": "N", "tilt": "N/m", "drag": "N s/m", "drift": "N/s"}
@@ -56,36 +45,31 @@ def rows(curve: MeasuredCurve, told: Features) -> list[tuple[str, str]]:
     found = [("rows", segments), ("spring constant", spring)]
     if told.contact is None:
         found.append(("contact", "no contact"))
-    first = curve.position[0]
     for key, (words, unit) in QUANTITIES.items():
         value = getattr(told, key)
-        if value is not None:
-            place = (
-                f"  ({prefixed(value - first, unit)} from the first row)"
-                if key in ("contact", "lost")
-                else ""
-            )
-            found.append((words, prefixed(value, unit) + place))
-    return found + [(f"background: {key}", text) for key, text in _parts(told)]
-
-
-def _parts(told: Features) -> Iterable[tuple[str, str]]:
-    known: dict[str, Any] = told.background
-    for key, unit in PARTS.items():
-        if key in known:
-            yield key, prefixed(known[key], unit)
+        if value is None:
+            continue
+        text = prefixed(value, unit)
+        if key in ("contact", "lost"):
+            text += f"  ({prefixed(value - curve.position[0], unit)} from the first row)"
+        found.append((words, text))
+    known = told.background
+    found += [
+        (f"background: {key}", prefixed(known[key], unit)) for key, unit in PARTS.items() if key in known
+    ]
     if "wave" in known:
-        length, amplitude = known["wave"]
-        yield "wave", f"{prefixed(amplitude, 'N')}, of length {prefixed(length, 'm')}"
+        length, size = known["wave"]
+        found.append(("background: wave", f"{prefixed(size, 'N')}, of length {prefixed(length, 'm')}"))
     if "wall" in known:
         length, near = known["wall"]
+        size = f"{prefixed(near, 'N')} at it, over {prefixed(length, 'm')}"
         share = f"{known['wall/water']:.2g} times 6 pi eta R^2 v of water"
-        yield "drag near the wall", f"{prefixed(near, 'N')} at it, over {prefixed(length, 'm')}: {share}"
+        found.append(("background: drag near the wall", f"{size}: {share}"))
+    return found
 
 
 def written(curves: Iterable[tuple[MeasuredCurve, Features]]) -> str:
-    """All curves as CSV, a row each, with all digits in SI units; empty where a curve does not show
-    something."""
+    """All curves as CSV, a row each, with all digits in SI units; empty where a curve shows nothing."""
     stream = io.StringIO()
     out = csv.writer(stream, lineterminator="\n")
     units = [f"{key} [{unit}]" for key, (_, unit) in QUANTITIES.items()]
@@ -93,13 +77,9 @@ def written(curves: Iterable[tuple[MeasuredCurve, Features]]) -> str:
     walls = ["wave [m]", "wave [N]", "wall [m]", "wall [N]", "wall/water"]
     out.writerow(["curve", *units, *parts, *walls, "warnings"])
     for curve, told in curves:
-        known: dict[str, Any] = told.background
+        known, none = told.background, (None, None)
         numbers = [getattr(told, key) for key in QUANTITIES] + [known.get(key) for key in PARTS]
-        numbers += [
-            *known.get("wave", (None, None)),
-            *known.get("wall", (None, None)),
-            known.get("wall/water"),
-        ]
+        numbers += [*known.get("wave", none), *known.get("wall", none), known.get("wall/water")]
         cells = ["" if one is None else repr(float(one)) for one in numbers]
         out.writerow([curve.name, *cells, "; ".join(told.warnings)])
     return stream.getvalue()
@@ -109,7 +89,7 @@ def draw_curve(curve: MeasuredCurve, told: Features) -> Figure:
     """Force over its background: over the stage, over the indentation, and over time; free rows grey."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
+    figure = Figure(figsize=(11.0, 3.4), layout="constrained")
     over, around, along = figure.subplots(1, 3)
     draw_over_stage(over, curve, told)
     stage = curve.position
@@ -138,14 +118,13 @@ def draw_over_stage(axes: Axes, curve: MeasuredCurve, told: Features) -> None:
 
 def _lines(axes: Axes, curve: MeasuredCurve, place: Array, told: Features, name: str) -> None:
     """Segments in their colours, above the free rows in grey."""
-    bare: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 1.5}
-    axes.plot(place[told.free], told.force[told.free], color=GREY, rasterized=True, **bare)
-    known = set()
+    bare: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 1.5, "rasterized": True}
+    axes.plot(place[told.free], told.force[told.free], color=GREY, **bare)
+    labels = {one.kind: one for one in reversed(curve.segments)}
     for one in curve.segments:
-        label = None if one.kind in known else one.kind
-        known.add(one.kind)
-        look: dict[str, Any] = {"color": COLOURS[one.kind], "linewidth": 0.8, "label": label}
-        axes.plot(place[one.rows], told.force[one.rows], rasterized=True, **look)
+        label = one.kind if labels[one.kind] is one else None
+        look: dict[str, Any] = {"color": COLOURS[one.kind], "linewidth": 0.8, "rasterized": True}
+        axes.plot(place[one.rows], told.force[one.rows], label=label, **look)
     format_axes(axes)
     label_axes(axes, name, "force (N)")
     axes.locator_params(axis="x", nbins=4)

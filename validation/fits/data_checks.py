@@ -32,42 +32,36 @@ SAME_SPRING = 1e-3
 """Relative difference of two spring constants that is not mentioned: springs are hardly calibrated to it."""
 FEW_ROWS = 50
 """Rows in contact below which the shape of the curve, not its noise, limits what a fit can tell."""
-LOUD = 0.1
-"""Noise over the range of the force from which a fit is of little use."""
-COARSE = 0.2
-"""Change between neighbouring rows over the range of the force, jumps aside, that is coarse sampling."""
+LOUD, COARSE = 0.1, 0.2
+"""Noise, and change between neighbouring rows, jumps aside, over the range of the force, from which a fit is
+of little use."""
 
 
 def check(model: CurveModel, scene: Scene, parameters: Unknowns) -> list[str]:
-    """Warnings about a curve, which the scene, as its user states it, is fitted to.
-
-    Raises
-    ------
-    SceneError
-        One line, if the curve cannot be a contact as the scene describes it.
-    """
+    """Warnings about a curve, which the scene, as its user states it, is fitted to."""
     curve = model.curve
-    column = "penetration" if curve.stage is None else "stage"
-    if np.ptp(curve.force) > 0.0:
-        _check_columns(model, column)
-    _check_signs(model, column)
-    if model.scene_of({}) is None and not parameters.sets(CONTACT_POINT):
-        problem = f"never comes to {model.scene.loading.penetration:.4g}, where the scene begins contact"
-        allowed = f"positions counted from first touch, or {CONTACT_POINT} free"
-        raise SceneError(column, problem, allowed, curve.name)
+    try:
+        if np.ptp(curve.force) > 0.0:
+            _check_columns(model)
+        _check_signs(model)
+        if model.scene_of({}) is None and not parameters.sets(CONTACT_POINT):
+            problem = f"never comes to {model.scene.loading.penetration:.4g}, where the scene begins contact"
+            allowed = f"positions counted from first touch, or {CONTACT_POINT} free"
+            raise SceneError(curve.driven, problem, allowed)
+    except SceneError as error:
+        raise error.in_file(curve.name) from None
     found = [*_of_record(model), *([] if parameters.sets(*SPRING) else _of_spring(curve, scene))]
     return [f"{curve.name}: {text}" for text in found]
 
 
-def _check_columns(model: CurveModel, column: str) -> None:
+def _check_columns(model: CurveModel) -> None:
     """Whether force and motion are of the order of the scene's contact, or of each other's: a drive moves
     in straight lines, which what a contact makes of them does not."""
     curve = model.curve
-    exchanged: dict[str, Any] = {column: curve.force, "force": curve.position}
-    other = replace(curve, **exchanged, noise=None)
-    as_stated, swapped = (_over_expected(model.scene, one) for one in (curve, other))
-    off, off_swapped = (max(factor, 1.0 / factor) for factor in (as_stated, swapped))
-    compared = f"{as_stated:.2g} times the force of the scene's contact, {swapped:.2g} times if they are"
+    exchanged: dict[str, Any] = {curve.driven: curve.force, "force": curve.position, "noise": None}
+    stated, swapped = (_over_expected(model.scene, one) for one in (curve, replace(curve, **exchanged)))
+    off, off_swapped = (max(factor, 1.0 / factor) for factor in (stated, swapped))
+    compared = f"{stated:.2g} times the force of the scene's contact, {swapped:.2g} times if they are"
     lines, of_force = (count_lines(curve.time, one, STRAIGHT) for one in (curve.position, curve.force))
     problem = ""
     if off >= ABSURD:
@@ -75,29 +69,29 @@ def _check_columns(model: CurveModel, column: str) -> None:
     elif off_swapped < OUTWEIGHS * off and 2 * of_force <= lines:
         problem = f"moves in {lines} straight lines, the force in {of_force}: swapped? ({compared})"
     if problem and off_swapped < PLAUSIBLE:
-        raise SceneError(column, problem, "each in its column", curve.name)
+        raise SceneError(curve.driven, problem, "each in its column")
     if off >= ABSURD:
-        problem = f"is {as_stated:.0e} times that of the scene's contact: other units?"
-        raise SceneError("force", problem, "force, lengths and times in the units of the scene", curve.name)
+        problem = f"is {stated:.0e} times that of the scene's contact: other units?"
+        raise SceneError("force", problem, "force, lengths and times in the units of the scene")
 
 
-def _check_signs(model: CurveModel, column: str) -> None:
+def _check_signs(model: CurveModel) -> None:
     """Whether there is contact, the force grows with the position in it, and rows without contact lie further
     out: a record that shows such rows only once both its signs are turned has both of them wrong."""
     curve, seen = model.curve, model.moments
     over, inside = curve.force - seen.background, slice(seen.first, seen.last)
     if not (np.abs(over) > CONTACT * seen.noise).any():
         problem = f"never leaves its noise of {seen.noise:.3g}: no contact"
-        raise SceneError("force", problem, "a record with contact", curve.name)
+        raise SceneError("force", problem, "a record with contact")
     if np.ptp(curve.position[inside]) > 0.0:
         together = float(np.corrcoef(curve.position[inside], over[inside])[0, 1])
         if together < OPPOSED:
-            problem = f"falls where {column} rises (correlation {together:.2f}): one has the wrong sign"
-            raise SceneError("force", problem, "both positive towards the body", curve.name)
-    turned: dict[str, Any] = {column: -curve.position, "force": -curve.force}
-    if not seen.has_free_rows and moments(replace(curve, **turned, segments=())).has_free_rows:
+            problem = f"falls where {curve.driven} rises (correlation {together:.2f}): one has the wrong sign"
+            raise SceneError("force", problem, "both positive towards the body")
+    turned: dict[str, Any] = {curve.driven: -curve.position, "force": -curve.force, "segments": ()}
+    if not seen.has_free_rows and moments(replace(curve, **turned)).has_free_rows:
         problem = "contact is where it is smallest: the wrong sign"
-        raise SceneError(column, problem, "positions positive towards the body", curve.name)
+        raise SceneError(curve.driven, problem, "positions positive towards the body")
 
 
 def _over_expected(scene: Scene, curve: MeasuredCurve) -> float:
@@ -114,15 +108,15 @@ def _elastic_force(scene: Scene, depth: float) -> float:
 
 
 def _of_record(model: CurveModel) -> Iterator[str]:
+    """What makes a record of little use."""
     curve, seen = model.curve, model.moments
     rows, reach = seen.last - seen.first, float(np.ptp(curve.force))
     if rows < FEW_ROWS:
         yield f"{rows} rows in contact: the sampling is too coarse for more than one or two parameters"
-    kept = seen.compared
-    steps = np.abs(np.diff(curve.force))[kept[1:] & kept[:-1]]
-    if steps.size and float(steps.max()) > COARSE * reach:
-        share = 100.0 * float(steps.max()) / reach
-        yield f"the force changes by {share:.0f} % of its range between two rows: sampling too coarse"
+    steps = np.abs(np.diff(curve.force))[model.kept[1:] & model.kept[:-1]]
+    largest = 100.0 * float(steps.max(initial=0.0)) / reach
+    if largest > 100.0 * COARSE:
+        yield f"the force changes by {largest:.0f} % of its range between two rows: sampling too coarse"
     inside = slice(seen.first, seen.last)
     expected = _elastic_force(model.scene, float(np.ptp(curve.motion[inside])))
     factor = float(np.abs(curve.force - seen.background)[inside].max()) / expected
@@ -130,9 +124,9 @@ def _of_record(model: CurveModel) -> Iterator[str]:
         yield f"the force is {factor:.0e} times that of the scene's elastic contact: other units?"
     if seen.noise > LOUD * reach:
         yield f"the noise is {100.0 * seen.noise / reach:.0f} % of the range of the force"
-    times = [branch.time for branch in model.scene.material.branches]
-    if times and min(times) < curve.sampling:
-        at = f"a relaxation time of {min(times):.3g}, where the fit starts, is shorter"
+    shortest = min((branch.time for branch in model.scene.material.branches), default=np.inf)
+    if shortest < curve.sampling:
+        at = f"a relaxation time of {shortest:.3g}, where the fit starts, is shorter"
         yield f"rows every {curve.sampling:.3g}: {at}"
 
 

@@ -6,12 +6,10 @@ starts from what each record shows of itself.
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from importlib import import_module
-from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -76,19 +74,14 @@ def fit_each(
     progress: Callable[[str], None] | None = None,
     on_result: Callable[[list[EachFit]], None] | None = None,
 ) -> list[EachFit]:
-    """Fit every curve, whatever becomes of the others; ``on_result`` gets all that is there after each.
-
-    Raises
-    ------
-    SceneError
-        If no curve can be fitted, the reason of the first.
-    """
+    """Fit every curve, whatever becomes of the others; ``on_result`` gets all that is there after each."""
     alone = replace(settings, vary=(*settings.vary, *settings.per_curve), per_curve=())
-    guess, found, store = scene, [], store or Store()
+    guess, store = scene, store or Store()
+    found: list[EachFit] = []
     refusals = []
-    for number, curve in enumerate(named_apart(curves)):
+    for curve in named_apart(curves):
 
-        def tell(text: str, where: str = f"{number + 1} of {len(curves)}, {curve.name}") -> None:
+        def tell(text: str, where: str = f"{len(found) + 1} of {len(curves)}, {curve.name}") -> None:
             if progress is not None:
                 progress(f"{where}: {text}")
 
@@ -115,16 +108,14 @@ def dataset(found: Sequence[EachFit]) -> Any:
         raise SceneError("", "xarray is not installed", "pip install 'crosscontact[fit]'") from None
     numbers = [one.numbers() for one in found]
     parameters = list(dict.fromkeys(name for one in numbers for name in one))
-    both = ("curve", "parameter")
-    variables: dict[str, Any] = {
-        of: (both, np.array([[one.get(name, {}).get(of, np.nan) for name in parameters] for one in numbers]))
-        for of in OF_PARAMETER
-    }
+    variables: dict[str, Any] = {}
+    for of in OF_PARAMETER:
+        values = [[one.get(name, {}).get(of, np.nan) for name in parameters] for one in numbers]
+        variables[of] = ("curve", "parameter"), np.array(values)
     good = [None if one.result is None else one.result.goodness for one in found]
-    misfit = [np.nan if one is None else np.sqrt(one.reduced) for one in good]
     variables["explained"] = "curve", np.array([one.explained for one in found])
-    variables["misfit_over_noise"] = "curve", np.array(misfit, float)
-    variables["rms_over_range"] = "curve", np.array([np.nan if one is None else one.share for one in good])
+    variables["misfit_over_noise"] = "curve", [np.nan if one is None else one.misfit for one in good]
+    variables["rms_over_range"] = "curve", [np.nan if one is None else one.share for one in good]
     variables["failure"] = "curve", np.array([one.failure for one in found], str)
     return xarray.Dataset(variables, {"curve": [one.curve for one in found], "parameter": parameters})
 
@@ -133,19 +124,13 @@ def write_each(found: Sequence[EachFit], folder: Path) -> None:
     """Write ``table.csv``, ``map.nc`` and the page with the table and a figure."""
     data = dataset(found)
     names = data.parameter.values.tolist()
-    per_curve = [str(name) for name, values in data.items() if values.dims == ("curve",)]
-    columns = {"curve": data.curve.values.tolist()}
-    columns |= {
-        f"{name} {of}" if of != "value" else name: data[of].sel(parameter=name).values.tolist()
-        for name in names
-        for of in OF_PARAMETER
-    }
-    columns |= {name: data[name].values.tolist() for name in per_curve}
-    text = StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerows([columns, *zip(*columns.values(), strict=True)])
+    columns = [data[of].sel(parameter=name, drop=True) for name in names for of in OF_PARAMETER]
+    titles = [name if of == "value" else f"{name} {of}" for name in names for of in OF_PARAMETER]
+    whole = data.drop_vars(OF_PARAMETER).drop_dims("parameter").to_dataframe()
+    for place, (title, column) in enumerate(zip(titles, columns, strict=True)):
+        whole.insert(place, title, column)
     files: dict[str, str | bytes] = {
-        "table.csv": text.getvalue(),
+        "table.csv": whole.to_csv(na_rep="nan", lineterminator="\n"),
         "map.nc": bytes(data.to_netcdf(engine="scipy")),
     }
     report.write(folder, _document(found, names), files)
@@ -153,20 +138,15 @@ def write_each(found: Sequence[EachFit], folder: Path) -> None:
 
 def each_table(found: Sequence[EachFit]) -> DataTable:
     """A row for each curve."""
-    shown = [
-        {} if one.result is None else {e.name.partition("@")[0]: with_error(e) for e in one.result.estimates}
-        for one in found
-    ]
-    names = list(dict.fromkeys(name for one in shown for name in one))
-    rows: list[Record] = [
-        {
-            "curve": one.curve,
-            **{name: estimates.get(name, ABSENT) for name in names},
-            "rms / range": ABSENT if one.result is None else f"{one.result.goodness.share:.2%}",
-            "explained": VerdictCell(one.failure or ("yes" if one.explained else "no"), one.explained),
-        }
-        for one, estimates in zip(found, shown, strict=True)
-    ]
+    names = list(dict.fromkeys(name for one in found for name in one.numbers()))
+    rows: list[Record] = []
+    for one in found:
+        estimates = () if one.result is None else one.result.estimates
+        shown = {each.name.partition("@")[0]: with_error(each) for each in estimates}
+        share = ABSENT if one.result is None else f"{one.result.goodness.share:.2%}"
+        verdict = VerdictCell(one.failure or ("yes" if one.explained else "no"), one.explained)
+        numbers = {name: shown.get(name, ABSENT) for name in names}
+        rows.append({"curve": one.curve, **numbers, "rms / range": share, "explained": verdict})
     return DataTable.of(rows, unbroken=("curve", *names))
 
 
@@ -180,7 +160,7 @@ def _document(found: Sequence[EachFit], names: Sequence[str]) -> Document:
 
 
 def _draw(found: Sequence[EachFit], names: Sequence[str]) -> Drawing:
-    """A panel for each parameter: values with their deviations over the number of the curve."""
+    """A panel for each parameter: values with their intervals over the number of the curve."""
     from matplotlib.figure import Figure as Drawing
 
     figure = Drawing(figsize=(7.2, 1.6 * len(names) + 0.6), layout="constrained")
@@ -188,14 +168,14 @@ def _draw(found: Sequence[EachFit], names: Sequence[str]) -> Drawing:
     for axes, name in zip(panels, names, strict=True):
         for explained, colour in ((True, SERIES[0]), (False, VERMILION)):
             rows = [
-                (number + 1, one.numbers()[name])
-                for number, one in enumerate(found)
+                (number, *(one.numbers()[name][end] for end in ("value", "low", "high")))
+                for number, one in enumerate(found, 1)
                 if one.explained is explained and name in one.numbers()
             ]
-            ends = np.array([[at, n["value"], n["low"], n["high"]] for at, n in rows]).reshape(-1, 4).T
-            reach = np.nan_to_num(np.abs(ends[2:] - ends[1]), posinf=0.0)
+            place, value, low, high = np.array(rows).reshape(-1, 4).T
+            reach = np.nan_to_num(np.abs([low - value, high - value]), posinf=0.0)
             label = "explained" if explained else "not explained"
-            axes.errorbar(ends[0], ends[1], reach, fmt="o", markersize=3, color=colour, label=label)
+            axes.errorbar(place, value, reach, fmt="o", markersize=3, color=colour, label=label)
         axes.set_ylabel(name, color=INK, fontsize="small")
         format_axes(axes)
     panels[-1].set_xlabel("number of the curve")

@@ -1,11 +1,10 @@
 """How well a fit determines its parameters, and whether its model explains the data at all.
 
 Residuals are in units of the noise. If the model is right their sum of squares is chi-squared, their signs
-follow each other at random, and the covariance of the parameters is ``s^2 (J^T J)^-1``, with the variance
-``s^2`` of baseline and residuals together. Where residuals are too large to be noise ``s^2`` is theirs alone
-(Birge, Phys. Rev. 40, 207, 1932); where they are correlated, n rows count as n/L independent ones, with the
-correlation length L of each curve, so that deviations grow with its root. Both make intervals honest about
-size and not about bias.
+follow each other at random, and the covariance is ``s^2 (J^T J)^-1``, with the variance ``s^2`` of baseline
+and residuals together. Where residuals are too large to be noise ``s^2`` is theirs alone (Birge, Phys. Rev.
+40, 207, 1932); where they are correlated, n rows count as n/L independent ones. Both make intervals honest
+about size and not about bias.
 """
 
 from __future__ import annotations
@@ -14,26 +13,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
+from validation.fits.contact import Array
 from validation.fits.parameters import Unknown
-from validation.fits.record import Array
 
 CONFIDENCE = 0.95
 UNLIKELY = 1e-3
 """Probability below which a misfit, or the order of its signs, is not taken for chance."""
 VAGUE = 0.5
 """Standard deviation of a logarithm from which a parameter, or a product of powers, counts as unknown: its
-95 % interval spans a factor of seven. Below, a parameter is known to its order of magnitude at least."""
-ALIKE = 0.97
-"""Correlation from which two parameters are named as hardly told apart: each alone is known four times worse
-than with the other given."""
-TAKES_PART = 0.2
-"""Power of a parameter in a normalised product of powers from which it is named."""
-AT_BOUND = 1e-3
-"""Distance from a bound, in numbers of the search, below which a parameter counts as held by it."""
-NEGLIGIBLE = 1e-12
-"""Eigenvalue over the largest below which a direction is not determined at all: round-off of derivatives."""
+95 % interval spans a factor of seven."""
+ALIKE, TAKES_PART = 0.97, 0.2
+"""Correlation from which two parameters are hardly told apart, each alone known four times worse than with
+the other given; and power of a parameter in a normalised product from which it is named."""
+AT_BOUND, NEGLIGIBLE = 1e-3, 1e-12
+"""Distance from a bound, in numbers of the search, below which a parameter is held by it; and eigenvalue over
+the largest below which a direction is not determined at all: round-off of derivatives."""
 
 
 @dataclass(frozen=True)
@@ -62,9 +58,8 @@ class Combination:
     @property
     def text(self) -> str:
         """In words."""
-        return " · ".join(
-            name if power == 1.0 else f"({name})^{power:.2g}" for name, power in self.powers.items()
-        )
+        parts = (name if power == 1.0 else f"({name})^{power:.2g}" for name, power in self.powers.items())
+        return " · ".join(parts)
 
 
 @dataclass(frozen=True)
@@ -80,10 +75,9 @@ class RunsTest:
 
 @dataclass(frozen=True)
 class Goodness:
-    """Whether what is left looks like noise: the sum of squares over it, the degrees of freedom of residuals
-    and of the noise, the probability of a sum as large by chance, a runs test for each curve, the largest
-    root mean square of a curve over the range of its force (``share``), the share that was asked for, and the
-    ``variance`` of a residual as it is weighted."""
+    """Whether what is left looks like noise: ``probability``: of a sum of squares as large by chance;
+    ``share``: the largest root mean square of a curve over the range of its force; ``variance``: of a
+    residual as it is weighted."""
 
     chi_squared: float
     degrees: int
@@ -100,14 +94,16 @@ class Goodness:
         return self.chi_squared / self.degrees
 
     @property
-    def explained(self) -> bool:
-        """Whether the model explains the data within the share that was asked for, else within their noise.
+    def misfit(self) -> float:
+        """Root mean square of what is left, over the noise."""
+        return float(np.sqrt(self.reduced))
 
-        Where residuals are less than noise can be, as of a record without any, their signs tell nothing.
-        """
+    @property
+    def explained(self) -> bool:
+        """Whether the model explains the data within the share that was asked for, or else their noise."""
         if self.within is not None:
             return self.share <= self.within
-        below = self.probability > 1.0 - UNLIKELY
+        below = self.probability > 1.0 - UNLIKELY  # less than noise can be: then signs tell nothing
         at_random = all(one.probability >= UNLIKELY for one in self.runs)
         return self.probability >= UNLIKELY and (below or at_random)
 
@@ -124,12 +120,11 @@ def runs_test(curve: str, residuals: Array) -> RunsTest:
     expected = 1.0 + 2.0 * above * below / both
     variance = (expected - 1.0) * (expected - 2.0) / max(both - 1.0, 1.0)
     z = (runs + 0.5 - expected) / np.sqrt(variance) if variance > 0.0 else 0.0
-    return RunsTest(curve, runs, expected, float(stats.norm.cdf(z)))
+    return RunsTest(curve, runs, expected, float(special.ndtr(z)))
 
 
 def correlation_length(residuals: Array) -> float:
-    """Rows of one curve that tell as much as one independent row: twice the sum of the autocorrelation, up to
-    where it is what white noise has by chance."""
+    """Rows that tell as much as one: twice the sum of the autocorrelation, up to what white noise has."""
     rows = residuals.size
     power = np.abs(np.fft.rfft(residuals, 2 * rows)) ** 2
     product = np.fft.irfft(power)[:rows]
@@ -154,9 +149,8 @@ def covariance(jacobian: Array, variance: float) -> tuple[Array, Array, Array]:
     """Covariance of the numbers of the search, infinite where the data do not see them; deviations along its
     directions, falling; and the directions, rows of unit length."""
     _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
-    scale = np.sqrt(variance)
-    seen = singular**2 > NEGLIGIBLE * singular[0] ** 2 if singular.size and singular[0] > 0 else singular > 0
-    deviations = np.where(seen, scale / np.where(seen, singular, 1.0), np.inf)
+    seen = singular**2 > NEGLIGIBLE * singular.max(initial=0.0) ** 2
+    deviations = np.where(seen, np.sqrt(variance) / np.where(seen, singular, 1.0), np.inf)
     result = (directions.T * np.where(seen, deviations, 0.0) ** 2) @ directions
     blind = (np.abs(directions[~seen]) > np.sqrt(NEGLIGIBLE)).any(axis=0)
     result[blind, blind] = np.inf
@@ -167,15 +161,15 @@ def estimate(one: Unknown, at: float, variance: float) -> Estimate:
     """A number with its standard deviation and 95 % interval, within its bounds."""
     deviation = float(np.sqrt(variance))
     low, high = one.plain(one.low), one.plain(one.high)
-    reach = float(stats.norm.ppf(0.5 + 0.5 * CONFIDENCE)) * deviation
-    ends = one.value(max(at - reach, low)), one.value(min(at + reach, high))
+    reach = float(special.ndtri(0.5 + 0.5 * CONFIDENCE)) * deviation
     note = ""
     if min(at - low, high - at) < AT_BOUND:
         note = "held by its bound"
     elif not deviation < (VAGUE if one.logarithmic else np.inf):
         note = "not determined by these data"
     size = deviation if one.logarithmic else deviation * one.scale
-    return Estimate(one.name, one.value(at), size, one.logarithmic, ends[0], ends[1], one.start, note)
+    ends = one.value(max(at - reach, low)), one.value(min(at + reach, high))
+    return Estimate(one.name, one.value(at), size, one.logarithmic, *ends, one.start, note)
 
 
 def correlation(spread: Array) -> Array:
@@ -201,9 +195,5 @@ def combinations(names: Sequence[str], deviations: Array, directions: Array) -> 
 
 def confused(names: Sequence[str], correlations: Array) -> list[tuple[str, str, float]]:
     """Pairs of parameters that the data hardly tell apart, with their correlation."""
-    return [
-        (names[i], names[j], float(correlations[i, j]))
-        for i in range(len(names))
-        for j in range(i)
-        if abs(correlations[i, j]) >= ALIKE
-    ]
+    pairs = np.argwhere(np.tril(np.abs(correlations) >= ALIKE, -1)).tolist()
+    return [(names[i], names[j], float(correlations[i, j])) for i, j in pairs]

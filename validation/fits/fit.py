@@ -8,6 +8,7 @@ iterations, and the best of all to its end.
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -15,16 +16,16 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from contact_scene import Scene, SceneError
-from contact_scene.errors import shown
 from validation.fits import data_checks
+from validation.fits.contact import Array
 from validation.fits.errors import CONFIDENCE, covariance
 from validation.fits.model import CurveModel
-from validation.fits.parameters import FitSettings, first_guess, lmfit, question, unknowns
-from validation.fits.problem import FitProblem
-from validation.fits.record import Array, MeasuredCurve
+from validation.fits.parameters import FitSettings, first_guess, question, unknowns
+from validation.fits.problem import FitProblem, Point
+from validation.fits.record import MeasuredCurve
 from validation.fits.result import (
     FitResult,
     InterruptedFit,
@@ -39,33 +40,27 @@ from validation.runs.store import Store
 from validation.solvers import REFERENCE
 
 MOST_ROWS = 20_000
-"""Rows of a curve that are fitted: they resolve a thousandth of the record with twenty rows, and the mean of
-more loses nothing that the motion's straight lines and a smooth force hold."""
+"""Rows of a curve that are fitted: twenty resolve a thousandth of the record, in which it is smooth."""
 TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
 """Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
 is four steps per process zone, the fewest that resolve one."""
-ERROR_SHARE = 0.05
-"""Error of a run over the noise (root mean square), at most: it moves a parameter by a twentieth of its
-standard deviation at the worst."""
-ORDER_TWO = 4.0 / 3.0
-"""Error of a run over its difference from one of half the step, for a method of second order."""
+ERROR_SHARE, ORDER_TWO = 0.05, 4.0 / 3.0
+"""Error of a run over the noise, at most: it moves a parameter by a twentieth of its deviation at the worst;
+and over its difference from a run of half the step, for a method of second order."""
 SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
-"""Bounds of the step of differences: the root of the relative error of a run, which makes the error of a
-derivative least if the errors of two neighbouring runs have nothing in common, lies between them."""
-SPREAD = np.log(3.0)
-"""Starts are drawn within a factor of three about the scene's values: whoever knows less states bounds."""
-DRAWN_BEFORE = 4
-"""Points drawn for a start, of which the one of least misfit is taken: a point costs no derivatives."""
+"""Bounds of the step of differences, the root of the relative error of a run: the best if the errors of two
+neighbouring runs have nothing in common."""
+SPREAD, DRAWN_BEFORE = np.log(3.0), 4
+"""Starts are drawn within a factor of three about the scene's values (whoever knows less states bounds); of
+so many points the one of least misfit is taken: a point costs no derivatives."""
 EXPLORING, MOST_EVALUATIONS, PROFILING = 4, 40, 6
-"""Evaluations of a start before the starts are compared, of the last search, and of the others as one
-parameter is held."""
+"""Evaluations of a start before starts are compared, of the last search, and with one parameter held."""
 SETTLED = 0.01
-"""Change of the sum of squares, over the variance of a residual, at which a search ends: a parameter that is
-off by a tenth of its standard deviation costs as much."""
-STEPS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
-"""Distances from the best value at which a profile fits the others, in standard deviations."""
-WIDEST = 1.0
-"""Standard deviation that the distances are taken of, at most: a factor of 20 on each side."""
+"""Change of the sum of squares, over the variance of a residual, at which a search ends: the cost of a
+parameter that is off by a tenth of its deviation."""
+STEPS, WIDEST = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 1.0
+"""Distances from the best value at which a profile fits the others, in standard deviations of at most one: a
+factor of 20 on each side."""
 
 
 def fit_curves(
@@ -76,51 +71,47 @@ def fit_curves(
     store: Store | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> FitResult:
-    """Fit a scene, the first guess and all that is not varied, to curves.
-
-    The executor carries out the runs of a derivative side by side; the store holds runs, from which an
-    interrupted fit goes on; progress is called with a line of text at each point.
-
-    Raises
-    ------
-    SceneError
-        One line, if data or settings are no good.
-    InterruptedFit
-        At Ctrl-C.
-    """
+    """Fit a scene, the first guess and all that is not varied, to curves; the store holds runs, from which an
+    interrupted fit goes on."""
     began = time.perf_counter()
     curves = named_apart(curves)
     asked = question(curves, scene, settings)
     scene = first_guess(curves, scene, settings)
     problem, warnings = _prepared(curves, scene, settings, executor, store)
     search = Search(problem, progress)
-    error_share: float | None = None
+
+    def found() -> FitResult:
+        best = judged(problem, search.x, scene)
+        return replace(
+            best,
+            warnings=(*warnings, *best.warnings),
+            ended=search.ended,
+            converged=search.converged,
+            starts=tuple(search.starts),
+            question=asked,
+        )
+
     try:
         problem.check_first_guess()
+        share = None
         if settings.resolution is None and settings.solver == REFERENCE:
-            error_share = choose_steps(problem)
+            share = choose_steps(problem)
         search.carry_out()
-        result = judged(problem, search.x, scene, warnings, search.ended, search.converged, search.starts)
+        result = found()
         profiles = search.profiles(result)
         check = search.by_second_solver(result)
     except KeyboardInterrupt:
         if not np.isfinite(search.least):
             raise InterruptedFit(None) from None
         search.tell("interrupted: the errors of the best so far are worked out (once more ends at once)")
+        search.ended = "interrupted"
         try:
-            best = judged(problem, search.x, scene, warnings, "interrupted", search.converged, search.starts)
+            best = replace(found(), runs=problem.runs)
         except KeyboardInterrupt:
-            raise InterruptedFit(None) from None
-        raise InterruptedFit(replace(best, question=asked)) from None
-    return replace(
-        result,
-        profiles=profiles,
-        check=check,
-        error_share=error_share,
-        runs=problem.runs,
-        seconds=time.perf_counter() - began,
-        question=asked,
-    )
+            best = None
+        raise InterruptedFit(best) from None
+    result = replace(result, profiles=profiles, check=check, error_share=share)
+    return replace(result, runs=problem.runs, seconds=time.perf_counter() - began)
 
 
 def _prepared(
@@ -134,10 +125,9 @@ def _prepared(
     shortened = [curve.means(MOST_ROWS) for curve in curves]
     models = [CurveModel.of(curve, scene, settings.within or 0.0) for curve, _ in shortened]
     found = unknowns(models, scene, settings)
-    names = [one.name for one in found.found]
     for name in settings.profile:
-        if name not in (*names, "all"):
-            raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(names)}")
+        if name not in (*found.names, "all"):
+            raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(found.names)}")
     warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
     warnings += [text for model in models for text in data_checks.check(model, scene, found)]
     return FitProblem(models, found, settings, executor, store or Store()), warnings
@@ -148,18 +138,16 @@ def choose_steps(problem: FitProblem) -> float:
     the error over the noise comes back."""
     x = problem.unknowns.start
     data = np.concatenate([model.curve.force / model.allowed for model in problem.models])
-    coarse, share = None, np.inf
-    for tolerance, finer in pairwise(TOLERANCES):
-        if coarse is None:
-            problem.tolerance = tolerance
-            coarse = problem.residuals(x)
+    problem.tolerance = TOLERANCES[0]
+    coarse = problem.residuals(x)
+    for kept, finer in pairwise(TOLERANCES):
         problem.tolerance = finer
         fine = problem.residuals(x)
         change = np.concatenate([(fine - coarse)[rows] for rows in problem.force_rows])
         share, coarse = ORDER_TWO * float(np.sqrt(np.mean(change**2))), fine
+        problem.tolerance = kept
         if share <= ERROR_SHARE:
             break
-    problem.tolerance = tolerance
     size = float(np.sqrt(np.mean(data**2)))
     problem.step = float(np.clip(np.sqrt(share / size), SMALLEST_STEP, LARGEST_STEP))
     return share
@@ -197,7 +185,6 @@ class Search:
         low, high = self.problem.unknowns.bounds
         inside = 1e-9 * np.minimum(high - low, 1.0)
         own = np.clip(self.problem.unknowns.start, low + inside, high - inside)
-        settings = self.problem.settings
         self._stage = "first start"
         if not self.problem.derivatives(own).any():
             raise self._without_influence(own)
@@ -206,7 +193,7 @@ class Search:
             first = self.least
             for number, x in enumerate(self._more_starts(own)):
                 if self.problem.derivatives(x).any():  # otherwise there is nowhere to go from here
-                    self._stage = f"start {number + 2} of {settings.starts}"
+                    self._stage = f"start {number + 2} of {self.problem.settings.starts}"
                     self._followed(x, EXPLORING)
             if self.least < first:
                 self._stage = "best start"
@@ -215,15 +202,20 @@ class Search:
 
     def _followed(self, x: Array, evaluations: int, held: int | None = None, counts: bool = True) -> Any:
         """Least squares from a point, of all parameters but one that is held."""
-        problem, box = self.problem, self.problem.unknowns.box(x, held)
-        varied = [place for place, one in enumerate(box.values()) if one.vary]
+        try:
+            import lmfit
+        except ImportError:
+            raise SceneError("", "lmfit is not installed", "pip install 'crosscontact[fit]'") from None
+        box = lmfit.Parameters()
+        for place, (value, low, high) in enumerate(zip(x, *self.problem.unknowns.bounds, strict=True)):
+            box.add(f"x{place}", value, vary=place != held, min=low, max=high)
+        varied = [place for place in range(x.size) if place != held]
         self._of_start = np.inf
-        minimizer = lmfit().Minimizer(lambda values: self.residuals(_point(values)), box)
-        found = minimizer.least_squares(
+        found = lmfit.Minimizer(lambda values: self.residuals(_point(values)), box).least_squares(
             max_nfev=evaluations,
-            Dfun=lambda values: problem.jacobian(_point(values))[:, varied],
+            Dfun=lambda values: self.problem.jacobian(_point(values))[:, varied],
             x_scale="jac",
-            ftol=SETTLED / problem.size,
+            ftol=SETTLED / self.problem.size,
             xtol=1e-6,
             gtol=None,
         )
@@ -233,9 +225,8 @@ class Search:
 
     def _without_influence(self, x: Array) -> SceneError:
         """The error for a first guess from which no search can set out."""
-        failures = [one.failure for one in self.problem.at(x).predictions if one.failure]
-        reason = f": {failures[0]}" if failures else ""
-        problem = f"no parameter changes the force at the first guess{reason}"
+        failures = [f": {one.failure}" for one in self.problem.at(x).predictions if one.failure]
+        problem = f"no parameter changes the force at the first guess{''.join(failures[:1])}"
         return SceneError("vary", problem, "a first guess that comes to contact and can be run")
 
     def _more_starts(self, own: Array) -> list[Array]:
@@ -252,8 +243,7 @@ class Search:
             for shares in group:
                 x = own.copy()
                 x[free] = np.clip(own[free] + SPREAD * (2.0 * shares - 1.0), low[free], high[free])
-                values = self.residuals(x)
-                points.append((float(values @ values), x))
+                points.append((float(np.sum(self.residuals(x) ** 2)), x))
             found.append(min(points, key=lambda point: point[0])[1])
         return found
 
@@ -263,19 +253,16 @@ class Search:
         Where the least sum of squares has grown by ``3.84``, the 95 % point of chi-squared with one degree of
         freedom, the interval ends (Venzon and Moolgavkar, Appl. Stat. 37, 87, 1988).
         """
-        asked = result.settings.profile
-        return tuple(
-            self._profile(place, result)
-            for place, one in enumerate(self.problem.unknowns.found)
-            if "all" in asked or one.name in asked
-        )
+        names, asked = self.problem.unknowns.names, result.settings.profile
+        places = [place for place, name in enumerate(names) if "all" in asked or name in asked]
+        best = self.x.copy()
+        return tuple(self._profile(place, best, result) for place in places)
 
-    def _profile(self, place: int, result: FitResult) -> LikelihoodProfile:
-        problem, best = self.problem, self.x.copy()
-        one, stated = problem.unknowns.found[place], result.estimates[place]
-        low, high = one.plain(one.low), one.plain(one.high)
-        point = problem.at(best)
-        size = min(stated.deviation if one.logarithmic else stated.deviation / one.scale, WIDEST)
+    def _profile(self, place: int, best: Array, result: FitResult) -> LikelihoodProfile:
+        problem, one = self.problem, self.problem.unknowns.found[place]
+        low, high = (bounds[place] for bounds in problem.unknowns.bounds)
+        point, deviation = problem.at(best), result.estimates[place].deviation
+        size = min(deviation if one.logarithmic else deviation / one.scale, WIDEST)
         least = self._weighed(point, best)
         points = {float(best[place]): 0.0}
         for sign in (-1.0, 1.0):
@@ -284,24 +271,21 @@ class Search:
                 x[place] = float(np.clip(best[place] + sign * step * size, low, high))
                 self._stage = f"profile of {one.name} at {one.value(x[place]):.4g}"
                 if len(x) > 1:
-                    found = self._followed(x, PROFILING, held=place)
-                    x = _point(found.params)
+                    x = _point(self._followed(x, PROFILING, held=place).params)
                 increase = (self._weighed(point, x) - least) / result.goodness.variance
                 points[float(x[place])] = max(increase, 0.0)
                 if x[place] in (low, high):
                     break
         at, increases = np.array(sorted(points.items())).T
         middle = int(np.searchsorted(at, best[place]))
-        ends = _crossing(at[middle::-1], increases[middle::-1]), _crossing(at[middle:], increases[middle:])
+        plain = _crossing(at[middle::-1], increases[middle::-1]), _crossing(at[middle:], increases[middle:])
+        ends = (None if end is None else one.value(end) for end in plain)
         values = np.array([one.value(value) for value in at.tolist()])
-        return LikelihoodProfile(
-            one.name, values, increases, *(None if end is None else one.value(end) for end in ends)
-        )
+        return LikelihoodProfile(one.name, values, increases, *ends)
 
-    def _weighed(self, best: Any, x: Array) -> float:
+    def _weighed(self, best: Point, x: Array) -> float:
         """Sum of squares of the residuals at a point, correlated ones as those of the best point are."""
-        found = independent(self.problem, best, self.problem.residuals(x))
-        return float(found @ found)
+        return float(np.sum(independent(self.problem, best, self.problem.residuals(x)) ** 2))
 
     def by_second_solver(self, result: FitResult) -> SecondSolver | None:
         """The fitted curves once more by another solver, and how far it would have moved the parameters."""
@@ -309,27 +293,21 @@ class Search:
         if solver is None or solver == result.settings.solver:
             return None
         self.tell(f"the same curves by {solver}")
-        other = replace(
-            problem, settings=replace(problem.settings, solver=solver, resolution=None), tolerance=None
-        )
-        point, by_other, slopes = problem.at(x), other.at(x), problem.jacobian(x)
-        change = by_other.residuals - point.residuals
-        differences = []
-        for index, (model, rows) in enumerate(zip(problem.models, problem.force_rows, strict=True)):
+        settings = replace(problem.settings, solver=solver, resolution=None)
+        point, by_other = problem.at(x), replace(problem, settings=settings, tolerance=None).at(x)
+        change, differences = by_other.residuals - point.residuals, []
+        for model, rows, run in zip(problem.models, problem.force_rows, by_other.predictions, strict=True):
             own = change[rows] * model.allowed / model.moments.noise
             rms = float(np.sqrt(np.mean(own**2)))
             size = float(np.sqrt(np.mean(model.curve.force**2))) / model.moments.noise
-            failure = by_other.predictions[index].failure
             largest = float(np.abs(own).max())
-            differences.append(SolverDifference(model.curve.name, rms, largest, rms / size, failure))
-        deviations = np.sqrt(
-            np.diag(covariance(independent(problem, point, slopes), result.goodness.variance)[0])
-        )
+            differences.append(SolverDifference(model.curve.name, rms, largest, rms / size, run.failure))
+        slopes = problem.jacobian(x)
+        spread = covariance(independent(problem, point, slopes), result.goodness.variance)[0]
         shifts: dict[str, float] = {}
-        if not any(one.failure for one in differences) and np.isfinite(deviations).all():
-            moved = -np.linalg.lstsq(slopes, change, rcond=None)[0] / deviations
-            names = [one.name for one in problem.unknowns.found]
-            shifts = dict(zip(names, moved.tolist(), strict=True))
+        if not any(one.failure for one in differences) and np.isfinite(np.diag(spread)).all():
+            moved = -np.linalg.lstsq(slopes, change, rcond=None)[0] / np.sqrt(np.diag(spread))
+            shifts = dict(zip(problem.unknowns.names, moved.tolist(), strict=True))
         return SecondSolver(solver, None, tuple(differences), shifts)
 
 
@@ -340,7 +318,7 @@ def _point(values: Any) -> Array:
 
 def _crossing(at: Array, increase: Array) -> float | None:
     """Where a profile first passes the limit of its interval, by the root of the increase between points."""
-    limit = np.sqrt(float(stats.chi2.ppf(CONFIDENCE, 1)))
+    limit = np.sqrt(float(special.chdtri(1, 1.0 - CONFIDENCE)))
     above = np.flatnonzero(increase >= limit**2)
     if not above.size:
         return None
@@ -350,16 +328,12 @@ def _crossing(at: Array, increase: Array) -> float | None:
 
 def named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:
     """Curves with names that differ."""
-    if isinstance(curves, MeasuredCurve):
-        curves = [curves]
-    if not curves or not all(isinstance(curve, MeasuredCurve) for curve in curves):
-        raise SceneError(
-            "curves", f"got {shown(curves)}", "one or several MeasuredCurve, as read_curves gives them"
-        )
-    names: dict[str, int] = {}
+    if not curves:
+        raise SceneError("curves", "there are none", "one or several MeasuredCurve, or paths of files")
+    names: Counter[str] = Counter()
     made = []
     for curve in curves:
-        names[curve.name] = names.get(curve.name, 0) + 1
+        names[curve.name] += 1
         again = names[curve.name]
         made.append(curve if again == 1 else replace(curve, name=f"{curve.name}-{again}"))
     return made

@@ -1,19 +1,26 @@
-"""What a solver says a record should have been: the scene under the measured motion, at the measured times.
+"""What a solver says a record should have been, and what is left of the record.
 
 The loading of the scene gives way to the measured motion; its start and the penetration it starts from stay:
 contact begins where the motion first comes to that penetration (``jump-in``), or with the first row
 (``relaxed``, or a record that begins in contact). Before, and after contact is lost, the force is zero.
 
-A record of the stage drives the stage of a machine with the record's spring: the force follows from contact
-and spring, and contact is lost at the limit point of the stage. Before contact no force bends the spring, so
-that contact is made at constant stage (``snap-in``). The noise of the force is nowhere in the motion. Only a
-``relaxed`` start, which prescribes the indenter, drives the indenter by stage and measured force.
+A record of the stage drives the stage of a machine with the record's spring: contact is lost at the limit
+point of the stage, and is made at constant stage (``snap-in``), as no force bends the spring before. The
+noise of the force is nowhere in the motion. Only a ``relaxed`` start, which prescribes the indenter, drives
+the indenter by stage and measured force.
+
+Residuals are the force at the measured times, but for the rows around a jump; the contact radius, where it
+was measured; and the moments of the jumps. A run that loses contact early, or breaks down, leaves a force of
+zero behind: a large residual, no error. Rows that for certain only one of run and record has in contact are
+not compared: there the force is wrong by the whole of it, however right the parameters are but for the moment
+of the jump, which leads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -23,18 +30,28 @@ from contact_scene import Machine, OutcomeKind, Scene, SceneError, Sphere, Table
 from contact_scene.errors import one_line
 from contact_scene.scene import with_values
 from validation import solvers
+from validation.fits.contact import Array, wave_columns, wave_length, white_noise
 from validation.fits.moments import Jump, Moments, moments
 from validation.fits.path import straight_lines
-from validation.fits.record import Array, MeasuredCurve
+from validation.fits.record import MeasuredCurve
 from validation.measure.curves import RowCurve
 
+BACKGROUND = {
+    "baseline": ("baseline",),
+    "drift": ("drift",),
+    "background": ("baseline", "tilt", "drag", "wave_cosine", "wave_sine"),
+}
+"""Parts of the background by what is said to be free."""
 PATH_SHARE = 0.3
-"""Force that a deviation of the straight lines from the motion may cost, over the noise of the force:
-together with the noise it is 4 % more than the noise alone."""
-CORNER = 0.1
-"""Change of the rate over the largest from which curves are not taken as smooth across it."""
-ON_TIME = 1e-9
-"""Distance of a row from the corner it was stepped onto, over the duration, at most: round-off of times."""
+"""Force that the straight lines may cost, over its noise: both together are 4 % more than the noise."""
+CORNER, ON_TIME = 0.1, 1e-9
+"""Change of the rate over the largest from which curves are not taken as smooth across it; distance of a row
+from the corner it was stepped onto, over the duration, at most: round-off of times."""
+LEAST_RADIUS_NOISE = 1e-4
+"""Noise of a measured contact radius over its range, at least."""
+OWN_PART = 1e-3
+"""Share of a part of the background that the parts before it do not make up, at least: in a record of an
+approach alone the drag is a level, and the tilt a drift."""
 
 
 @dataclass(frozen=True)
@@ -126,13 +143,7 @@ class CurveModel:
 
     @classmethod
     def of(cls, curve: MeasuredCurve, scene: Scene, within: float = 0.0) -> CurveModel:
-        """Prepare a curve.
-
-        Raises
-        ------
-        SceneError
-            If it cannot be compared with the scene, one line.
-        """
+        """Prepare a curve."""
         seen = moments(curve)
         if curve.indenter_radius is not None:
             if not isinstance(scene.indenter, Sphere):
@@ -143,8 +154,7 @@ class CurveModel:
         scene, motion = _driven(curve, scene, seen)
         reach = float(np.ptp(curve.position))
         if reach == 0.0:
-            column = "penetration" if curve.stage is None else "stage"
-            raise SceneError(column, "does not move", "an approach or a retraction", curve.name)
+            raise SceneError(curve.driven, "does not move", "an approach or a retraction", curve.name)
         slope = float(np.ptp(curve.force)) / reach
         missed = float(np.hypot(seen.noise, within * np.ptp(curve.force)))
         tolerance = PATH_SHARE * missed / slope if slope > 0.0 else reach
@@ -153,33 +163,44 @@ class CurveModel:
         except SceneError as error:
             raise error.in_file(curve.name) from None
 
-    @property
+    @cached_property
     def allowed(self) -> float:
         """Standard deviation of a residual of the force: the noise, and what the model may miss."""
         return float(np.hypot(self.moments.noise, self.within * np.ptp(self.curve.force)))
 
-    def allowed_moment(self, jump: Jump) -> float:
-        """Standard deviation of the moment of a jump: its place between two rows, and what the model may
-        miss."""
-        seen, time = self.moments, self.curve.time
-        duration = float(time[min(seen.last, time.size - 1)] - time[seen.first])
-        return float(np.hypot(jump.deviation, self.within * duration))
+    @cached_property
+    def kept(self) -> NDArray[np.bool_]:
+        """Which rows are compared, shape (N,)."""
+        return self.moments.compared
+
+    @cached_property
+    def radius_noise(self) -> float | None:
+        """Standard deviation of the contact radius, where it was measured."""
+        radius, seen = self.curve.contact_radius, self.moments
+        if radius is None:
+            return None
+        inside = radius[seen.first : seen.last]
+        noise = white_noise(inside if inside.size > 4 else radius)
+        return max(noise, LEAST_RADIUS_NOISE * float(np.ptp(radius))) or None
+
+    @property
+    def jumps(self) -> list[tuple[bool, Jump]]:
+        """Jumps whose moments are compared, and whether contact begins there."""
+        both = ((True, self.moments.snap_in), (False, self.moments.pull_off))
+        return [(begins, jump) for begins, jump in both if jump is not None and jump.timed]
+
+    @property
+    def size(self) -> int:
+        """Number of residuals."""
+        columns = 1 if self.radius_noise is None else 2
+        return columns * int(self.kept.sum()) + len(self.jumps)
 
     def scene_of(self, values: Mapping[str, float], contact_point: float = 0.0) -> tuple[Scene, float] | None:
-        """The scene to solve with these numbers by path, and the time its clock starts at.
-
-        ``contact_point`` is the measured position at which the penetration is zero; ``None`` comes back if
-        the motion never comes to contact.
-
-        Raises
-        ------
-        SceneError
-            If the scene does not take the values.
-        """
+        """The scene to solve with these numbers by path, and the time its clock starts at; ``None`` if the
+        motion never comes to contact."""
         scene = with_values(self.scene, values)
         heights = self.heights - contact_point
-        first = scene.loading.penetration
-        begin = float(self.knots[0])
+        first, begin = scene.loading.penetration, float(self.knots[0])
         if scene.loading.start == "relaxed" or heights[0] >= first:
             first = float(heights[0])
         else:
@@ -202,12 +223,66 @@ class CurveModel:
         touching = (at >= 0.0) & (at <= run.time[-1] if run.lost is not None or run.failure else True)
         inside = np.clip(at, 0.0, run.time[-1])
         corners = corners_of(self.knots, self.heights) - begin
-        force = np.where(touching, sampled(run.time, run.force, corners, inside), 0.0)
-        radius = nothing
-        if self.curve.contact_radius is not None:
-            radius = np.where(touching, sampled(run.time, run.contact_radius, corners, inside), 0.0)
+        columns = [run.force] if self.curve.contact_radius is None else [run.force, run.contact_radius]
+        force, *radius = (
+            np.where(touching, sampled(run.time, column, corners, inside), 0.0) for column in columns
+        )
         lost = None if run.lost is None else begin + run.lost + time_offset
-        return CurvePrediction(force, radius, touching, begin + time_offset, lost, run.failure)
+        return CurvePrediction(force, [*radius, nothing][0], touching, begin + time_offset, lost, run.failure)
+
+    def residuals(self, predicted: CurvePrediction) -> Array:
+        """What is left of force, radius and moments without background, over their deviations, shape (R,)."""
+        curve, seen = self.curve, self.moments
+        parts = [((predicted.force - curve.force) / self.allowed)[self.kept]]
+        if curve.contact_radius is not None and self.radius_noise is not None:
+            change = predicted.contact_radius - curve.contact_radius
+            parts.append((change / self.radius_noise)[self.kept])
+        duration = float(curve.time[min(seen.last, curve.time.size - 1)] - curve.time[seen.first])
+        for begins, jump in self.jumps:
+            at = predicted.first_contact if begins else predicted.lost
+            missed = float(curve.time[-1] if at is None else at) - jump.time
+            parts.append(np.array([missed / np.hypot(jump.deviation, self.within * duration)]))
+        return np.concatenate(parts)
+
+    def compared(self, *predicted: CurvePrediction) -> NDArray[np.bool_]:
+        """Which residuals hold for a prediction, shape (R,); of two, those that do not jump between them: a
+        row that comes into contact or loses it has a derivative on either side only."""
+        recorded, known = self.moments.contact
+        good = ~((recorded != predicted[0].touching) & known)
+        for other in predicted[1:]:
+            good &= predicted[0].touching == other.touching
+        columns = 1 if self.radius_noise is None else 2
+        return np.concatenate([*[good[self.kept]] * columns, np.ones(len(self.jumps), bool)])
+
+    def background(self, free: Sequence[str]) -> dict[str, Array]:
+        """Parts of the background, as far as each is more than the parts before it make up, shape (N,)."""
+        asked = {part for name in free for part in BACKGROUND.get(name, ())}
+        curve, ahead = self.curve, slice(0, self.moments.first)
+        parts = {
+            "baseline": np.ones(curve.time.size),
+            "drift": curve.time - curve.time[0],
+            "tilt": curve.position - curve.position[0],
+            "drag": curve.speed,
+        }
+        if "wave_cosine" in asked:  # that which the rows before contact show over level and tilt
+            line = np.array([parts["baseline"], parts["tilt"]]).T[ahead]
+            left = curve.force[ahead] - line @ least_squares(line, curve.force[ahead])
+            waves = wave_columns(curve.position, wave_length(curve.position[ahead], left))
+            parts |= dict(zip(("wave_cosine", "wave_sine"), waves, strict=False))
+        found: dict[str, Array] = {}
+        for name, column in parts.items():
+            before = np.array(list(found.values())).reshape(-1, column.size).T
+            left = column - before @ least_squares(before, column)
+            if name in asked and np.linalg.norm(left) > OWN_PART * np.linalg.norm(column):
+                found[name] = column
+        return found
+
+
+def least_squares(columns: Array, values: Array) -> Array:
+    """Multiples of the columns that come closest to the values, whatever the sizes of the columns."""
+    size = np.maximum(np.abs(columns).max(axis=0, initial=0.0), np.finfo(float).tiny)
+    found = np.linalg.lstsq(columns / size, values, rcond=None)[0]
+    return found / (size if values.ndim == 1 else size[:, None])
 
 
 def _driven(curve: MeasuredCurve, scene: Scene, seen: Moments) -> tuple[Scene, Array]:

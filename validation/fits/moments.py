@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from validation.fits.background import FEWEST, background, loss_of_contact
 from validation.fits.contact import Array, white_noise
-from validation.fits.features import Drive
 from validation.fits.record import MeasuredCurve
 
 JUMP = 8.0
@@ -23,15 +22,12 @@ OVER_NEIGHBOURS = 3.0
 has them about equal."""
 OFF = 4.0
 """The same from which a row is off the background: one in 16 000 by chance."""
-EXCLUDED = 2
-"""Rows on both sides of a jump that are not compared: between them the force tells the moment of the jump
-only, for which there is a residual of its own, and the force would make misfit a step function of it."""
-LEAST_NOISE = 1e-6
-"""Noise over the range of the force, at least: of records without noise, so that weights remain finite."""
-FEWEST_ROWS = 6
-"""Rows of an approach or a retraction in which a moment is looked for."""
-MEDIAN_EFFICIENCY = 0.37
-"""Variance of the standard deviation over that of the median magnitude, both of as many normal numbers."""
+EXCLUDED, FEWEST_ROWS = 2, 6
+"""Rows on both sides of a jump that are not compared, as the moment of the jump has a residual of its own;
+and of an approach or a retraction in which a moment is looked for."""
+LEAST_NOISE, MEDIAN_EFFICIENCY = 1e-6, 0.37
+"""Noise over the range of the force, at least, so that weights remain finite; and variance of the standard
+deviation over that of the median magnitude, both of as many normal numbers."""
 
 
 @dataclass(frozen=True)
@@ -47,12 +43,8 @@ class Jump:
 
 @dataclass(frozen=True)
 class Moments:
-    """What a record shows of itself.
-
-    ``first``, ``last``: the first row in contact, and the row after the last, the number of rows if contact
-    is not seen to end. ``background``: the force without contact, of every row. ``noise_degrees``: degrees
-    of freedom from which the noise is known, infinite if it was stated.
-    """
+    """What a record shows of itself: ``first`` row in contact, and the row after the ``last``; the force
+    without contact of every row; degrees of freedom from which the noise is known, infinite if stated."""
 
     noise: float
     noise_degrees: float
@@ -88,19 +80,26 @@ class Moments:
 
 def moments(curve: MeasuredCurve) -> Moments:
     """Read them off a curve."""
-    force, rows, drive = curve.force, curve.time.size, Drive.of(curve)
+    cycle, force, rows = curve.cycle, curve.force, curve.time.size
     least = LEAST_NOISE * float(np.ptp(force))
     noise, source = max(white_noise(force), least), "differences of neighbouring rows"
     degrees = MEDIAN_EFFICIENCY * rows
-    first = _first_free(curve, drive.approach[::-1], noise, -1) + 1
-    last = _first_free(curve, drive.retraction, noise, rows)
+    first, last = 0, rows
+    if cycle.approach.size >= FEWEST_ROWS:
+        inward = cycle.approach[::-1]
+        begin = loss_of_contact(curve.position[inward], force[inward], noise).row
+        first = 0 if begin is None else int(inward[begin]) + 1
+    if cycle.retraction.size >= FEWEST_ROWS:
+        outward = cycle.retraction
+        end = loss_of_contact(curve.position[outward], force[outward], noise).row
+        last = rows if end is None else int(outward[end])
     snap_in, pull_off = _jump(curve, first - 1, noise, 1), _jump(curve, last - 1, noise, -1)
     free = np.zeros(rows, bool)
     free[: first if snap_in else _free_rows(force[:first])] = True
     free[last if pull_off else rows - _free_rows(force[last:][::-1]) :] = True
     level = np.full(rows, float(np.median(force[free])) if free.any() else 0.0)
     if free.sum() > FEWEST:
-        base = background(curve.time, curve.position, drive.speed, force, free, drive.apex, None)
+        base = background(cycle, free)
         degrees = float(free.sum() - len(base.parts))
         noise = max(base.rough * float(np.sqrt(free.sum() / degrees)), least)
         level, source = base.force, f"baseline, {free.sum()} rows"
@@ -114,20 +113,9 @@ def moments(curve: MeasuredCurve) -> Moments:
     return Moments(noise, degrees, source, level, first, last, snap_in, pull_off)
 
 
-def _first_free(curve: MeasuredCurve, outward: NDArray[np.intp], noise: float, never: int) -> int:
-    """The first row without contact of those in which the drive moves out, or ``never``."""
-    if outward.size < FEWEST_ROWS:
-        return never
-    lost = loss_of_contact(curve.position[outward], curve.force[outward], noise).row
-    return never if lost is None else int(outward[lost])
-
-
 def _free_rows(force: Array) -> int:
-    """Rows of a baseline in which the smooth contact that begins behind it cannot hide in the noise.
-
-    From its end back to the last row on the other side of the level contact may have been; and, as its force
-    grows from nothing, as far again before that.
-    """
+    """Rows of a baseline in which the smooth contact that begins behind it cannot hide in the noise: not back
+    to the last row on the other side of the level, nor as far again before that."""
     if force.size < FEWEST_ROWS:
         return 0
     over = force - float(np.median(force[: force.size // 2]))

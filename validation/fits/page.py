@@ -17,8 +17,8 @@ import numpy as np
 from contact_scene import write_scene
 from validation.drawing import export
 from validation.fits import charts
-from validation.fits.errors import UNLIKELY, VAGUE, Combination, Estimate
-from validation.fits.result import FitResult, FittedCurve
+from validation.fits.errors import UNLIKELY, VAGUE, Estimate
+from validation.fits.result import FitResult
 from validation.report import report
 from validation.report.document import (
     ABSENT,
@@ -45,15 +45,16 @@ if TYPE_CHECKING:
 FORMAT = 1
 VISIBLE_SHIFT = 0.5
 """Shift of a parameter by the second solver, over its standard deviation, that is worth a warning."""
-CURVES = """\
-Measured and fitted force over the position of indenter or stage; below, what is left, over the noise. Grey
-rows around jumps of the force are not compared, the moments of the jumps are."""
+CAPTIONS = {
+    "curves": "Measured and fitted force over the position of indenter or stage; below, what is left, over "
+    "the noise. Grey rows around jumps of the force are not compared, the moments of the jumps are.",
+    "correlations": "Correlations of the parameters.",
+    "profiles": "Increase of the least sum of squares as one parameter is held at a value and all others are "
+    "fitted anew, over the variance of a residual; at 3.84 the 95 % interval ends.",
+}
 COMBINATIONS = """\
 Products of powers of the parameters whose errors are independent of each other, the least known first, with
 their relative standard deviation. Powers below 0.2 are left out."""
-PROFILES = """\
-Increase of the least sum of squares as one parameter is held at a value and all others are fitted anew, over
-the variance of a residual; at 3.84 the 95 % interval ends."""
 
 
 def of_fit(result: FitResult) -> dict[str, Any]:
@@ -74,7 +75,7 @@ def of_fit(result: FitResult) -> dict[str, Any]:
             "noise_degrees": good.noise_degrees,
             "probability": good.probability,
             "runs_tests": [asdict(one) for one in good.runs],
-            "misfit_over_noise": math.sqrt(good.reduced),
+            "misfit_over_noise": good.misfit,
             "rms_over_range": good.share,
             "within": good.within,
         },
@@ -88,7 +89,7 @@ def of_fit(result: FitResult) -> dict[str, Any]:
                 "misfit_over_noise": one.misfit,
                 "rms_over_range": one.share,
                 "rows_correlated": one.correlated,
-                "worst_stretch": one.curve.time[one.stretch][[0, -1]] if _missed(one) else None,
+                "worst_stretch": one.missed,
                 "time": one.curve.time,
                 "measured_force": one.curve.force,
                 "fitted_force": one.force,
@@ -119,47 +120,45 @@ def write_fit(result: FitResult, folder: Path) -> None:
     report.write(folder, document(result, drawn), {"fit.json": to_json(of_fit(result)), **curves})
 
 
-def document(result: FitResult, drawings: Mapping[str, Drawing]) -> Document:
-    """The whole page, with the figures of :func:`drawings`."""
-    said = statements(result)
-    parts: list[Part] = [Section("Parameters", (table(result),))]
-    if said:
-        parts.insert(0, Section("Before you use a number", (Bullets(tuple(said)),)))
-
-    def figures(name: str, caption: str) -> Figures:
-        wide = name == "curves"
-        return Figures((with_drawing(Figure(f"fit-{name}", caption, wide=wide), drawings[name]),))
-
-    parts.append(Section("Curves", (figures("curves", CURVES), DataTable.of(curves(result)))))
-    known = (
-        Paragraph(COMBINATIONS),
-        DataTable.of(products(result.combinations)),
-        figures("correlations", "Correlations of the parameters."),
-    )
-    parts.append(Section("What the data tell apart", known))
-    if result.profiles:
-        parts.append(Section("Profile likelihood", (figures("profiles", PROFILES),)))
-    if result.check is not None:
-        parts.append(Section(f"The same by {result.check.solver}", tuple(second_opinion(result))))
-    parts.append(Section("How it was done", (Bullets(tuple(method(result))),)))
-    return Document(f"Fit: {result.scene.title or 'a scene'}", (lead(result),), tuple(parts))
-
-
 def drawings(result: FitResult) -> dict[str, Drawing]:
     """The figures by name: ``curves``, ``correlations`` and, where there are some, ``profiles``."""
-    made = {
-        "curves": charts.draw_curves(result),
-        "correlations": charts.draw_correlations(result),
-    }
+    made = {"curves": charts.draw_curves(result), "correlations": charts.draw_correlations(result)}
     return made | ({"profiles": charts.draw_profiles(result.profiles)} if result.profiles else {})
+
+
+def document(result: FitResult, drawings: Mapping[str, Drawing]) -> Document:
+    """The whole page, with the figures of :func:`drawings`."""
+    shown = {
+        name: Figures((with_drawing(Figure(f"fit-{name}", CAPTIONS[name], wide=name == "curves"), drawn),))
+        for name, drawn in drawings.items()
+    }
+    said = statements(result)
+    products = (
+        {"product": one.text, "standard deviation": _percent(one.deviation)} for one in result.combinations
+    )
+    sections: dict[str, tuple[Part, ...]] = {
+        "Before you use a number": (Bullets(tuple(said)),) if said else (),
+        "Parameters": (table(result),),
+        "Curves": (shown["curves"], DataTable.of(_curves(result))),
+        "What the data tell apart": (
+            Paragraph(COMBINATIONS),
+            DataTable.of(products),
+            shown["correlations"],
+        ),
+        "Profile likelihood": (shown["profiles"],) if result.profiles else (),
+        f"The same by {result.check.solver}" if result.check else "": tuple(_second_opinion(result)),
+        "How it was done": (Bullets(tuple(_method(result))),),
+    }
+    parts = tuple(Section(title, own) for title, own in sections.items() if own)
+    return Document(f"Fit: {result.scene.title or 'a scene'}", (lead(result),), parts)
 
 
 def lead(result: FitResult) -> Paragraph:
     """Whether the model explains the data, in a sentence."""
     good, head = result.goodness, "The fit was interrupted: the best so far. " if not result.converged else ""
     numbers = (
-        f"Misfit {math.sqrt(good.reduced):.3g} times the noise (sum of squares {good.chi_squared:.1f} for "
-        f"{good.degrees} degrees of freedom; as large by chance: {chance(good.probability)}), "
+        f"Misfit {good.misfit:.3g} times the noise (sum of squares {good.chi_squared:.1f} for "
+        f"{good.degrees} degrees of freedom; as large by chance: {_chance(good.probability)}), "
         f"{100.0 * good.share:.2g} % of the range of the force."
     )
     if good.explained:
@@ -170,33 +169,23 @@ def lead(result: FitResult) -> Paragraph:
 
 def statements(result: FitResult) -> list[str]:
     """What a reader has to know before using a number."""
-    good, found = result.goodness, list(result.warnings)
-    if not good.explained:
-        found += _misfits(result)
-    for estimate in result.estimates:
-        if estimate.note:
-            found.append(f"{estimate.name}: {estimate.note}{_largest(estimate)}.")
+    found = [*result.warnings, *([] if result.goodness.explained else _misfits(result))]
+    found += [f"{one.name}: {one.note}{_largest(one)}." for one in result.estimates if one.note]
     found += _times(result)
     for first, second, value in result.confused:
-        text = f"{first} and {second} are hardly told apart: correlation {value:+.3f}"
         kinds = {re.sub(r".*branches.*[.]", "", one.partition("@")[0]) for one in (first, second)}
         remedy = ", at one speed only their ratio: fit a record of a second speed together with this one"
-        found.append(text + (remedy if kinds == {"adhesion.zone", "time"} else "") + ".")
+        remedy = remedy if kinds == {"adhesion.zone", "time"} else ""
+        found.append(f"{first} and {second} are hardly told apart: correlation {value:+.3f}{remedy}.")
     vague = [one for one in result.combinations if len(one.powers) > 1 and not one.deviation < VAGUE]
     found += [f"The data do not determine {one.text}; others below are known." for one in vague]
-    if result.check is not None:
-        solver = result.check.solver
-        found += [
-            f"{one.curve}: no second opinion, {solver} failed: {one.failure}"
-            for one in result.check.differences
-            if one.failure
-        ]
-        found += [
-            f"{name} would move by {shift:+.2f} of its standard deviations with {solver}."
-            for name, shift in result.check.shifts.items()
-            if abs(shift) > VISIBLE_SHIFT
-        ]
-    return found
+    if result.check is None:
+        return found
+    solver, failed = result.check.solver, [one for one in result.check.differences if one.failure]
+    found += [f"{one.curve}: no second opinion, {solver} failed: {one.failure}" for one in failed]
+    shifts = {name: at for name, at in result.check.shifts.items() if abs(at) > VISIBLE_SHIFT}
+    moved = "of its standard deviations with"
+    return found + [f"{name} would move by {at:+.2f} {moved} {solver}." for name, at in shifts.items()]
 
 
 def _misfits(result: FitResult) -> Iterator[str]:
@@ -205,11 +194,11 @@ def _misfits(result: FitResult) -> Iterator[str]:
         if runs.probability < UNLIKELY:
             yield (
                 f"{runs.curve}: the signs of the residuals change {runs.runs - 1} times, where chance gives "
-                f"{runs.expected - 1:.0f} ({chance(runs.probability)}): the model misses the shape of this "
+                f"{runs.expected - 1:.0f} ({_chance(runs.probability)}): the model misses the shape of this "
                 "curve. A branch or the adhesion may be missing, the zero of the record, or the spring."
             )
-        if _missed(one):
-            begin, end = one.curve.time[one.stretch][[0, -1]].tolist()
+        if one.missed:
+            begin, end = one.missed
             largest = float(abs(one.residuals[one.stretch]).max()) * one.noise / np.ptp(one.curve.force)
             yield (
                 f"{one.curve.name}: missed most from time {begin:.4g} to {end:.4g}, by up to "
@@ -222,42 +211,36 @@ def _misfits(result: FitResult) -> Iterator[str]:
         )
 
 
-def _missed(one: FittedCurve) -> bool:
-    """Whether a stretch of a curve is missed at all."""
-    return one.stretch.stop > one.stretch.start
-
-
 def _times(result: FitResult) -> Iterator[str]:
     """Which relaxation times the records hold, where branches are fitted."""
-    branches = [one for one in result.estimates if "branches[" in one.name]
+    branches = {one.name: one.value for one in result.estimates if "branches[" in one.name}
     if not branches:
         return
     shortest = 2.0 * min(one.curve.sampling for one in result.curves)
     longest = max(float(np.ptp(one.curve.time)) for one in result.curves)
-    outside = [
-        one.name
-        for one in branches
-        if one.name.partition("@")[0].endswith("].time") and not shortest <= one.value <= longest
-    ]
+    times = {name: value for name, value in branches.items() if name.partition("@")[0].endswith("].time")}
+    outside = [name for name, value in times.items() if not shortest <= value <= longest]
     yield (
         f"The records hold times from {shortest:.3g} to {longest:.3g}: the relaxed modulus is that after "
         f"{longest:.3g}" + (f", and {', '.join(outside)} lies outside." if outside else ".")
     )
 
 
-def _largest(estimate: Estimate) -> str:
+def _largest(one: Estimate) -> str:
     """For a modulus that may be zero: how large it may be, to first order."""
-    if not estimate.note or not estimate.name.partition("@")[0].endswith("].modulus"):
+    if not one.name.partition("@")[0].endswith("].modulus") or not math.isfinite(one.deviation):
         return ""
-    if not math.isfinite(estimate.deviation):
-        return ""
-    largest = estimate.value * (1.0 + 1.96 * estimate.deviation)
-    return f"; it may be zero, and at most {largest:.2g} (97.5 %)"
+    return f"; it may be zero, and at most {one.value * (1.0 + 1.96 * one.deviation):.2g} (97.5 %)"
 
 
-def chance(probability: float) -> str:
+def _chance(probability: float) -> str:
     """A probability in words."""
     return f"{probability:.2g}" if probability >= 1e-4 else "below 1e-4"
+
+
+def _percent(share: float) -> str:
+    """A relative deviation in words."""
+    return f"{100.0 * share:.2g} %" if math.isfinite(share) else "not determined"
 
 
 def table(result: FitResult) -> DataTable:
@@ -265,29 +248,23 @@ def table(result: FitResult) -> DataTable:
     profiles = {one.name: one for one in result.profiles}
 
     def row(one: Estimate) -> Record:
+        known = math.isfinite(one.deviation)
         record: dict[str, str | VerdictCell] = {
             "parameter": one.name,
             "value ± standard deviation": with_error(one),
-            "95 % from": _end(one, one.low),
-            "to": _end(one, one.high),
-            "first guess": formatted(one.start, ".4g"),
+            "95 % from": format(one.low, ".5g") if known else ABSENT,
+            "to": format(one.high, ".5g") if known else ABSENT,
+            "first guess": format(one.start, ".4g"),
             "note": VerdictCell(one.note, False) if one.note else ABSENT,
         }
-        if profiles:
+        for title, end in (("profile from", "low"), ("profile to", "high")) if profiles else ():
             own = profiles.get(one.name)
-            record["profile from"] = ABSENT if own is None else _open(own.low, "no lower end")
-            record["profile to"] = ABSENT if own is None else _open(own.high, "no upper end")
+            without = "no lower end" if end == "low" else "no upper end"
+            value = None if own is None else getattr(own, end)
+            record[title] = ABSENT if own is None else without if value is None else format(value, ".5g")
         return record
 
     return DataTable.of(map(row, result.estimates), unbroken=("parameter", "value ± standard deviation"))
-
-
-def _end(one: Estimate, value: float) -> str:
-    return format(value, ".5g") if math.isfinite(one.deviation) else ABSENT
-
-
-def _open(value: float | None, without: str) -> str:
-    return without if value is None else format(value, ".5g")
 
 
 def with_error(estimate: Estimate) -> str:
@@ -301,7 +278,7 @@ def with_error(estimate: Estimate) -> str:
     return f"{estimate.value:.{min(digits, 15)}g} ± {size:.2g}"
 
 
-def curves(result: FitResult) -> Iterator[Record]:
+def _curves(result: FitResult) -> Iterator[Record]:
     """A row for each curve: noise, misfit, runs test."""
     for one, runs in zip(result.curves, result.goodness.runs, strict=True):
         yield {
@@ -315,20 +292,14 @@ def curves(result: FitResult) -> Iterator[Record]:
             "rows correlated": format(one.correlated, ".0f"),
             "stretches of one sign": str(runs.runs),
             "by chance": format(runs.expected, ".0f"),
-            "as few by chance": VerdictCell(chance(runs.probability), runs.probability >= UNLIKELY),
+            "as few by chance": VerdictCell(_chance(runs.probability), runs.probability >= UNLIKELY),
         }
 
 
-def products(found: tuple[Combination, ...]) -> Iterator[Record]:
-    """A row for each product of powers."""
-    for one in found:
-        error = f"{100.0 * one.deviation:.2g} %" if math.isfinite(one.deviation) else "not determined"
-        yield {"product": one.text, "standard deviation": error}
-
-
-def second_opinion(result: FitResult) -> Iterator[Part]:
+def _second_opinion(result: FitResult) -> Iterator[Part]:
     """Differences of the fitted curves by another solver, and shifts of the parameters."""
-    assert result.check is not None
+    if result.check is None:
+        return
     yield DataTable.of(
         {
             "curve": one.curve,
@@ -347,7 +318,7 @@ def second_opinion(result: FitResult) -> Iterator[Part]:
         )
 
 
-def method(result: FitResult) -> Iterator[str]:
+def _method(result: FitResult) -> Iterator[str]:
     """Solver, starts, runs, regularisation, ties."""
     settings = result.settings
     fine = "its own steps" if settings.resolution is None else f"{settings.resolution} divisions"
@@ -363,5 +334,4 @@ def method(result: FitResult) -> Iterator[str]:
             f"Prony weights on the fixed times {times}; the squared second differences of their logarithms, "
             f"times {settings.regularisation:g}, were added to the sum of squares"
         )
-    for one in settings.tie:
-        yield f"tied: {one}"
+    yield from (f"tied: {one}" for one in settings.tie)

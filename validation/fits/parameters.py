@@ -1,104 +1,92 @@
 """What is asked of a fit, and what it varies: numbers of the scene by dotted path, and of the instrument.
 
-A search by lmfit sees plain numbers of order one within bounds: the logarithm of a positive number, any other
-over its scale. Each sets the number it stands for, and at a ratio those that are tied to it. What the force
-is linear in, the background, is no parameter of the search: it follows from every point.
+A search sees plain numbers of order one within bounds: the logarithm of a positive number, any other over its
+scale. Each sets the number it stands for, and at a ratio those that are tied to it. What the force is linear
+in, the background, is no parameter of the search: it follows from every point.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib import import_module
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
 from contact_scene import Branch, Machine, Scene, SceneError
+from contact_scene.checked import Checked, NotNegative, Positive
 from contact_scene.errors import shown
-from contact_scene.run_control import whole_number
 from contact_scene.scene import value_at
-from contact_scene.value_checks import finite, not_negative, positive
-from validation.fits.model import CurveModel
-from validation.fits.record import Array, MeasuredCurve
+from contact_scene.value_checks import Range, finite, whole_from
+from validation.fits.contact import Array
+from validation.fits.model import BACKGROUND, CurveModel
+from validation.fits.record import MeasuredCurve
 from validation.runs.provenance import hashed
 from validation.solvers import REFERENCE
 
 CONTACT_POINT, TIME_OFFSET = "contact_point", "time_offset"
-BACKGROUND = {
-    "baseline": ("baseline",),
-    "drift": ("drift",),
-    "background": ("baseline", "tilt", "drag", "wave_cosine", "wave_sine"),
-}
-"""Parts of the background that each name of ``free`` stands for."""
 INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)
 SPRING = ("machine.stiffness", "loading.machine.stiffness")
 """Paths of the spring between stage and indenter."""
-RANGE = 1e3
-"""Factor about the scene's value within which a positive parameter is searched, if no bounds are given."""
+RANGE, TIME_SHARE = 1e3, 0.1
+"""Factor about the scene's value within which a positive parameter is searched, if no bounds are given; and
+time offset over the duration of a record, at most."""
 LIMITED = {"material.poisson": (0.0, 0.5)}
 """Numbers that may not leave an interval, by path."""
-TIME_SHARE = 0.1
-"""Time offset over the duration of a record, at most."""
 REGULARISATION = 0.1
 """Weight of the squared second differences of the logarithms of Prony weights, beside squares of residuals:
 neighbours on the grid may bend by a factor of exp(3) at the cost of one standard deviation."""
 
+SHARE = Range("a share of the range between 0 and 1", 0.0, 1.0, open=True)
+
 
 @dataclass(frozen=True)
-class FitSettings:
-    """What to fit and how: see :func:`crosscontact.fit`."""
+class FitSettings(Checked):
+    """What to fit and how: see :func:`crosscontact.fit`; one name needs no sequence around it."""
 
     vary: tuple[str, ...] = ()
     tie: tuple[str, ...] = ()
     per_curve: tuple[str, ...] = ()
     free: tuple[str, ...] = ()
-    prony: tuple[float, ...] = ()
-    regularisation: float = REGULARISATION
-    starts: int = 3
-    seed: int = 0
+    prony: tuple[Positive, ...] = ()
+    regularisation: NotNegative | None = REGULARISATION
+    starts: Annotated[int, whole_from(1)] = 3
+    seed: Annotated[int, whole_from(0)] = 0
     profile: tuple[str, ...] = ()
     solver: str = REFERENCE
-    resolution: int | None = None
+    resolution: Annotated[int, whole_from(1)] | None = None
     check_solver: str | None = "bem"
-    max_steps: int | None = None
-    within: float | None = None
+    max_steps: Annotated[int, whole_from(1)] | None = None
+    within: Annotated[float, SHARE] | None = None
 
     def __post_init__(self) -> None:
         for name in ("vary", "tie", "per_curve", "free", "profile"):
-            given = getattr(self, name)
-            if isinstance(given, str) or not all(isinstance(one, str) for one in given):
-                raise SceneError(name, f"got {shown(given)}", "several names")
-            object.__setattr__(self, name, tuple(given))
+            if isinstance(getattr(self, name), str):
+                object.__setattr__(self, name, (getattr(self, name),))
+        super().__post_init__()
+
+    def rules(self) -> None:
         for name in self.free:
             if name not in INSTRUMENT:
                 raise SceneError("free", f"got {shown(name)}", ", ".join(INSTRUMENT))
-        times = tuple(positive(value, "prony") for value in self.prony)
-        object.__setattr__(self, "prony", times)
-        if list(times) != sorted(set(times)):
-            raise SceneError("prony", f"got {shown(times)}", "rising relaxation times")
-        not_negative(self.regularisation, "regularisation")
-        whole_number(self.starts, "starts", 1)
-        whole_number(self.seed, "seed", 0)
-        if self.max_steps is not None:
-            object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
-        if self.within is not None and not 0.0 < positive(self.within, "within") < 1.0:
-            raise SceneError("within", f"got {shown(self.within)}", "a share of the range between 0 and 1")
+        if list(self.prony) != sorted(set(self.prony)):
+            raise SceneError("prony", f"got {shown(self.prony)}", "rising relaxation times")
+        if self.regularisation is None:
+            object.__setattr__(self, "regularisation", REGULARISATION)
 
     @property
     def grid(self) -> tuple[str, ...]:
         """Paths of the moduli on the fixed relaxation times."""
         return tuple(f"material.branches[{index}].modulus" for index in range(len(self.prony)))
 
-    @property
-    def bending(self) -> Callable[[Mapping[str, float]], Array] | None:
-        """Second differences of the logarithms of the Prony weights, weighted; ``None`` if they are free."""
-        if len(self.grid) < 3 or not self.regularisation:
-            return None
-        weight = math.sqrt(self.regularisation)
-        return lambda values: weight * np.diff(np.log([values[name] for name in self.grid]), 2)
+    def bending(self, values: Mapping[str, float]) -> Array:
+        """Second differences of the logarithms of the Prony weights, weighted; empty if they are free."""
+        weight = self.regularisation or 0.0
+        logarithms = np.log([values[name] for name in self.grid if weight])
+        return math.sqrt(weight) * np.diff(logarithms, 2)
 
 
 def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
@@ -122,20 +110,6 @@ def first_guess(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSett
     relaxing = scene.material.glassy_modulus - scene.material.modulus or scene.material.modulus
     branches = tuple(Branch(relaxing / len(settings.prony), time) for time in settings.prony)
     return replace(scene, material=replace(scene.material, branches=branches))
-
-
-def lmfit() -> Any:
-    """The package (extra ``fit``), imported when it is needed.
-
-    Raises
-    ------
-    SceneError
-        If it is not installed.
-    """
-    try:
-        return import_module("lmfit")
-    except ImportError:
-        raise SceneError("", "lmfit is not installed", "pip install 'crosscontact[fit]'") from None
 
 
 @dataclass(frozen=True)
@@ -173,16 +147,20 @@ class Unknowns:
     found: Sequence[Unknown]
 
     def __post_init__(self) -> None:
-        known: dict[str, list[int | None]] = {}
+        known: dict[str, list[int | None]] = defaultdict(list)
         for one in self.found:
             for path in one.sets:
-                others = known.setdefault(path, [])
-                if one.curve in others or None in others or (others and one.curve is None):
+                if one.curve in known[path] or None in known[path] or (known[path] and one.curve is None):
                     raise SceneError(path, "is varied twice", "each number once")
-                others.append(one.curve)
+                known[path].append(one.curve)
 
     def __len__(self) -> int:
         return len(self.found)
+
+    @property
+    def names(self) -> list[str]:
+        """Of all, in their order."""
+        return [one.name for one in self.found]
 
     def sets(self, *paths: str) -> bool:
         """Whether one of some paths is varied or tied, or a number of each curve's instrument free."""
@@ -199,13 +177,6 @@ class Unknowns:
         low = np.array([one.plain(one.low) for one in self.found])
         return low, np.array([one.plain(one.high) for one in self.found])
 
-    def box(self, x: Array, held: int | None = None) -> Any:
-        """The numbers of a point, ``x0``, ``x1``, ..., as parameters of lmfit, all free but one."""
-        box = lmfit().Parameters()
-        for place, (value, low, high) in enumerate(zip(x, *self.bounds, strict=True)):
-            box.add(f"x{place}", value, vary=place != held, min=low, max=high)
-        return box
-
     def values(self, x: Array, curve: int | None = None) -> dict[str, float]:
         """What a point sets by path: for a curve, or only what all curves share."""
         return {
@@ -217,25 +188,10 @@ class Unknowns:
 
 
 def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) -> Unknowns:
-    """All parameters of a fit with their first guesses: shared ones, then those of each curve.
-
-    Raises
-    ------
-    SceneError
-        If a path names no number of the scene, or is tied to one that is not varied.
-    """
+    """All parameters of a fit with their first guesses: shared ones, then those of each curve."""
     shared = (*settings.vary, *settings.grid)
     varied = [entry.partition("=")[0] for entry in (*shared, *settings.per_curve)]
-    tied: dict[str, list[str]] = {}
-    for entry in settings.tie:
-        path, _, other = entry.partition("=")
-        if not path or not other:
-            raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
-        if path == other:
-            raise SceneError("tie", f"{shown(path)} is tied to itself", "two numbers of the scene")
-        if other not in varied:
-            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
-        tied.setdefault(other, []).append(path)
+    tied = _ties(settings.tie, varied)
     for path in (*varied, *(one for ties in tied.values() for one in ties)):
         _check_part(path, models)
     found = [_of_scene(scene, entry, tied) for entry in shared]
@@ -247,6 +203,21 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
     if not found:
         raise SceneError("vary", "is empty", "at least one number of the scene")
     return Unknowns(found)
+
+
+def _ties(entries: Sequence[str], varied: Sequence[str]) -> dict[str, list[str]]:
+    """The paths that are tied to each one that is varied."""
+    tied: dict[str, list[str]] = defaultdict(list)
+    for entry in entries:
+        path, _, other = entry.partition("=")
+        if not path or not other:
+            raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
+        if path == other:
+            raise SceneError("tie", f"{shown(path)} is tied to itself", "two numbers of the scene")
+        if other not in varied:
+            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
+        tied[other].append(path)
+    return tied
 
 
 def _check_part(path: str, models: Sequence[CurveModel]) -> None:
@@ -275,17 +246,16 @@ def _of_scene(
     widest = (start / RANGE, start * RANGE) if logarithmic else (start - reach, start + reach)
     low = max(widest[0] if low is None else low, least)
     high = min(widest[1] if high is None else high, most)
-    ratios = {path: 1.0}
-    for other in tied.get(path, ()):
-        if start == 0.0:
-            raise SceneError(path, "is zero, and others are tied to it", "a value that ratios refer to")
-        ratios[other] = value_at(scene, other) / start
+    if start == 0.0 and path in tied:
+        raise SceneError(path, "is zero, and others are tied to it", "a value that ratios refer to")
+    ratios = {path: 1.0} | {other: value_at(scene, other) / start for other in tied.get(path, ())}
     place, name = curve
     name = path if place is None else f"{path}@{name}"
     return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place, ratios)
 
 
 def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
+    """Bounds and form that an entry states, if any."""
     if not text:
         return None, None, ""
     match = re.fullmatch(r"([^:]+):([^:]+)(?::(log|linear))?", text)
@@ -301,12 +271,10 @@ def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
 def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
     """Contact point or time offset of a curve, with its first guess from the record."""
     curve, seen = model.curve, model.moments
-    name, sets = f"{kind}@{curve.name}", {kind: 1.0}
-    if kind == TIME_OFFSET:
-        duration = float(np.ptp(curve.time))
-        return Unknown(name, 0.0, -TIME_SHARE * duration, TIME_SHARE * duration, False, duration, index, sets)
-    reach, touch = float(np.ptp(curve.position)), 0.0
-    if 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
+    start, scale = 0.0, float(np.ptp(curve.time if kind == TIME_OFFSET else curve.position))
+    reach = TIME_SHARE * scale if kind == TIME_OFFSET else scale
+    if kind == CONTACT_POINT and 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
         first_touch = float(curve.position[seen.first - 1 : seen.first + 1].mean())
-        touch = first_touch - model.scene.loading.penetration
-    return Unknown(name, touch, touch - reach, touch + reach, False, reach, index, sets)
+        start = first_touch - model.scene.loading.penetration
+    name = f"{kind}@{curve.name}"
+    return Unknown(name, start, start - reach, start + reach, False, scale, index, {kind: 1.0})

@@ -13,8 +13,7 @@ import numpy as np
 from scipy.linalg import solveh_banded
 
 from contact_scene.errors import SceneError
-from validation.fits.contact import white_noise
-from validation.fits.record import Array
+from validation.fits.contact import Array, white_noise
 
 NOISE_WITHIN = 4.0
 """Deviations of the noise by which a row may miss its line: one in 16 000 by chance."""
@@ -50,29 +49,20 @@ def count_lines(time: Array, values: Array, share: float) -> int:
 
 
 def _kept_rows(time: Array, position: Array, within: float) -> np.ndarray:
-    keep = np.zeros(time.size, bool)
-    keep[[0, -1]] = True
-    stack = [(0, time.size - 1)]
+    keep, stack = {0, time.size - 1}, [(0, time.size - 1)]
     while stack:
         begin, end = stack.pop()
-        if end - begin < 2:
-            continue
-        inner = slice(begin + 1, end)
-        share = (time[inner] - time[begin]) / (time[end] - time[begin])
-        miss = np.abs(position[inner] - position[begin] - share * (position[end] - position[begin]))
-        worst = int(np.argmax(miss))
-        if miss[worst] > within:
-            split = begin + 1 + worst
-            keep[split] = True
-            stack += [(begin, split), (split, end)]
-    return np.flatnonzero(keep)
+        line = np.interp(time[begin:end], time[[begin, end]], position[[begin, end]])
+        miss = np.abs(position[begin:end] - line)
+        worst = begin + int(np.argmax(miss))
+        if miss[worst - begin] > within:
+            keep.add(worst)
+            stack += [(begin, worst), (worst, end)]
+    return np.array(sorted(keep))
 
 
 def _moved_corners(time: Array, position: Array, rows: np.ndarray) -> Array:
-    """Times of the corners: where two straight stretches meet, if that is among the rows between them.
-
-    A corner between two rows is kept as both of them, with a short stretch in between that is none.
-    """
+    """Times of the corners: where two straight stretches meet, if that is among the rows between them."""
     stretches: list[tuple[int, int, float, float]] = []
     for begin, end in pairwise(rows.tolist()):
         inner = slice(begin + 1, end)

@@ -4,93 +4,41 @@ from __future__ import annotations
 
 import re
 import zipfile
-from collections.abc import Mapping
 from pathlib import Path
 from shutil import copyfile
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from contact_scene.errors import SceneError, shown
-from contact_scene.value_checks import Whole, a_string, finite, positive
-from validation.fits.curve_tables import KINDS, LARGEST_FILE, read_table_curve
+from contact_scene.value_checks import Whole, a_string
+from validation.fits.given import Given
 from validation.fits.instruments import KNOWN, UnknownFormat, is_nanoscope, read_instrument
-from validation.fits.reading import Given
-from validation.fits.record import KINDS as MOTIONS
-from validation.fits.record import MeasuredCurve
+from validation.fits.record import KINDS, MeasuredCurve
+from validation.fits.tables import LARGEST_FILE, read_table_curve
 
 WORKSHOP = b"Force-Distance Curve"
 """Begins a .csv of AFM Workshop."""
-_COLUMNS = "HOLDS=COLUMN[:FACTOR], ...: COLUMN by name or by number from 1, HOLDS one of " + ", ".join(KINDS)
-_SEGMENT = f"{', '.join(MOTIONS)}, or I:J, segments I to J - 1, counted from 0"
-
-
-def given_of(
-    spring_constant: Any = None,
-    sensitivity: Any = None,
-    sampling_rate: Any = None,
-    speed: Any = None,
-    columns: Any = None,
-) -> Given:
-    """What a user states about a file, checked."""
-    stated = {
-        "spring_constant": spring_constant,
-        "sensitivity": sensitivity,
-        "sampling_rate": sampling_rate,
-        "speed": speed,
-    }
-    numbers = {key: None if value is None else positive(value, key) for key, value in stated.items()}
-    return Given(**numbers, columns=_columns(columns))
-
-
-def _columns(asked: Any) -> dict[str, tuple[str | int, float]]:
-    """``"time=3,stage=1:1e-6"``, or the same as a mapping, whose values are columns or (column, factor)."""
-    if isinstance(asked, str):
-        parts = (part.partition("=") for part in asked.split(","))
-        asked = {key.strip(): tuple(value.strip().rsplit(":", 1)) for key, _, value in parts}
-    if asked is not None and not isinstance(asked, Mapping):
-        raise SceneError("columns", f"got {shown(asked)}", _COLUMNS)
-    found: dict[str, tuple[str | int, float]] = {}
-    for key, value in (asked or {}).items():
-        column, factor = (value, 1.0) if not isinstance(value, tuple) else (*value, 1.0)[:2]
-        if key not in KINDS or not isinstance(column, (int, str)) or isinstance(column, bool) or column == "":
-            raise SceneError("columns", f"got {shown(key)}: {shown(value)}", _COLUMNS)
-        number = int(column) if isinstance(column, str) and column.isdigit() else column
-        try:
-            found[key] = number, finite(float(factor), "columns")
-        except (TypeError, ValueError):
-            raise SceneError("columns", f"got the factor {shown(factor)}", "a number") from None
-    return found
 
 
 def read_file(path: Path, given: Given | None = None, si: bool = False) -> list[MeasuredCurve]:
-    """All curves of a file; ``si``: units that a table states are converted.
-
-    Raises
-    ------
-    SceneError
-        One line: file, line or column, what is wrong, or which option states what the file does not.
-    ImportError
-        If the package that reads such files is not installed.
-    """
+    """All curves of a file; ``si``: units that a table states are converted."""
     given = given or Given()
     _require_content(path)
     ending = path.suffix.lower()
-    if given.columns:
-        return [read_table_curve(path, given, si)]
-    if ending == ".zip":
+    if ending == ".zip" and not given.columns:
         return _read_archive(path, given)
-    if ending in KNOWN or is_nanoscope(path):
-        curves = _read_named(path, given)
-    else:
+    if given.columns or not (ending in KNOWN or is_nanoscope(path)):
         try:
             return [read_table_curve(path, given, si)]
         except SceneError as error:
-            if ending != ".txt" and not path.read_bytes()[:99].startswith(WORKSHOP):
+            if given.columns or (ending != ".txt" and not path.read_bytes()[:99].startswith(WORKSHOP)):
                 raise
             try:
                 curves = read_instrument(path, given)
             except UnknownFormat:
                 raise error from None
+    else:
+        curves = _read_named(path, given)
     if not curves:
         raise SceneError("", "holds no curve", "a file of force-distance curves", str(path))
     return curves
@@ -99,8 +47,8 @@ def read_file(path: Path, given: Given | None = None, si: bool = False) -> list[
 def choose(curves: list[MeasuredCurve], enum: Any, segment: Any, file: Path) -> list[MeasuredCurve]:
     """The curve of a number, or all; of each the rows of a segment, or all."""
     if enum is not None:
-        number = Whole(f"a number from 0 to {len(curves) - 1}", 0, len(curves) - 1)(enum, "enum")
-        curves = [curves[number]]
+        last = len(curves) - 1
+        curves = [curves[Whole(f"a number from 0 to {last}", 0, last)(enum, "enum")]]
     return curves if segment is None else [_segment_of(curve, segment, file) for curve in curves]
 
 
@@ -111,12 +59,12 @@ def _segment_of(curve: MeasuredCurve, segment: Any, file: Path) -> MeasuredCurve
     if numbers:
         begin, end = (int(n) if n else None for n in numbers.groups())
         chosen = curve.segments[begin:end]
-    elif segment in MOTIONS:
-        chosen = sorted(
-            (one for one in curve.segments if one.kind == segment), key=lambda one: one.first - one.last
-        )[:1]
+    elif segment in KINDS:
+        of_kind = [one for one in curve.segments if one.kind == segment]
+        chosen = sorted(of_kind, key=lambda one: one.first - one.last)[:1]
     else:
-        raise SceneError("segment", f"got {shown(segment)}", _SEGMENT)
+        allowed = f"{', '.join(KINDS)}, or I:J, segments I to J - 1, counted from 0"
+        raise SceneError("segment", f"got {shown(segment)}", allowed)
     if not chosen:
         held = ", ".join(f"{n} {one.kind}" for n, one in enumerate(curve.segments))
         raise SceneError("segment", f"{curve.name} has no {segment}", f"of {held}", str(file))

@@ -11,29 +11,36 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from contact_scene.checked import Checked, Positive
 from contact_scene.errors import SceneError, shown
-from contact_scene.value_checks import LARGEST, SMALLEST, a_string, as_tuple, column, finite, number, positive
+from contact_scene.value_checks import SMALLEST, Column, Kind, finite, number, positive
+from validation.fits.background import Cycle
 from validation.fits.contact import Array
 from validation.fits.features import Features, features
 
 FEWEST_ROWS = 20
 """Rows of a curve, at least: fewer hardly outnumber the parameters of a fit and those of its baseline."""
 COLUMNS = ("time", "penetration", "stage", "force", "contact_radius")
+NUMBERS = ("stiffness", "indenter_radius", "noise")
+"""What holds for a whole curve, if it is stated."""
 KINDS = ("approach", "pause", "retract")
 """What the drive does in a segment."""
 FEWEST_OF_SPEED = 6
 """Rows of a segment from which it has a speed."""
 AT_REST = 0.02
-"""Share of the travel of the record below which the net motion of a segment is none: what creep and noise of
-a closed-loop stage leave of a pause."""
+"""Share of the travel below which a segment is a pause: what creep and noise of a closed-loop stage leave."""
 PLATEAU = 0.005, 0.1
 """A record whose segments nobody tells has a pause at its apex if more than a tenth of its rows lie within
 half a percent of the travel: those of a triangle are one percent, of a sine four and a half."""
+SEGMENTS = Kind(
+    f"(kind, first row, row after the last), one behind the other; kind: {', '.join(KINDS)}", (tuple, list)
+)
+Numbers = Annotated[Array, Column("finite numbers, one a row", finite)]
 
 
 class CurveSegment(NamedTuple):
@@ -50,7 +57,7 @@ class CurveSegment(NamedTuple):
 
 
 @dataclass(frozen=True)
-class MeasuredCurve:
+class MeasuredCurve(Checked):
     """One record of an instrument.
 
     Parameters
@@ -78,93 +85,66 @@ class MeasuredCurve:
         One line, if the columns are no record of a curve.
     """
 
-    time: Array
-    force: Array
-    penetration: Array | None = None
-    stage: Array | None = None
-    contact_radius: Array | None = None
-    stiffness: float | None = None
-    indenter_radius: float | None = None
-    noise: float | None = None
+    time: Numbers
+    force: Numbers
+    penetration: Numbers | None = None
+    stage: Numbers | None = None
+    contact_radius: Numbers | None = None
+    stiffness: Positive | None = None
+    indenter_radius: Positive | None = None
+    noise: Positive | None = None
     name: str = "curve"
-    segments: Sequence[CurveSegment] = ()
+    segments: Annotated[Sequence[CurveSegment], SEGMENTS] = ()
 
     def __post_init__(self) -> None:
-        a_string(self.name, "name")
-        for name in COLUMNS:
-            given = getattr(self, name)
-            if given is not None or name in ("time", "force"):
-                object.__setattr__(self, name, self._checked(given, name))
+        try:
+            super().__post_init__()
+        except SceneError as error:
+            raise error.in_file(str(self.name)) from None
+
+    def rules(self) -> None:
         if self.time.size < FEWEST_ROWS:
-            raise self._error("", f"{self.time.size} rows", f"at least {FEWEST_ROWS}")
+            raise SceneError("", f"{self.time.size} rows", f"at least {FEWEST_ROWS}")
+        for name, values in self.columns().items():
+            if values.shape != self.time.shape:
+                raise SceneError(name, f"has shape {values.shape}", "one number for each time")
+            if 0.0 < np.ptp(values) < SMALLEST:
+                raise SceneError(name, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")
         stuck = np.flatnonzero(np.diff(self.time) <= 0.0)
         if stuck.size:
-            row = int(stuck[0])
-            problem = f"does not advance from row {row + 1} to {row + 2}"
-            raise self._error("time", problem, "strictly rising times; are two columns swapped?")
+            problem = f"does not advance from row {stuck[0] + 1} to {stuck[0] + 2}"
+            raise SceneError("time", problem, "strictly rising times; are two columns swapped?")
         if (self.penetration is None) == (self.stage is None):
-            raise self._error("", "needs penetration or stage, and not both", "one of the two columns")
+            raise SceneError("", "needs penetration or stage, and not both", "one of the two columns")
         if self.stage is not None and self.stiffness is None:
             allowed = "the spring constant between stage and indenter"
-            raise self._error("stiffness", "is missing beside stage", allowed)
-        for key in ("stiffness", "indenter_radius", "noise"):
-            if getattr(self, key) is not None:
-                try:
-                    object.__setattr__(self, key, positive(getattr(self, key), key))
-                except SceneError as error:
-                    raise error.in_file(self.name) from None
-        object.__setattr__(self, "segments", self._checked_segments())
-
-    def _checked_segments(self) -> tuple[CurveSegment, ...]:
-        allowed = f"(kind, first row, row after the last), one behind the other; kind: {', '.join(KINDS)}"
+            raise SceneError("stiffness", "is missing beside stage", allowed)
         try:
-            given = as_tuple(self.segments, "segments", allowed)
-            segments = tuple(CurveSegment(str(k), int(a), int(b)) for k, a, b in given)
-        except SceneError as error:
-            raise error.in_file(self.name) from None
+            segments = [CurveSegment(str(kind), int(first), int(last)) for kind, first, last in self.segments]
         except (TypeError, ValueError):
-            raise self._error("segments", f"got {shown(self.segments)}", allowed) from None
-        for one, end in zip(segments, (0, *(one.last for one in segments)), strict=False):
+            raise SEGMENTS.refused("segments", f"got {shown(self.segments)}") from None
+        end = 0
+        for one in segments:
             if one.kind not in KINDS or not end <= one.first < one.last <= self.time.size:
-                raise self._error("segments", f"got {shown(tuple(one))}", allowed)
-        return segments or apex_segments(self.position)
+                raise SEGMENTS.refused("segments", f"got {shown(tuple(one))}")
+            end = one.last
+        object.__setattr__(self, "segments", tuple(segments) or apex_segments(self.position))
 
-    def _checked(self, given: ArrayLike, name: str) -> Array:
-        try:
-            values = column(given, name)
-        except SceneError as error:
-            raise error.in_file(self.name) from None
-        if name != "time" and values.shape != self.time.shape:
-            raise self._error(name, f"has shape {values.shape}", "one number for each time")
-        broken = np.flatnonzero(~(np.abs(values) <= LARGEST))
-        if broken.size:
-            row = int(broken[0])
-            raise self._error(
-                name,
-                f"{values[row]} in row {row + 1}",
-                "finite numbers" if not np.isfinite(values[row]) else finite.words,
-            )
-        if values.size and 0.0 < np.ptp(values) < SMALLEST:
-            raise self._error(name, f"changes by {np.ptp(values):.3g} in all", f"at least {SMALLEST:g}")
-        return values
-
-    def _error(self, key: str, problem: str, allowed: str) -> SceneError:
-        return SceneError(key, problem, allowed, self.name)
+    @property
+    def driven(self) -> str:
+        """Name of the column that the instrument prescribed."""
+        return "penetration" if self.stage is None else "stage"
 
     @property
     def position(self) -> Array:
         """What the instrument prescribed, shape (N,): the position of the stage, or else of the indenter."""
-        driven = self.penetration if self.stage is None else self.stage
-        assert driven is not None
-        return driven
+        return np.asarray(getattr(self, self.driven))
 
     @property
     def motion(self) -> Array:
         """Measured position of the indenter, shape (N,): the stage less the extension of the spring."""
-        if self.penetration is not None:
-            return self.penetration
-        assert self.stage is not None
-        assert self.stiffness is not None
+        if self.stage is None or self.stiffness is None:
+            return self.position
         return self.stage - self.force / self.stiffness
 
     @property
@@ -181,6 +161,15 @@ class MeasuredCurve:
                 speed[one.rows] = np.polyfit(self.time[one.rows], self.position[one.rows], 1)[0]
         return speed
 
+    @property
+    def cycle(self) -> Cycle:
+        """The columns, with the rows of the approach to the apex and of the retraction from it."""
+        position, spring = self.position, np.inf if self.stiffness is None else self.stiffness
+        place, apex = np.arange(position.size), int(np.argmax(position))
+        approach = place[self.rows("approach") & (place <= apex)]
+        retraction = place[self.rows("retract") & (place >= apex - 1)]
+        return Cycle(self.time, position, self.force, spring, self.speed, apex, approach, retraction)
+
     def rows(self, *kinds: str) -> NDArray[np.bool_]:
         """Which rows belong to segments of some kinds, shape (N,)."""
         chosen = np.zeros(self.time.size, bool)
@@ -191,8 +180,8 @@ class MeasuredCurve:
     def between(self, first: int, last: int) -> Self:
         """The rows from ``first`` to ``last - 1`` as a curve of their own."""
         cut = [CurveSegment(k, max(a, first) - first, min(b, last) - first) for k, a, b in self.segments]
-        columns = {name: values[first:last] for name, values in self._columns().items()}
-        return replace(self, **columns, segments=tuple(one for one in cut if one.first < one.last))
+        columns: dict[str, Any] = {name: values[first:last] for name, values in self.columns().items()}
+        return replace(self, **columns, segments=[one for one in cut if one.first < one.last])
 
     def features(self, radius: float | None = None, poisson: float = 0.5) -> Features:
         """What the curve shows without any solver, in SI units: contact, pull-off, background, warnings.
@@ -209,29 +198,27 @@ class MeasuredCurve:
         Features
         """
         radius = self.indenter_radius if radius is None else positive(radius, "radius")
-        return features(self, radius, number(poisson, "poisson", "from -1 to 0.5", low=-1.0, high=0.5))
+        poisson = number(poisson, "poisson", "from -1 to 0.5", low=-1.0, high=0.5)
+        return features(self.cycle, radius, poisson)
 
     def means(self, most: int) -> tuple[Self, int]:
-        """The curve with at most ``most`` rows, and how many of its rows each one is the mean of.
-
-        The noise of the rows is taken to be independent: a stated one falls with the root of their number.
-        Rows at the end that fill no mean are left out.
-        """
+        """The curve with at most ``most`` rows, and of how many each is the mean; white noise falls with the
+        root of their number, and rows at the end that fill no mean are left out."""
         together = -(-self.time.size // most)
         if together == 1:
             return self, 1
-        whole = self.time.size // together * together
-        means: dict[str, Any] = {
-            name: values[:whole].reshape(-1, together).mean(axis=1)
-            for name, values in self._columns().items()
+        rows = self.time.size // together
+        columns: dict[str, Any] = {
+            name: values[: rows * together].reshape(rows, together).mean(axis=1)
+            for name, values in self.columns().items()
         }
-        means["noise"] = None if self.noise is None else self.noise / float(np.sqrt(together))
-        ends = [(k, a // together, min(b, whole) // together) for k, a, b in self.segments]
-        return replace(
-            self, **means, segments=tuple(CurveSegment(*one) for one in ends if one[1] < one[2])
-        ), together
+        noise = None if self.noise is None else self.noise / float(np.sqrt(together))
+        cut = [CurveSegment(k, a // together, min(b // together, rows)) for k, a, b in self.segments]
+        segments = [one for one in cut if one.first < one.last]
+        return replace(self, **columns, noise=noise, segments=segments), together
 
-    def _columns(self) -> dict[str, Any]:
+    def columns(self) -> dict[str, Array]:
+        """The columns that were recorded, by name."""
         return {name: getattr(self, name) for name in COLUMNS if getattr(self, name) is not None}
 
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import special
 
 from contact_scene import Scene
 from contact_scene.scene import with_values
+from validation.fits.contact import Array
 from validation.fits.errors import (
     UNLIKELY,
     Combination,
@@ -27,7 +27,7 @@ from validation.fits.errors import (
 )
 from validation.fits.parameters import CONTACT_POINT, FitSettings, Unknown
 from validation.fits.problem import FitProblem, Point
-from validation.fits.record import Array, MeasuredCurve
+from validation.fits.record import MeasuredCurve
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,12 @@ class FittedCurve:
     def share(self) -> float:
         """The same over the range of the force."""
         return self.misfit * self.noise / float(np.ptp(self.curve.force))
+
+    @property
+    def missed(self) -> tuple[float, float] | None:
+        """First and last time of the stretch, if any is missed."""
+        begin, end = self.stretch.start, self.stretch.stop - 1
+        return (float(self.curve.time[begin]), float(self.curve.time[end])) if end >= begin else None
 
 
 @dataclass(frozen=True)
@@ -107,11 +113,11 @@ class FitResult:
     confused: list[tuple[str, str, float]]
     goodness: Goodness
     warnings: tuple[str, ...]
-    ended: str
-    converged: bool
-    starts: tuple[float, ...]
     tolerance: float | None
-    runs: int
+    ended: str = "interrupted"
+    converged: bool = False
+    starts: tuple[float, ...] = ()
+    runs: int = 0
     profiles: tuple[LikelihoodProfile, ...] = ()
     check: SecondSolver | None = None
     error_share: float | None = None
@@ -129,34 +135,26 @@ class InterruptedFit(KeyboardInterrupt):
 
 def goodness(problem: FitProblem, point: Point) -> Goodness:
     """Whether a point explains the data."""
-    of_force = [point.residuals[rows][point.compared[rows]] for rows in problem.force_rows]
     over_noise = point.residuals.copy()
-    runs, shares = [], []
-    for model, rows, own in zip(problem.models, problem.force_rows, of_force, strict=True):
+    runs, shares, known = [], [], 0.0
+    for model, rows in zip(problem.models, problem.force_rows, strict=True):
+        own = point.residuals[rows][point.compared[rows]]
         over_noise[rows] *= model.allowed / model.moments.noise
         runs.append(runs_test(model.curve.name, own))
-        shares.append(np.sqrt(np.mean(own**2)) * model.allowed / np.ptp(model.curve.force))
-    noise_degrees = float(sum(model.moments.noise_degrees for model in problem.models))
+        shares.append(float(np.sqrt(np.mean(own**2)) * model.allowed / np.ptp(model.curve.force)))
+        known += model.moments.noise_degrees
     free = len(problem.unknowns) + point.background.size
     degrees = max(int(point.compared.sum()) - free, 1)
     total, within = float(over_noise @ over_noise), problem.settings.within
     own_variance = float(point.residuals @ point.residuals) / degrees
-    if np.isfinite(noise_degrees):
-        chance = float(stats.f.sf(total / degrees, degrees, noise_degrees))
-        pooled = (total + noise_degrees) / (degrees + noise_degrees)
+    if np.isfinite(known):
+        chance = float(special.fdtrc(degrees, known, total / degrees))
+        pooled = (total + known) / (degrees + known)
     else:
-        chance, pooled = float(stats.chi2.sf(total, degrees)), 1.0
+        chance, pooled = float(special.chdtrc(degrees, total)), 1.0
     variance = max(own_variance, 1.0) if chance < UNLIKELY else pooled
-    return Goodness(
-        total,
-        degrees,
-        noise_degrees,
-        chance,
-        tuple(runs),
-        float(max(shares)),
-        within,
-        own_variance if within else variance,
-    )
+    variance = own_variance if within else variance
+    return Goodness(total, degrees, float(known), chance, tuple(runs), max(shares), within, variance)
 
 
 def independent(problem: FitProblem, point: Point, rows_of: Array) -> Array:
@@ -167,15 +165,7 @@ def independent(problem: FitProblem, point: Point, rows_of: Array) -> Array:
     return found
 
 
-def judged(
-    problem: FitProblem,
-    x: Array,
-    scene: Scene,
-    warnings: Sequence[str],
-    ended: str,
-    converged: bool,
-    starts: Sequence[float],
-) -> FitResult:
+def judged(problem: FitProblem, x: Array, scene: Scene) -> FitResult:
     """Errors and goodness of the point at which a search ended."""
     point, slopes = problem.at(x), problem.derivatives(x)
     good = goodness(problem, point)
@@ -183,55 +173,44 @@ def judged(
     scale = np.array([one.scale for one in unknowns[len(x) :]])
     whole = independent(problem, point, np.column_stack([slopes, point.columns * scale]))
     spread, deviations, directions = covariance(whole, good.variance)
-    found = [*x.tolist(), *(point.background / scale).tolist()]
-    names = [one.name for one in unknowns]
-    correlations = correlation(spread)
+    found, names = [*x.tolist(), *(point.background / scale).tolist()], [one.name for one in unknowns]
     if np.isfinite(spread).all():  # products of the positive parameters, all others being free
         own = [at for at, one in enumerate(unknowns) if one.logarithmic]
         variances, vectors = np.linalg.eigh(spread[np.ix_(own, own)])
-        names_of, deviations = [names[at] for at in own], np.sqrt(np.maximum(variances, 0.0))[::-1]
-        products = combinations(names_of, deviations, vectors.T[::-1])
+        deviations, directions = np.sqrt(np.maximum(variances, 0.0))[::-1], vectors.T[::-1]
+        products = combinations([names[at] for at in own], deviations, directions)
     else:
         products = combinations(names, deviations, directions)
-    failures = [
-        f"{model.curve.name}: the run of the best point did not reach its end: {one.failure}"
-        for model, one in zip(problem.models, point.predictions, strict=True)
-        if one.failure
-    ]
+    curves = tuple(_fitted(problem, index, x, point) for index in range(len(problem.models)))
+    told = "the run of the best point did not reach its end"
     return FitResult(
         scene=with_values(scene, problem.unknowns.values(x)),
         settings=problem.settings,
-        curves=tuple(_fitted(problem, index, x, point) for index in range(len(problem.models))),
+        curves=curves,
         estimates=tuple(map(estimate, unknowns, found, np.diag(spread).tolist())),
-        correlations=correlations,
+        correlations=correlation(spread),
         combinations=products,
-        confused=confused(names, correlations),
+        confused=confused(names, correlation(spread)),
         goodness=good,
-        warnings=(*warnings, *failures),
-        ended=ended,
-        converged=converged,
-        starts=tuple(starts),
+        warnings=tuple(f"{one.curve.name}: {told}: {one.failure}" for one in curves if one.failure),
         tolerance=problem.tolerance,
-        runs=problem.runs,
     )
 
 
 def _background(problem: FitProblem) -> list[Unknown]:
     """The parts of the background, which start from nothing and have no bounds."""
-    made = []
-    for at, (curve, part) in enumerate(problem.parts):
-        model = problem.models[curve]
-        scale = 1.0 / float(np.abs(problem.columns[:, at]).max())
-        name = f"{part}@{model.curve.name}"
-        made.append(Unknown(name, 0.0, -np.inf, np.inf, False, scale, curve))
-    return made
+    scales = 1.0 / np.abs(problem.columns).max(axis=0, initial=0.0)
+    return [
+        Unknown(f"{part}@{problem.models[at].curve.name}", 0.0, -np.inf, np.inf, False, scale, at)
+        for (at, part), scale in zip(problem.parts, scales.tolist(), strict=True)
+    ]
 
 
 def _fitted(problem: FitProblem, index: int, x: Array, point: Point) -> FittedCurve:
+    """A curve beside the fitted force."""
     model = problem.models[index]
     curve, seen = model.curve, model.moments
-    force = problem.fitted_force(index, point)
-    kept = problem.compared[index].copy()
+    force, kept = problem.fitted_force(index, point), model.kept.copy()
     kept[kept] = point.compared[problem.force_rows[index]]
     left = curve.force - force
     return FittedCurve(

@@ -10,8 +10,9 @@ import numpy as np
 from contact_scene import Machine, Scene, SceneError
 from contact_scene.run_control import whole_number
 from contact_scene.value_checks import a_string, finite, not_negative, of_class, one_of, positive
+from validation.fits.contact import Array
 from validation.fits.model import ON_TIME, FitRun, corners_of, run_of, sampled
-from validation.fits.record import FEWEST_ROWS, Array, MeasuredCurve
+from validation.fits.record import FEWEST_ROWS, MeasuredCurve
 from validation.solvers import REFERENCE, SOLVERS
 
 ROWS = 300
@@ -76,71 +77,55 @@ def synthetic(
     noise = not_negative(noise, "noise")
     sampling = None if sampling is None else positive(sampling, "sampling")
     contact_point, baseline = finite(contact_point, "contact_point"), finite(baseline, "baseline")
-    drift = finite(drift, "drift")
-    seed = whole_number(seed, "seed", 0)
+    drift, seed = finite(drift, "drift"), whole_number(seed, "seed", 0)
     a_string(name, "name")
     one_of(solver, "solver", tuple(SOLVERS))
-    scene = _on_spring(scene, stiffness)
-    _check_driven(scene)
+    scene = _driven(scene, stiffness)
     run = run_of(scene, solver, resolution)
     if run.failure or run.time.size < 2:
         raise SceneError("", f"no curve: {run.failure or 'no contact'}", "a scene that the solver finishes")
-    driven = run.penetration + scene.loading.compliance * run.force
-    end = float(run.time[-1])
-    lasting = np.append(True, np.diff(run.time) > ON_TIME * end)
-    moments, driven = run.time[lasting], driven[lasting]
-    time = _row_times(scene, run, driven, sampling, seed)
+    spring, end = scene.loading.compliance, float(run.time[-1])
+    lasting = np.append(True, np.diff(run.time) > ON_TIME * end)  # rows of a jump share their time
+    moments, driven = run.time[lasting], (run.penetration + spring * run.force)[lasting]
     corners = corners_of(moments, driven)
+    time = _row_times(scene, run, driven, sampling, seed)
     inside = np.clip(time, 0.0, end)
-    touching = (time >= 0.0) & (time <= end)
-    force = np.where(touching, sampled(run.time, run.force, corners, inside), 0.0)
-    force += noise * _force_scale(scene, run) * np.random.default_rng(seed).standard_normal(time.size)
+    force = np.where(time == inside, sampled(run.time, run.force, corners, inside), 0.0)
+    tension, largest = -float(run.force.min()), float(np.abs(run.force).max())
+    size = tension if scene.is_adhesive and tension > 0.0 else largest
+    force += noise * size * np.random.default_rng(seed).standard_normal(time.size)
     position = sampled(moments, driven, corners, np.clip(inside, 0.0, moments[-1])) + contact_point
     since = max(LAST * end, *corners[-1:].tolist(), 0.0)
     first = (driven[1] - driven[0]) / (moments[1] - moments[0])
     last = (driven[-1] - np.interp(since, moments, driven)) / (moments[-1] - since)
     position += first * np.minimum(time, 0.0) + last * np.maximum(time - end, 0.0)
-    spring = scene.loading.compliance > 0.0
     return MeasuredCurve(
         time - time[0],
         force + baseline + drift * time,
-        penetration=None if spring else position,
         stage=position if spring else None,
-        stiffness=1.0 / scene.loading.compliance if spring else None,
+        penetration=None if spring else position,
+        stiffness=1.0 / spring if spring else None,
         name=name or scene.title or "curve",
     )
 
 
-def _on_spring(scene: Scene, stiffness: float | None) -> Scene:
+def _driven(scene: Scene, stiffness: float | None) -> Scene:
     """The scene with its spring, which nothing bends before contact: contact is made at constant stage."""
     loading = scene.loading
     if stiffness is not None:
         loading = replace(loading, machine=Machine(positive(stiffness, "stiffness")))
     if loading.compliance > 0.0 and loading.start == "jump-in":
         loading = replace(loading, start="snap-in")
+    steps = [step for _, step in loading.segments()]
+    ending = loading.has_triggers or all(math.isfinite(step.end) for step in steps)
+    if not steps or not ending or any(step.control == "force" for step in steps):
+        allowed = "ramps, holds, oscillations, tables"
+        raise SceneError("loading.steps", "do not prescribe the penetration", allowed)
     return replace(scene, loading=loading)
 
 
-def _check_driven(scene: Scene) -> None:
-    """Refuse load steps that do not prescribe a position, or that nothing ends."""
-    segments = [segment for _, segment in scene.loading.segments()]
-    driven = all(segment.control != "force" for segment in segments)
-    ending = scene.loading.has_triggers or all(math.isfinite(one.end) for one in segments)
-    if not segments or not driven or not ending:
-        raise SceneError(
-            "loading.steps", "do not prescribe the penetration", "ramps, holds, oscillations, tables"
-        )
-
-
-def _force_scale(scene: Scene, run: FitRun) -> float:
-    """What noise is relative to: the largest tension of a contact that pulls, else the largest force."""
-    tension = -float(run.force.min())
-    return tension if scene.is_adhesive and tension > 0.0 else float(np.abs(run.force).max())
-
-
 def _row_times(scene: Scene, run: FitRun, driven: Array, sampling: float | None, seed: int) -> Array:
-    """Times of the rows, zero where contact begins; where between two rows it begins and ends is drawn, as
-    no instrument has a row at that very moment."""
+    """Times of the rows, zero where contact begins, which is at none of them: its place is drawn."""
     end = float(run.time[-1])
     of_begin, of_end = np.random.default_rng([seed, 1]).random(2).tolist()
     step = end / (ROWS - of_end) if sampling is None else sampling

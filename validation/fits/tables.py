@@ -25,20 +25,17 @@ from contact_scene.errors import SceneError
 from contact_scene.files import read_text, write_whole
 from contact_scene.tables import TextTable, bracketed, finite, is_number, read_table
 from contact_scene.value_checks import Range
-from validation.fits.reading import Given, missing
-from validation.fits.record import COLUMNS, FEWEST_ROWS, Array, MeasuredCurve
+from validation.fits.contact import Array
+from validation.fits.given import INSTRUMENTS, KINDS, Given, missing
+from validation.fits.record import COLUMNS, FEWEST_ROWS, NUMBERS, MeasuredCurve
 
 LARGEST_FILE = 200_000_000
 """Bytes; a record of a few million rows, above which a file is no record of one curve."""
-REMARKS = ("stiffness", "indenter_radius", "noise")
-INSTRUMENTS = ("deflection", "height", "piezo")
-"""Columns that only instruments write: their units are what they measured in."""
-KINDS = (*COLUMNS, *INSTRUMENTS)
 _WANTED = "a header: time, penetration or stage, force and, if measured, contact_radius"
 _BY_HAND = f"{_WANTED}; or --columns time=1,stage=2:1e-9,force=3:1e-9"
 _PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "c": -2, "": 0, "k": 3, "M": 6, "G": 9}
 _POWERS = {prefix + base: power for prefix, power in _PREFIXES.items() for base in ("m", "s", "N", "V")}
-_OTHER = {"min": 60.0, "h": 3600.0, "sec": 1.0, "Å": 1e-10, "A": 1e-10, "Angstrom": 1e-10}
+_OTHER = {"": 1.0, "min": 60.0, "h": 3600.0, "sec": 1.0, "Å": 1e-10, "A": 1e-10, "Angstrom": 1e-10}
 _SPRING = r"(?<!\w)(?:spring[ _]?constant|stiffness|k)"
 _RADIUS = r"(?<!\w)(?:(?:indenter|tip|bead|sphere)[ _]?radius)"
 _NUMBER = r"[-+]?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?"
@@ -55,17 +52,11 @@ class _OrNone(Range):
 
 
 def read_table_curve(path: Path, given: Given, si: bool) -> MeasuredCurve:
-    """One curve; ``si``: units in brackets are converted.
-
-    Raises
-    ------
-    SceneError
-        One line: file, line or column, what is wrong.
-    """
+    """One curve; ``si``: units in brackets are converted."""
     table = read_table(_plain(_text(path)), str(path), () if given.columns else KINDS, _BY_HAND)
     si |= bool(given.columns) or any(kind in INSTRUMENTS for kind in table.kinds)
     columns = _columns_by_hand(table, given) if given.columns else _columns(table, si)
-    stated: dict[str, Any] = {key: table.stated(key, finite) for key in (("noise",) if si else REMARKS)}
+    stated: dict[str, Any] = {key: table.stated(key, finite) for key in (("noise",) if si else NUMBERS)}
     if si:
         head = "\n".join(line.content for line in table.head)
         stated |= {"stiffness": _in_si(head, _SPRING), "indenter_radius": _in_si(head, _RADIUS)}
@@ -76,7 +67,7 @@ def read_table_curve(path: Path, given: Given, si: bool) -> MeasuredCurve:
     if "stage" in columns and "penetration" in columns and si:
         del columns["penetration" if stated["stiffness"] else "stage"]
     if "deflection" in columns and "force" not in columns:
-        columns["force"] = _force(columns, table, given, stated["stiffness"], path)
+        columns["force"] = _force(columns["deflection"], table, given, stated["stiffness"], path)
     return given.curve(path, path.stem, {key: columns[key] for key in COLUMNS if key in columns}, **stated)
 
 
@@ -94,7 +85,7 @@ def _columns_by_hand(table: TextTable, given: Given) -> dict[str, Array]:
     """Columns that the user names by their number from 1, or their name in the header."""
     names = [name.replace("_", " ") for name in table.names]
     found = {}
-    for key, (column, factor) in given.columns.items():
+    for key, (column, factor) in (given.columns or {}).items():
         place = column - 1 if isinstance(column, int) else names.index(column) if column in names else -1
         if not 0 <= place < table.width:
             listed = ", ".join(f"{n} {name}".strip() for n, name in enumerate(names, 1))
@@ -103,16 +94,15 @@ def _columns_by_hand(table: TextTable, given: Given) -> dict[str, Array]:
     return found
 
 
-def _force(
-    columns: dict[str, Array], table: TextTable, given: Given, spring: float | None, path: Path
-) -> Array:
+def _force(deflection: Array, table: TextTable, given: Given, spring: Any, path: Path) -> Array:
     """Force of a deflection, in metres or in volts."""
-    volts = any(k == "deflection" and u.endswith("V") for k, u in zip(table.kinds, table.units, strict=True))
-    slope = given.sensitivity or (None if volts else 1.0)
-    if not spring or not slope:
-        needed = {"spring constant": spring, "sensitivity": slope}
-        raise missing([key for key, value in needed.items() if not value], path)
-    return np.asarray(columns["deflection"] * spring * slope)
+    units = dict(zip(table.kinds, table.units, strict=True))
+    slope: Any = given.sensitivity or (None if units.get("deflection", "").endswith("V") else 1.0)
+    needed = {"spring constant": spring, "sensitivity": slope}
+    absent = [key for key, value in needed.items() if not value]
+    if absent:
+        raise missing(absent, path)
+    return np.asarray(deflection * spring * slope)
 
 
 def _factor(table: TextTable, place: int) -> float:
@@ -120,11 +110,10 @@ def _factor(table: TextTable, place: int) -> float:
     unit = _plain_unit(table.units[place])
     if unit in _POWERS:
         return float(f"1e{_POWERS[unit]}")
-    if unit and unit not in _OTHER:
-        raise SceneError(
-            "columns", f"{table.names[place]} in {unit}", "a unit of SI, as nm, s, nN", table.file
-        )
-    return _OTHER.get(unit, 1.0)
+    if unit not in _OTHER:
+        problem = f"{table.names[place]} in {unit}"
+        raise SceneError("columns", problem, "a unit of SI, as nm, s, nN", table.file)
+    return _OTHER[unit]
 
 
 def _plain_unit(unit: str) -> str:
@@ -138,10 +127,9 @@ def _in_si(head: str, name: str) -> float | None:
     if not found:
         return None
     before, value, behind = found[-1]
-    power = 0
-    for part, sign in zip(_plain_unit(bracketed(before) or behind).split("/"), (1, -1), strict=False):
-        power += sign * _POWERS.get(part, 0)
-    return float(f"{value.replace(',', '.')}") * float(f"1e{power}")
+    parts = _plain_unit(bracketed(before) or behind).split("/")
+    power = sum(sign * _POWERS.get(part, 0) for part, sign in zip(parts, (1, -1), strict=False))
+    return float(value.replace(",", ".")) * float(f"1e{power}")
 
 
 def _text(path: Path) -> str:
@@ -159,22 +147,17 @@ def _text(path: Path) -> str:
 
 
 def _plain(text: str) -> str:
-    """A record as a table: decimal commas as points, and lines above its rows that state numbers as comments.
-
-    Rows are the lines of numbers alone, as many in each as in most; where they are too few for a record, the
-    text stays as it is. Commas are decimal where something else parts the cells of every row.
-    """
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    """A record as a table: decimal commas as points, and lines that state numbers above its rows as comments;
+    rows are the lines of numbers alone, as many in each as in most."""
+    lines = re.split(r"\r\n|\r|\n", text)
     for decimal in (True, False):
         parted = r";|\s" if decimal else r"[;,\s]"
         widths = [_numbers(re.split(parted, line.strip(" ;\t")), decimal) for line in lines]
         [(width, rows)] = Counter(one for one in widths if one > 1).most_common(1) or [(0, 0)]
         if rows >= FEWEST_ROWS:
             first = widths.index(width)
-            head = [
-                f"# {line}" if re.search(r"\d", line) and line[0] not in "#%" else line
-                for line in lines[:first]
-            ]
+            stating = [bool(re.search(r"\d", line)) and line[0] not in "#%" for line in lines[:first]]
+            head = [f"# {line}" if told else line for line, told in zip(lines, stating, strict=False)]
             body = [line.replace(",", ".") for line in lines[first:]] if decimal else lines[first:]
             return "\n".join([*head, *body])
     return "\n".join(lines)
@@ -189,8 +172,8 @@ def _numbers(cells: list[str], decimal: bool) -> int:
 
 def write_csv(curve: MeasuredCurve, path: Path) -> None:
     """Write a curve with all its digits."""
-    lines = [f"# {key} = {getattr(curve, key)!r}" for key in REMARKS if getattr(curve, key) is not None]
-    columns = {name: getattr(curve, name) for name in COLUMNS if getattr(curve, name) is not None}
+    lines = [f"# {key} = {getattr(curve, key)!r}" for key in NUMBERS if getattr(curve, key) is not None]
+    columns = curve.columns()
     lines.append(",".join(columns))
     lines += [",".join(map(repr, row)) for row in zip(*(c.tolist() for c in columns.values()), strict=True)]
     write_whole(path, "\n".join(lines) + "\n")
