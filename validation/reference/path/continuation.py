@@ -25,6 +25,8 @@ REJECTED = 2.5
 """Error, in tolerances, above which a step is repeated."""
 LEAST_WEIGHT = 0.3
 """Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
+LEAST_SHARE = 0.1
+"""Of what all steps over one scale may add up to: shorter steps are those after a kink, and few."""
 LARGEST_GROWTH, LEAST_GROWTH = 3.0, 0.3
 """Ratio of successive steps."""
 RUNG = 2.0**0.25
@@ -87,8 +89,13 @@ class Continuation(Tracker):
         """Misprediction by the tolerance over a way of one scale: what a step leaves counts with its way.
 
         Where the penetration follows from a force its error is one of the whole contact, and counts as it is.
+        Under a load that stands still nothing brings the edge back to where it should be at that time: the
+        errors of all steps add up, and each may make its share.
         """
-        return self.tolerance / (1.0 if self.leg.free else max(LEAST_WEIGHT, min(1.0, plan.h)))
+        way = min(1.0, plan.h)
+        if not self.leg.free:
+            return self.tolerance / max(LEAST_WEIGHT, way)
+        return self.tolerance * (max(LEAST_SHARE, way) if self.leg.stands else 1.0)
 
     def _falls(self, plan: Plan, correction: Correction) -> bool:
         """Whether a step ends beyond a limit point that was not foreseen."""

@@ -43,6 +43,11 @@ class Leg:
         return self.control != "penetration"
 
     @property
+    def stands(self) -> bool:
+        """Whether the load stands still while time goes on: only creep moves the edge."""
+        return self.free and self.timed and self.value(self.start) == self.value(self.end)
+
+    @property
     def presses(self) -> bool:
         """Whether an indenter that is at the surface, and free of load, is pressed on from the start."""
         soon = self.start + AT_ONCE * (self.end - self.start)
