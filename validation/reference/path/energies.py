@@ -116,6 +116,11 @@ def course(
         ends = np.where(layer, parabola, ends)
     smooth = _smooth(first[_SMOOTH], end, ends, before and (before[0], before[1][_SMOOTH]))
     coefficients[: len(smooth), _SMOOTH] = smooth
+    if not law.rated or trial.direction > 0.0:
+        spent = -_taken_up(law, 0.0, trial.direction > 0.0, 0.0) * _area(trial.state.radius, way)
+        spent[0] = first[SEPARATION]
+        coefficients[:, SEPARATION] = 0.0
+        coefficients[: len(spent), SEPARATION] = spent
     if trial.leg.control == "force" and trial.leg.timed:
         coefficients[: COLLOCATION + 1, FORCE] = through_nodes(trial.leg.value, trial.state.time, clock)
     force, depth = coefficients[: COLLOCATION + 1, [FORCE, DEPTH]].T
@@ -161,6 +166,13 @@ def _taken_up(law: EdgeLaw, speed: float, closes: bool, released: float) -> floa
         return 0.0
     taken = adhesion.closing if closes else adhesion.opening(max(speed, 0.0))
     return taken if math.isfinite(taken) else released
+
+
+def _area(radius: float, way: Array) -> Array:
+    """Coefficients of the area that an edge covers on its way from a radius."""
+    covered = np.convolve(way, way)
+    covered[: len(way)] += 2.0 * radius * way
+    return np.asarray(math.pi * covered)
 
 
 def _separation(law: EdgeLaw, trial: Trial, arrival: Arrival) -> float:
