@@ -95,7 +95,7 @@ QUICK = {"cone", "force ramp"}
 )
 def test_raw_columns_of_a_run_belong_together(name: str) -> None:
     scene = SCENES[name]
-    trace = solve(scene, Options(resolution=4))
+    trace = solve(scene, Options(resolution=8))
     assert _deviation(trace, scene) < 1e-3
     stiffer = Material(
         scene.material.modulus,

@@ -152,22 +152,18 @@ ZONES = [1e-3, 1e-6, 1e-9]
 
 
 @pytest.mark.parametrize(
-    ("loading", "growth"),
+    "loading",
     [
-        pytest.param(RETRACTION, 40, id="retraction", marks=SLOW),
-        pytest.param(CYCLE, 60, id="cycle", marks=pytest.mark.exhaustive),
+        pytest.param(RETRACTION, id="retraction", marks=SLOW),
+        pytest.param(CYCLE, id="cycle", marks=pytest.mark.exhaustive),
     ],
 )
-def test_work_grows_with_the_logarithm_of_the_zone(loading: Loading, growth: float) -> None:
-    """Steps, and nodes carried from step to step, per decade of zone."""
+def test_work_does_not_grow_as_the_zone_shrinks(loading: Loading) -> None:
     runs = [_run(zone, loading) for zone in ZONES]
-    steps = np.array([run.counters.steps for run in runs], float)
-    nodes = np.array([run.counters.history_updates / run.counters.steps for run in runs])
-    decades = np.log10(ZONES[0] / np.array(ZONES))
+    work = [run.counters.closure_evaluations for run in runs]
     assert all(run.outcome.kind is OutcomeKind.DETACHED for run in runs)
-    assert np.polyfit(decades, steps, 1)[0] < growth
-    assert np.all(steps < 1100)
-    assert np.all(nodes < 400 + 150 * decades)
+    assert max(work) < 1.5 * min(work)
+    assert work[2] < 1.15 * work[1]
 
 
 @SLOW
@@ -226,34 +222,28 @@ def test_steady_edge_laws(zone: float, pace: float, accuracy: float, start: floa
     assert_allclose(release[rows] / formula / bias, 1.0, atol=accuracy)
 
 
-BY_RESOLUTION_64 = 0.021103323885, 8.8909034501e-4
-"""Pull-off force and loop energy of the cycle at a zone of 1.3e-6."""
+ANOTHER_METHOD = 0.021103323885, 8.8909034501e-4
+"""Pull-off force and loop energy of the cycle at a zone of 1.3e-6, by steps over nodes on the surface."""
 
 
 @pytest.mark.parametrize(
     ("zone", "loading", "exact"),
     [
         pytest.param(1.3e-4, RETRACTION, CHECK_VALUES["retraction"][1:3], marks=pytest.mark.exhaustive),
-        pytest.param(1.3e-6, CYCLE, BY_RESOLUTION_64, marks=pytest.mark.exhaustive),
+        pytest.param(1.3e-6, CYCLE, ANOTHER_METHOD, marks=pytest.mark.exhaustive),
     ],
 )
-def test_order_in_the_step(zone: float, loading: Loading, exact: tuple[float, float]) -> None:
-    """Second order or better (the tolerance falls with the square of the divisions), and small errors.
-
-    Of three neighbouring resolutions the largest error counts: errors of single runs change their sign.
-    """
+def test_errors_fall_with_the_square_of_the_resolution(
+    zone: float, loading: Loading, exact: tuple[float, float]
+) -> None:
+    """As the tolerance does. Those of the force change their sign; those of the energy are never all luck."""
     question = scene(zone, loading)
-    seen = {n: observe(solve(question, Options(resolution=n))) for n in (5, 6, 7, 20, 24, 28)}
-
-    def error(quantity: str, value: float, resolutions: tuple[int, ...]) -> float:
-        return max(abs(getattr(seen[n], quantity) / value - 1.0) for n in resolutions)
-
+    seen = {n: observe(solve(question, Options(resolution=n))) for n in (5, 16, 64, 96)}
     for quantity, value in zip(("pull_off_force", "loop_energy"), exact, strict=True):
-        coarse, usual = error(quantity, value, (5, 6, 7)), error(quantity, value, (20, 24, 28))
-        order = math.log(coarse / usual) / math.log(4.0)
-        assert order > 1.5, (quantity, coarse, usual)
-        assert order < 6.0 or usual < 1e-8, (quantity, coarse, usual)  # a step that ends on the very peak
-        assert usual < 0.3 * DEFAULT_ERROR, quantity
+        errors = {n: abs(getattr(one, quantity) / value - 1.0) for n, one in seen.items()}
+        for n, error in errors.items():
+            assert error < 0.3 * DEFAULT_ERROR * (16.0 / n) ** 2, (quantity, n, error)
+    assert errors[5] > 20.0 * errors[64]
 
 
 @pytest.mark.parametrize(
@@ -275,6 +265,10 @@ def test_estimates_cover_the_errors(loading: Loading) -> None:
         assert trace.errors[name] < 3.0 * DEFAULT_ERROR, name
 
 
+FINE_ERROR = 5e-7
+"""The same at four times the resolution."""
+
+
 @pytest.mark.parametrize(
     ("name", "time"),
     [
@@ -285,12 +279,30 @@ def test_estimates_cover_the_errors(loading: Loading) -> None:
     ],
 )
 def test_delayed_detachment_and_its_estimate(name: str, time: float) -> None:
-    """Times of the same at four times the resolution; the estimate has to be as small as the error."""
-    trace = solve(load(name).scene, Options(estimate_errors=True))
-    assert observe(trace).detachment_time == pytest.approx(time, rel=2e-6)
+    """Times by steps over nodes on the surface; the estimate has to be as small as the error."""
+    question = load(name).scene
+    trace = solve(question, Options(estimate_errors=True))
+    assert observe(trace).detachment_time == pytest.approx(time, rel=0.5 * DEFAULT_ERROR)
+    assert observe(solve(question, Options(resolution=64))).detachment_time == pytest.approx(
+        time, rel=FINE_ERROR
+    )
     assert abs(trace.outcome.time / time - 1.0) < trace.errors["detachment_time"] + 1e-7
     for quantity in ("detachment_time", "detachment_penetration", "loop_energy"):
-        assert trace.errors[quantity] < DEFAULT_ERROR, quantity
+        assert trace.errors[quantity] < 3.0 * DEFAULT_ERROR, quantity
+
+
+@SLOW
+def test_a_dead_load_a_little_above_what_the_contact_bears() -> None:
+    """Creep over a thousand relaxation times: errors of steps add up, and grow on the way to the loss.
+
+    The time is 1221.28991 by this method at resolution 256 and 1221.29006 by steps over nodes on the surface.
+    """
+    material = Material(0.75, 0.5, (Branch(2.2, 0.5), Branch(1.0, 0.07)))
+    pulled = Loading("relaxed", 0.0192, (Force(-4.24e-7, 1e6),))
+    question = Scene(material, Cone(80.0), pulled, Adhesion(1.08e-5, 4.25e-5))
+    times = [observe(solve(question, Options(resolution=n))).detachment_time for n in (16, 64)]
+    assert times[0] == pytest.approx(1221.29, rel=2.0 * DEFAULT_ERROR)
+    assert times[1] == pytest.approx(1221.29, rel=0.2 * DEFAULT_ERROR)
 
 
 SPECTRUM = Material(0.75, 0.5, tuple(Branch(0.75, 10.0**k) for k in range(-4, 5)))
