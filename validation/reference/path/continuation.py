@@ -51,7 +51,7 @@ SECANTS = 12
 SEEN = 1e6
 """Difference of two radii, in zones and the rounding of the residual, that tells the slope."""
 UNFORESEEN = 1e-2
-"""Longest first step after a kink, in the scale of the radius, whichever way the edge then goes."""
+"""Longest first step after a kink, whichever way the path then goes."""
 
 
 def on_ladder(ratio: float) -> float:
@@ -71,6 +71,10 @@ class Continuation(Tracker):
         first = len(self.rows) == 1
         if first and correction is not None:
             error *= 0.0  # nothing to judge by: the first step is small; no number stays none
+            far = correction.s > max(UNFORESEEN, LARGEST_GROWTH * plan.h)
+            if far and plan.fixed is Fixed.RADIUS:  # it is not: the path goes elsewhere
+                way = np.array([correction.arrival.rise / self.T, correction.trial.travel / self.L])
+                error, self.tangent = math.inf, way / np.hypot(*way)
         if correction is not None and error <= REJECTED:
             passed_by = self._falls(plan, correction) or self._turns(correction.trial)
             error = math.inf if passed_by else error
