@@ -275,7 +275,8 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
         trial = tracker.trial(travel, abs(travel) / tracker.L, 1)
         value, arrival = tracker.residual(trial, 0.0)
         ends[travel] = trial, arrival
-        return value
+        filled = trial.cohesive and trial.zone > FILLED * trial.radius
+        return math.nan if filled else value  # no contact is followed there
 
     near = way * (max(0.05 * zone, 1e-3 * a) if at_fold else 1e-3 * (zone or a))
     before = near, residual(near) if a + near > least else math.nan

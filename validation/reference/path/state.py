@@ -108,11 +108,15 @@ class State:
         cuts = np.concatenate(([low], inner, [high]))
         return cuts if travel > 0.0 else cuts[::-1]
 
-    def breaks(self, travel: float, zone: float) -> Array:
+    def beside(self, travel: float, reach: float, size: float) -> Array:
+        """Edges on both sides of the end of some travel, in distances from it; ``size``: of zones."""
+        sides = (travel - reach, travel), (travel, travel + reach)
+        return np.concatenate([self.thinned(self.edges_between(*side), size) for side in sides]) - travel
+
+    def breaks(self, travel: float, zone: float, beside: Array) -> Array:
         """Breaks of the closure after some travel, from the inner end of the zone."""
-        behind = self.thinned(self.edges_between(travel - zone, travel), zone) - (travel - zone)
-        ahead = self.thinned(self.edges_between(travel, travel + zone), zone) - travel
-        breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(travel, zone)))
+        beside = np.where(beside < 0.0, beside + zone, beside)
+        breaks = np.concatenate((BASE * zone, beside, self._layers(travel, zone)))
         breaks = np.sort(breaks[(breaks >= 0.0) & (breaks <= zone)])
         apart = breaks[1:] - breaks[:-1] > 1e-12 * zone
         breaks = breaks[np.append(True, apart)]

@@ -84,6 +84,7 @@ class Trial:
     ) -> None:
         self.body, self.state, self.leg, self.segment = body, state, leg, segment
         self.zone, self.cohesive, self.zone_at_rest, self.closed = zone, cohesive, at_rest, closed
+        self._guess = zone
         self.travel = segment.travel
         self.radius = state.radius + self.travel
         if self.radius <= 4.0 * math.ulp(state.radius):
@@ -106,7 +107,7 @@ class Trial:
     def _close(self, zone: float) -> None:
         """Set up the closure over a zone, and what it makes of the side that the edge does not pass."""
         self.zone = zone
-        form = self.closure = closure(self.radius, zone, self.state.breaks(self.travel, zone))
+        form = self.closure = closure(self.radius, zone, self.state.breaks(self.travel, zone, self._edges))
         count = len(form.s)
         self._lay(self.travel - zone + form.s, self.travel + form.s)
         side = slice(count, None) if self.direction > 0.0 else slice(0, count)
@@ -257,8 +258,7 @@ class Trial:
                 q[new] = rheology.relaxed * (depth - G[new]) + total(passing.end)
             return q
 
-        within = self.state.thinned(self.state.edges_between(-self.state.radius, self.travel), self.zone)
-        edges = np.union1d(within - self.travel, self.zone * (BASE - 1.0))
+        edges = np.union1d(self._edges[self._edges < 0.0], self._guess * (BASE - 1.0))
         return zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
 
     def _passes(self, points: Passed, motion: Motion) -> Passing:
@@ -312,6 +312,12 @@ class Trial:
             passing = self._passes(points, motion)
         end, weight = passing.end[points.swept], points.sweep.weight
         return weight @ end, weight @ end**2
+
+    @cached_property
+    def _edges(self) -> Array:
+        """Edges of the table next to the end: the same ones whatever length the zone has at which end."""
+        reach = self.radius + abs(self.travel) if self.cohesive else self.zone
+        return self.state.beside(self.travel, reach, self._guess)
 
     @cached_property
     def _lost(self) -> tuple[Array, Array]:
