@@ -76,6 +76,8 @@ DRAWN = {
     "plain:606": (OutcomeKind.DETACHED, 0.0, 0.2, 1.088365502e-3, 0.0),
     # a closing edge with a rate law sets off
     "short-zones:306": (OutcomeKind.COMPLETED, 0.09641103255, 0.1736204712, 0.6123592674, 5.31348063e-3),
+    # a short zone comes back to where the contact began: all happens within it
+    "short-zones:307": (OutcomeKind.DETACHED, 0.001177622501, 0.00706773315, 0.2369970028, 7.68543001e-06),
 }
 """Random scenes: outcome, pull-off, time at which contact is lost, largest radius, work until then.
 
