@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +18,6 @@ GRADED, GRADING = 1.5, 8.0
 LAYER = 2e-3
 """Thickness of a layer, in zones, below which breaks are graded towards the edge for it."""
 _NEAR = np.array([0.0, 1e-3, 1e-2, 0.1, -1e-3, -1e-2, -0.1])
-SKIPPED = 1.5
-"""Distance of breaks in entries of the table: every other where alike, each where they are graded."""
-GRADE = 0.5
-"""Largest distance of breaks in that from a kink."""
-SPARSE, SPACING = 0.03, 0.1
-"""Distance of breaks away from kinks, least and largest, in zones (or tenths of the radius)."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +27,7 @@ class State:
     ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``: ``int
     e_j^2 dx`` over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
     how deep what it covers still relaxes. ``kinks``: where the load had a kink or the edge turned, in
-    distances from the edge as in the table; ``corners``: where the path had one for that.
+    distances from the edge as in the table.
     """
 
     parameter: float
@@ -49,7 +42,6 @@ class State:
     free_squares: Array
     layer: float = math.inf
     kinks: tuple[float, ...] = ()
-    corners: tuple[float, ...] = ()
 
     def carried(self, body: Body, x: Array) -> tuple[Array, Array]:
         """``G`` at distances (m,) from the edge, and branch forces or unit strains there (m, n)."""
@@ -63,11 +55,6 @@ class State:
         G, branches = self.carried(body, x)
         return branches, self.depth - G
 
-    @cached_property
-    def _marks(self) -> Array:
-        """Kinks and corners that rise, between infinities."""
-        return np.array([-math.inf, *sorted(self.kinks + self.corners), math.inf])
-
     def edges_between(self, low: float, high: float) -> Array:
         """Edges of the table strictly between two distances from the edge, each once."""
         edges = self.surface.edges
@@ -75,29 +62,10 @@ class State:
         edges = edges[first:last]
         return edges[np.append(True, edges[1:] > edges[:-1])] if len(edges) else edges
 
-    def thinned(self, edges: Array, size: float) -> Array:
-        """Edges that rise, as close as the rows that left them where the path was not smooth, else sparse."""
-        if len(edges) < 3:
-            return edges
-        after = self._marks.searchsorted(edges)
-        away = np.minimum(self._marks[after] - edges, edges - self._marks[after - 1])
-        gaps = np.full(len(edges) + 1, math.inf)
-        gaps[1:-1] = edges[1:] - edges[:-1]
-        width = np.minimum(gaps[1:], gaps[:-1])
-        least = np.maximum(SKIPPED * width, np.minimum(0.3 * away, SPARSE * size))
-        least = np.minimum(least, np.minimum(GRADE * away, SPACING * size))
-        sure = away < 1e-12 * size
-        kept, last = [], -math.inf
-        for x, apart, mark in zip(edges.tolist(), least.tolist(), sure.tolist(), strict=True):
-            if mark or x - last >= apart:
-                kept.append(x)
-                last = x
-        return np.array(kept)
-
     def cuts(self, travel: float, zone: float, knots: Array) -> Array:
         """Distances on the way, in its order, between which profile and fields passed are smooth."""
         low, high = sorted((0.0, travel))
-        inner = self.thinned(self.edges_between(low, high), zone or 0.1 * (self.radius + high))
+        inner = self.edges_between(low, high)
         knots = knots - self.radius
         inner = np.union1d(inner, knots) if len(knots) else inner
         inner = inner[(inner - low > 1e-9 * (high - low)) & (high - inner > 1e-9 * (high - low))]
@@ -108,15 +76,11 @@ class State:
         cuts = np.concatenate(([low], inner, [high]))
         return cuts if travel > 0.0 else cuts[::-1]
 
-    def beside(self, travel: float, reach: float, size: float) -> Array:
-        """Edges on both sides of the end of some travel, in distances from it; ``size``: of zones."""
-        sides = (travel - reach, travel), (travel, travel + reach)
-        return np.concatenate([self.thinned(self.edges_between(*side), size) for side in sides]) - travel
-
-    def breaks(self, travel: float, zone: float, beside: Array) -> Array:
+    def breaks(self, travel: float, zone: float) -> Array:
         """Breaks of the closure after some travel, from the inner end of the zone."""
-        beside = np.where(beside < 0.0, beside + zone, beside)
-        breaks = np.concatenate((BASE * zone, beside, self._layers(travel, zone)))
+        behind = self.edges_between(travel - zone, travel) - (travel - zone)
+        ahead = self.edges_between(travel, travel + zone) - travel
+        breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(travel, zone)))
         breaks = np.sort(breaks[(breaks >= 0.0) & (breaks <= zone)])
         apart = breaks[1:] - breaks[:-1] > 1e-12 * zone
         breaks = breaks[np.append(True, apart)]

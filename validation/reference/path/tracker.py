@@ -32,8 +32,6 @@ FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
 SEEN_TIME = 1e-9
 """Least first step, in the scale of time, where no branch holds anything that would relax sooner."""
-CORNERS = 8
-"""Corners near which breaks of the closure stay dense: older ones are smooth enough."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 LOST_FORCE = 1e-12
@@ -230,11 +228,8 @@ class Tracker:
             self.travelled = 0.0
             state = kinks.faded(state, self.body, zone, self.tolerance)
         remembers = self.body.rheology.moduli.size > 0
-        if remembers and all(abs(kink) > 1e-9 * (zone or radius) for kink in state.kinks + state.corners):
-            if declare:
-                state = replace(state, kinks=(*state.kinks, 0.0))
-            else:
-                state = replace(state, corners=(*state.corners, 0.0)[-CORNERS:])
+        if declare and remembers and all(abs(kink) > 1e-9 * (zone or radius) for kink in state.kinks):
+            state = replace(state, kinks=(*state.kinks, 0.0))
         self.state = state
 
     def turn_at(self, h: float) -> None:

@@ -107,7 +107,7 @@ class Trial:
     def _close(self, zone: float) -> None:
         """Set up the closure over a zone, and what it makes of the side that the edge does not pass."""
         self.zone = zone
-        form = self.closure = closure(self.radius, zone, self.state.breaks(self.travel, zone, self._edges))
+        form = self.closure = closure(self.radius, zone, self.state.breaks(self.travel, zone))
         count = len(form.s)
         self._lay(self.travel - zone + form.s, self.travel + form.s)
         side = slice(count, None) if self.direction > 0.0 else slice(0, count)
@@ -258,7 +258,8 @@ class Trial:
                 q[new] = rheology.relaxed * (depth - G[new]) + total(passing.end)
             return q
 
-        edges = np.union1d(self._edges[self._edges < 0.0], self._guess * (BASE - 1.0))
+        within = self.state.edges_between(-self.state.radius, self.travel)
+        edges = np.union1d(within - self.travel, self._guess * (BASE - 1.0))
         return zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
 
     def _passes(self, points: Passed, motion: Motion) -> Passing:
@@ -314,12 +315,6 @@ class Trial:
         return weight @ end, weight @ end**2
 
     @cached_property
-    def _edges(self) -> Array:
-        """Edges of the table next to the end: the same ones whatever length the zone has at which end."""
-        reach = self.radius + abs(self.travel) if self.cohesive else self.zone
-        return self.state.beside(self.travel, reach, self._guess)
-
-    @cached_property
     def _lost(self) -> tuple[Array, Array]:
         """What the swept radii held as the step began: integrals of what they carry, and of its square."""
         nothing = 0.0 * self.state.memory
@@ -372,7 +367,6 @@ class Trial:
             if self.direction > 0.0 and arrival.duration
             else state.layer,
             kinks=tuple(kink - self.travel for kink in state.kinks),
-            corners=tuple(corner - self.travel for corner in state.corners),
         )
 
     def parameter(self, arrival: Arrival) -> float:
