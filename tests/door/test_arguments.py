@@ -23,7 +23,6 @@ COMPLETED = cc.Outcome(cc.OutcomeKind.COMPLETED, "the end", 1.0)
 RUN = Run("scene", "none", cc.Trace("none", *COLUMNS.values(), COMPLETED, Counters()))
 REQUIRED = {
     "RunOptions": {},
-    "MeasuredCurve": {"time": ROWS, "force": ROWS, "stage": ROWS, "stiffness": 1.0},
     "Fit": {"result": None},
     "Result": {"scene": SCENE, "run": RUN},
     "at_temperature": {"material": ELASTIC, "shift": cc.Arrhenius(1.0, 300.0), "temperature": 310.0},
@@ -62,8 +61,7 @@ TAKEN = {
 """Arguments that may be one of the wrong values after all, ``None`` aside where it is the default."""
 NAMED = ("solve", "compare", "fit", "sweep", "synthetic", "builtin", "load", "judge", "scene_from", "read_")
 """Where a text has to be the name of something that there is."""
-OPTIONAL = {("MeasuredCurve", name) for name in ("penetration", "contact_radius", "indenter_radius", "noise")}
-OPTIONAL |= {("fit", "check_solver")}
+OPTIONAL = {("fit", "check_solver")}
 NOT_ASKED = {"OutcomeKind", "SceneError", "Solver", "SolverComparison", "UnsupportedScene", "__version__"}
 NOT_ASKED |= {"ContactState", "PronyFit", "scenes", "solvers"}
 """What a run or a fit found, an enumeration, errors, an abstract class, functions without arguments."""

@@ -159,6 +159,8 @@ def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -
     for name, value in measured.items():
         if value is not None and _has_error(name):
             errors[name] = trace.errors.get(name, largest)
+    if "loss_fall" in errors:  # between the rows it may be larger
+        errors["loss_fall"] += interpolation_error(trace, "dissipated_energy", spans)
     for column, error in own.items() if len(spans) else ():
         bound = movement_bound(trace, spans, column) * error
         between = movement_interpolation_error(trace, spans, column)

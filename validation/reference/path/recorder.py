@@ -266,7 +266,7 @@ class Recorder:
             if not -VERTEX <= place <= 1.0 + VERTEX and math.isfinite(height):
                 return None
             if abs(way) < 2.0:
-                return min(max(place, NARROW), 1.0 - NARROW), height
+                return min(max(place, NARROW**2), 1.0 - NARROW**2), height
         part, end = trial.part(at, arrival)
         return at, part.force_at(end)
 
