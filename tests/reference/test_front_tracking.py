@@ -241,7 +241,7 @@ def test_estimates_from_two_runs() -> None:
     assert "detachment_time" not in estimated_errors(fine, coarse)
     alike = columns(1.03, 2.0)
     assert estimated_errors(fine, alike)["loop_energy"] == pytest.approx(0.03)
-    alike["external_work"][-2:] = fine["external_work"][-2:]  # works that agree at the end differed at the kink
+    alike["external_work"][-2:] = fine["external_work"][-2:]  # they agree at the end, not at the kink
     assert 0.01 < estimated_errors(fine, alike)["loop_energy"] < 0.015
 
 

@@ -278,9 +278,22 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
         filled = trial.cohesive and trial.zone > FILLED * trial.radius
         return math.nan if filled else value  # no contact is followed there
 
+    def goes_between(first: float, last: float) -> bool:
+        at = bracketed(residual, first, last, 1e-14 * a)
+        residual(at)
+        trial, arrival = ends[at]
+        accept(tracker, Correction(trial, arrival, 0.0, abs(at) / tracker.L))
+        tracker.restart()
+        return False
+
     near = way * (max(0.05 * zone, 1e-3 * a) if at_fold else 1e-3 * (zone or a))
     before = near, residual(near) if a + near > least else math.nan
     if before[1] * way > 0.0:
+        here = tracker.still  # what a row has left of the residual may drive the edge off
+        for side in (-here, here) if not at_fold else ():
+            beyond = math.copysign(near, side)
+            if residual(side) * side < 0.0 < residual(beyond) * side:
+                return goes_between(side, beyond)
         if tracker.stuck_at == tracker.steps:
             return True
         tracker.stuck_at = tracker.steps
@@ -293,11 +306,6 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
     for travel in travels[way * (travels - near) > 0.0].tolist():
         value = residual(travel)
         if before[1] * way < 0.0 <= value * way:
-            at = bracketed(residual, before[0], travel, 1e-14 * a)
-            residual(at)
-            trial, arrival = ends[at]
-            accept(tracker, Correction(trial, arrival, 0.0, abs(at) / tracker.L))
-            tracker.restart()
-            return False
+            return goes_between(before[0], travel)
         before = travel, value
     return True
