@@ -14,7 +14,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path import events, kinks
+from validation.reference.path import events
 from validation.reference.path.numerics import DEGREE, bracketed
 from validation.reference.path.tracker import RESIDUAL, Correction, Fixed, Kind, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
@@ -33,8 +33,6 @@ RUNG = 2.0**0.25
 """Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
-SHARP = 30.0
-"""Error of a step from which on the next ends at the first corner on its way."""
 UNSEEN = 0.25
 """Next step, in one that no correction was found for."""
 DEPARTURES = 3
@@ -166,13 +164,6 @@ class Continuation(Tracker):
                 if off.min() < error:
                     error, self.rows.order = float(off.min()), 2 + int(off.argmin())
             share = on_ladder(min(max(error ** (-1.0 / 3.0), 0.1), 0.8))
-            if error > SHARP and plan.fixed is Fixed.RADIUS:
-                travel = plan.z[1] * self.L
-                self.corner = kinks.corner(self.state, self.law.zone, travel)
-                if abs(self.corner) > share * abs(travel):
-                    share = 1.0
-                else:
-                    self.corner = math.nan
         self.h = plan.h * share
         self.slopes = {}
         if self.h < SMALLEST_STEP or self.fails > 40:

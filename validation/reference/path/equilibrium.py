@@ -135,7 +135,6 @@ def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:
         held=moduli * whole,
         held_squares=moduli**2 * body.strain_squared(depth, radius),
         free_squares=np.zeros_like(moduli),
-        kinks=(0.0,),
     )
 
 

@@ -1,7 +1,6 @@
 """What a step ends at, seen ahead on the predictor, and what follows from having got there.
 
 - the end of the leg;
-- a sharp corner of the path;
 - a turn of the edge; the start of one that has rested;
 - a fold: the load parameter has a maximum over the radius. It is approached from this side and landed on
   when its place no longer changes; there the contact jumps to another radius, or is lost;
@@ -25,8 +24,6 @@ Array = NDArray[np.float64]
 
 MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
-AFTER_CORNER = 0.02
-"""First step after a corner, in the step that led there."""
 AFTER_TURN = 0.1
 """First step after a turn, in the step before."""
 AT_TURN = 0.3
@@ -164,10 +161,8 @@ def _turn_or_fold(
 
 
 def _bound(tracker: Tracker, travel: float) -> tuple[Kind, float] | None:
-    """A corner, the smallest or the largest radius, if a step goes beyond, and how far away it is."""
+    """The smallest or the largest radius, if a step goes beyond, and how far away it is."""
     radius, least, rim = tracker.state.radius, tracker.least_radius, tracker.law.rim
-    if abs(travel) >= abs(tracker.corner) and travel * tracker.corner > 0.0:
-        return Kind.CORNER, tracker.corner
     if travel < 0.0 and radius + travel < least:
         return Kind.LEAST, least - radius
     if travel > 0.0 and radius + travel > rim * (1.0 + 1e-12):
@@ -182,10 +177,6 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
     if tracker.state.parameter >= tracker.leg.end * (1.0 - 1e-14) and planned.event is not Kind.LEVEL:
         planned.event = Kind.END  # an event that rounds onto it
     match planned.event:
-        case Kind.CORNER:
-            tracker.restart(planned.tangent[:2], AFTER_CORNER * h, declare=False)
-            if runs_away(tracker):  # a limit point
-                planned.event = Kind.FOLD
         case Kind.TURN:
             if _has_come_to_rest(correction):
                 tracker.turn_at(AFTER_TURN * h)
@@ -230,7 +221,7 @@ def accept(tracker: Tracker, correction: Correction) -> None:
     tracker.rows.append(correction.s, rise, travel, state.depth, state.force)
     tracker.state = state
     tracker.lasted, tracker.travelled = tracker.lasted + rise, tracker.travelled + travel
-    tracker.vertex, tracker.corner = tracker.vertex - travel, tracker.corner - travel
+    tracker.vertex -= travel
     tracker.depth = max(tracker.depth, SMALL_PART * abs(state.depth))
     tracker.zone = correction.trial.zone
     tracker.steps += 1

@@ -1,8 +1,7 @@
 """Kinks of the fields: where the load had one or the edge turned, what it left has a jump, or one of slope.
 
 The closure has its breaks there. The path has a corner where the edge or an end of its zone comes to one of
-them. Most are slight, and passed over: the next steps are predicted by as many rows as lie behind. A step
-that fails by far is tried again as far as the first corner on its way.
+them. It is passed over: the next steps are predicted by as many rows as lie behind.
 
 Kinks fade, and what many old turns have left is then smooth. So at every new one the entries of the table are
 looked at two by two, and those joined that one polynomial replaces. A kink is what is still between entries.
@@ -11,7 +10,6 @@ The rows begin anew there, too: no step is predicted across the little that this
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -30,17 +28,8 @@ zones or as seen from the edge, for it is integrals over the fields that count. 
 takes so little at least to drive the edge by a zone."""
 
 
-def corner(state: State, zone: float, travel: float) -> float:
-    """Distance to the first place on the way of the edge where the path may have a corner; else NaN."""
-    at = np.add.outer((-zone, 0.0, zone) if zone else (0.0,), state.kinks).ravel()
-    ahead = at * np.sign(travel)
-    near = 1e-7 * zone if zone else 1e-9 * state.radius
-    within = at[(at > -state.radius) & (ahead > near) & (ahead < abs(travel))]
-    return float(within[np.abs(within).argmin()]) if len(within) else math.nan
-
-
 def faded(state: State, body: Body, zone: float, tolerance: float) -> State:
-    """The state with entries joined that have come to agree, and the kinks that are left."""
+    """The state with entries joined that have come to agree."""
     if state.radius == 0.0 or len(state.surface.held) < 2:
         return state
     size, relaxed = zone or 0.1 * state.radius, body.rheology.relaxed
@@ -50,9 +39,7 @@ def faded(state: State, body: Body, zone: float, tolerance: float) -> State:
     surface = state.surface
     for first in (0, 1):
         surface = _joined(surface, body, state.radius, first, size, allowed)
-    kinks = np.array(state.kinks).reshape(-1, 1)
-    left = np.abs(surface.edges - kinks).min(axis=1) <= 1e-9 * size
-    return replace(state, surface=surface, kinks=tuple(kinks[left, 0].tolist()))
+    return replace(state, surface=surface)
 
 
 def _joined(

@@ -26,8 +26,7 @@ class State:
 
     ``held``, ``held_squares``: ``int b_k dx`` and ``int b_k^2 dx`` over the contact; ``free_squares``: ``int
     e_j^2 dx`` over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
-    how deep what it covers still relaxes. ``kinks``: where the load had a kink or the edge turned, in
-    distances from the edge as in the table.
+    how deep what it covers still relaxes.
     """
 
     parameter: float
@@ -41,7 +40,6 @@ class State:
     held_squares: Array
     free_squares: Array
     layer: float = math.inf
-    kinks: tuple[float, ...] = ()
 
     def carried(self, body: Body, x: Array) -> tuple[Array, Array]:
         """``G`` at distances (m,) from the edge, and branch forces or unit strains there (m, n)."""

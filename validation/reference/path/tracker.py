@@ -53,7 +53,6 @@ class Kind(StrEnum):
     REJECTED = "rejected"
     END = "end of the leg"
     LEVEL = "level"
-    CORNER = "corner"
     TURN = "turn"
     DEPARTURE = "departure"
     TOWARDS = "towards a fold"
@@ -131,7 +130,6 @@ class Tracker:
     moving: bool = False
     direction: float = -1.0
     vertex: float = math.nan
-    corner: float = math.nan
     stuck_at: int = -1
     level: Level | None = None
     largest_force: float = 0.0
@@ -210,27 +208,20 @@ class Tracker:
         self.restart(way / np.hypot(*way), float(np.hypot(*way)))
         self.moving = True
 
-    def restart(self, tangent: Array | None = None, h: float | None = None, declare: bool = True) -> None:
+    def restart(self, tangent: Array | None = None, h: float | None = None) -> None:
         """A kink at the last row."""
         self.rows.restart()
         self.slopes = {}
         self.moving, self.vertex = tangent is not None and self.moving, math.nan
         self.tangent = np.array([1.0, 0.0]) if tangent is None else tangent
-        radius, zone = self.state.radius, self.law.zone
+        zone = self.law.zone
         if h is None:
             quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
             least = 0.0 if self.state.held.any() else SEEN_TIME
             h = max(h, least if self.leg.timed else 1e-4)
-        self.h, self.corner = h, math.nan
-        state = self.state
-        if declare:
-            self.travelled = 0.0
-            state = kinks.faded(state, self.body, zone, self.tolerance)
-        remembers = self.body.rheology.moduli.size > 0
-        if declare and remembers and all(abs(kink) > 1e-9 * (zone or radius) for kink in state.kinks):
-            state = replace(state, kinks=(*state.kinks, 0.0))
-        self.state = state
+        self.h, self.travelled = h, 0.0
+        self.state = kinks.faded(self.state, self.body, zone, self.tolerance)
 
     def turn_at(self, h: float) -> None:
         """The edge turns at the last row; the next step is ``h``, and the scales grow anew from there."""

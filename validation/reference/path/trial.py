@@ -366,7 +366,6 @@ class Trial:
             layer=rheology.shortest * self.speed(arrival)
             if self.direction > 0.0 and arrival.duration
             else state.layer,
-            kinks=tuple(kink - self.travel for kink in state.kinks),
         )
 
     def parameter(self, arrival: Arrival) -> float:
