@@ -6,10 +6,11 @@ over x,
 
     I = -1/(pi^2 da) int_0^da d(s) [ (pi/2) q(s)/sqrt(x y) + int_s^da q(s') dK/dx(s', s) ds' ] ds.
 
-The first term is ``K(y-da, y) = pi/(2 sqrt(y (y-da)))``; the second, of order ``da/a``, has a smooth kernel.
-That depends on radius, zone and points alone, and is a polynomial in both of degree 5, so that the inner
-integral is a running sum of moments of ``q``. The points are those of Gauss in panels between breaks: the
-ends of the zone, graded towards both, and where the table of passages has edges.
+The first term is ``K(y-da, y) = pi/(2 sqrt(y (y-da)))``; the second, of order ``da/a``, has a kernel that
+is smooth in the logarithms of the distances of ``x`` and ``y - da`` from the axis. So it is a series of
+Chebyshev in both, to 1e-10 with six terms and four more for each factor e that the zone reaches towards the
+axis, and the inner integral is a running sum of moments of ``q``. The points are those of Gauss in panels
+between breaks: the ends of the zone, graded towards both, and where the table of passages has edges.
 
 The length of a zone of fixed cohesive stress follows from the tension behind the edge. Over the zone that is
 of the sharp edge, ``sigma = (1/pi) int_r^inf q'(x)/sqrt(x^2 - r^2) dx``. Integrated over ``r`` from
@@ -26,8 +27,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from validation.reference.path.numerics import bracketed, gauss, powers
@@ -46,14 +49,11 @@ _GRADED = 2e-3 * 4.0 ** np.arange(4)
 """Breaks near the ends of a zone: a layer that relaxes behind a slow edge is an exponential of any thickness,
 which five points follow to 1e-6 over a ratio of 4 (of 10: 1e-4)."""
 BASE = np.unique(np.concatenate(([0.0, 0.5, 1.0], _GRADED, 1.0 - _GRADED)))
-NEAR_AXIS = 0.5
-"""Zone over radius from which on the kernel is no polynomial of degree 5 but taken point by point."""
 AXIS, WIDENING = 1e-9, 3.0
 """Least distance of a break from the axis, in radii, and ratio of the distances of the next ones."""
-_RING = np.cos(np.pi * (np.arange(24) + 0.5) / 24)
-ORDER = 6
-_KNOTS = 0.5 * (1.0 - np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER))
-_FROM_KNOTS = np.linalg.inv(powers(_KNOTS, ORDER - 1))
+TERMS, TERMS_A_FACTOR = 6, 4.0
+"""Terms of the series of the kernel."""
+_RING = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
 
 _EVEN = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-3
@@ -72,8 +72,8 @@ def points(breaks: Array) -> tuple[Array, Array]:
 class Closure:
     """The closure at a radius.
 
-    ``s``, ``weight`` (m,): points and weights from the inner end of the zone. ``moments`` (6, m): powers of
-    their places in it; ``within``: times the widths of their panels. ``kernel`` (6, 6); (m, m) near the axis.
+    ``s``, ``weight`` (m,): points and weights from the inner end of the zone. ``moments`` (l, m): polynomials
+    of their places; ``within``: times the widths of their panels, over x. ``kernel`` (l, l): its series.
     """
 
     zone: float
@@ -84,34 +84,26 @@ class Closure:
     within: Array
     kernel: Array
 
-    @property
-    def _pointwise(self) -> bool:
-        return self.kernel.shape != (ORDER, ORDER)
-
     def of_stresses(self, q: Array) -> Array:
         """What openings (m,) are to be multiplied with for the form, of stresses behind (c, m)."""
-        if self._pointwise:
-            return self.weight * (self.main * q + q @ self.kernel.T)
-        count = len(q)
+        order, count = len(self.kernel), len(q)
         parts = (self.within[:, None] * q).reshape(-1, COUNT) @ _RUNNING
-        parts = parts.reshape(ORDER * count, -1, COUNT + 1)
+        parts = parts.reshape(order * count, -1, COUNT + 1)
         totals = parts[:, :, COUNT]
         later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
-        rest = self.kernel @ (parts[:, :, :COUNT] + later[:, :, None]).reshape(ORDER, -1)
-        inner = (self.moments[:, None] * rest.reshape(ORDER, count, -1)).sum(axis=0)
+        rest = self.kernel @ (parts[:, :, :COUNT] + later[:, :, None]).reshape(order, -1)
+        inner = (self.moments[:, None] * rest.reshape(order, count, -1)).sum(axis=0)
         return self.weight * (self.main * q + inner)
 
     def of_openings(self, d: Array) -> Array:
         """What stresses (m,) are to be multiplied with, of openings ahead (c, m)."""
         opened = self.weight * d
-        if self._pointwise:
-            return self.main * opened + opened @ self.kernel
-        count = len(d)
+        order, count = len(self.kernel), len(d)
         parts = ((self.kernel.T @ self.moments)[:, None] * opened).reshape(-1, COUNT) @ _BEFORE
-        parts = parts.reshape(ORDER * count, -1, COUNT + 1)
+        parts = parts.reshape(order * count, -1, COUNT + 1)
         totals = parts[:, :, COUNT]
         earlier = totals.cumsum(axis=1) - totals
-        before = (parts[:, :, :COUNT] + earlier[:, :, None] * WEIGHTS).reshape(ORDER, count, -1)
+        before = (parts[:, :, :COUNT] + earlier[:, :, None] * WEIGHTS).reshape(order, count, -1)
         return self.main * opened + (self.within[:, None] * before).sum(axis=0)
 
     def integral(self, product: float, stress: float, opening: float) -> float:
@@ -130,39 +122,41 @@ class Closure:
 
 def closure(radius: float, zone: float, breaks: Array) -> Closure:
     """The closure at a radius, by Gauss in panels between breaks, no wider than they are off the axis."""
-    start = radius - zone
-    near = zone > NEAR_AXIS * radius
-    if near:
-        levels = np.arange(1, int(math.log(radius / max(start, AXIS * radius)) / math.log(WIDENING)) + 1)
-        graded = max(start, AXIS * radius) * WIDENING**levels - start
-        breaks = np.union1d(breaks, graded[graded < zone])
+    start = max(radius - zone, AXIS * radius)
+    levels = np.arange(1, int(math.log(radius / start) / math.log(WIDENING)) + 1)
+    graded = start * (WIDENING**levels - 1.0)
+    breaks = np.union1d(breaks, graded[graded < zone]) if len(levels) else breaks
     s, weight = points(breaks)
     x, y = radius - zone + s, radius + s
     width = (breaks[1:] - breaks[:-1]).repeat(COUNT)
     main = 0.5 * math.pi / np.sqrt(x * y)
-    if near:
-        m = len(s)
-        panel = np.arange(m) // COUNT
-        matrix = np.where(panel[:, None] < panel, weight, 0.0)
-        for first, h in zip(range(0, m, COUNT), width[::COUNT].tolist(), strict=True):
-            matrix[first : first + COUNT, first : first + COUNT] = h * _REST
-        row, column = matrix.nonzero()
-        matrix[row, column] *= _kernel_slopes(x[column], (y - zone)[row], zone)
-        return Closure(zone, s, weight, main, s[None, :], s[None, :], matrix)
-    moments = np.ones((ORDER, len(s)))
-    np.multiply.accumulate(np.broadcast_to(s / zone, (ORDER - 1, len(s))), axis=0, out=moments[1:])
-    kernel = kernel_slope(radius - zone, zone).T
-    return Closure(zone, s, weight, main, moments, moments * width, kernel)
+    place = np.log1p((s - s[0]) / x[0])
+    reach = float(place[-1])
+    order = TERMS + int(TERMS_A_FACTOR * reach)
+    moments = _polynomials(2.0 * place / reach - 1.0, order)
+    return Closure(
+        zone, s, weight, main, moments, moments * (width / x), kernel_slope(x[0], reach, zone, order)
+    )
 
 
-def kernel_slope(start: float, zone: float) -> Array:
-    """``dK/dx`` as coefficients of ``u^p v^q``; ``x = start + zone u``, ``y - zone = start + zone v``.
+def kernel_slope(start: float, reach: float, zone: float, order: int) -> Array:
+    """``x dK/dx`` as a series (order, order) in the places of ``y - zone`` and ``x``."""
+    knots, series = _series(order)
+    at = start * np.exp(0.5 * reach * (1.0 + knots))
+    return np.asarray(series @ (at * _kernel_slopes(at, at[:, None], zone)) @ series.T)
 
-    ``a^2 dK/dx`` depends on ``zone/a`` alone (``a = start + zone``): a Chebyshev series, made once.
-    """
-    a = start + zone
-    series = np.cos(_TERMS * math.acos(min(2.0 * zone / (a * NEAR_AXIS) - 1.0, 1.0)))
-    return np.asarray((series @ _TABLE).reshape(ORDER, ORDER) / (a * a))
+
+def _polynomials(x: Array, order: int) -> Array:
+    return np.asarray(chebvander(x, order - 1).T, float)
+
+
+@cache
+def _series(order: int) -> tuple[Array, Array]:
+    """Chebyshev's knots, and what makes of values there the coefficients of a series."""
+    knots = np.cos(np.pi * (np.arange(order) + 0.5) / order)
+    series = 2.0 / order * _polynomials(knots, order)
+    series[0] *= 0.5
+    return knots, series
 
 
 def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:
@@ -218,17 +212,3 @@ def zone_length(
     if lack(high) >= 0.0:
         return high * high
     return bracketed(lack, low, high) ** 2
-
-
-_TERMS = np.arange(32)
-_ANGLES = np.pi * (_TERMS + 0.5) / len(_TERMS)
-
-
-def _at_knots(zone: float) -> Array:
-    """Coefficients at one ratio of zone and radius."""
-    at = 1.0 - zone + zone * _KNOTS
-    return np.asarray((_FROM_KNOTS @ _kernel_slopes(at[:, None], at, zone) @ _FROM_KNOTS.T).ravel())
-
-
-_TABLE = (2.0 - (_TERMS[:, None] == 0)) / len(_TERMS) * np.cos(np.outer(_TERMS, _ANGLES))
-_TABLE = _TABLE @ np.array([_at_knots(z) for z in 0.5 * NEAR_AXIS * (np.cos(_ANGLES) + 1.0)])
