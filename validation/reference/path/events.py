@@ -269,22 +269,14 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
         filled = trial.cohesive and trial.zone > FILLED * trial.radius
         return math.nan if filled else value  # no contact is followed there
 
-    def goes_between(first: float, last: float) -> bool:
-        at = bracketed(residual, first, last, 1e-14 * a)
-        residual(at)
-        trial, arrival = ends[at]
-        accept(tracker, Correction(trial, arrival, 0.0, abs(at) / tracker.L))
-        tracker.restart()
-        return False
-
-    near = way * (max(0.05 * zone, 1e-3 * a) if at_fold else 1e-3 * (zone or a))
-    before = near, residual(near) if a + near > least else math.nan
+    if at_fold:
+        first = way * max(0.05 * zone, 1e-3 * a)
+    else:  # what a row has left of the residual may drive the edge either way
+        sides = way * tracker.still, -way * tracker.still
+        first = next((side for side in sides if residual(side) * side < 0.0), sides[0])
+        way = math.copysign(1.0, first)
+    before = first, residual(first) if a + first > least else math.nan
     if before[1] * way > 0.0:
-        here = tracker.still  # what a row has left of the residual may drive the edge off
-        for side in (-here, here) if not at_fold else ():
-            beyond = math.copysign(near, side)
-            if residual(side) * side < 0.0 < residual(beyond) * side:
-                return goes_between(side, beyond)
         if tracker.stuck_at == tracker.steps:
             return True
         tracker.stuck_at = tracker.steps
@@ -294,9 +286,14 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
         if way < 0.0
         else a * (np.geomspace(1.0, LARGEST_JUMP, 129)[1:] - 1.0)
     )
-    for travel in travels[way * (travels - near) > 0.0].tolist():
+    for travel in travels[way * (travels - first) > 0.0].tolist():
         value = residual(travel)
         if before[1] * way < 0.0 <= value * way:
-            return goes_between(before[0], travel)
+            at = bracketed(residual, before[0], travel, 1e-14 * a)
+            residual(at)
+            trial, arrival = ends[at]
+            accept(tracker, Correction(trial, arrival, 0.0, abs(at) / tracker.L))
+            tracker.restart()
+            return False
         before = travel, value
     return True

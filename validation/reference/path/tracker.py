@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from validation.reference.path import kinks
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import pressed_radius, start_state, touching_radius
-from validation.reference.path.numerics import DEGREE
+from validation.reference.path.numerics import DEGREE, bracketed
 from validation.reference.path.path import Leg, Rows
 from validation.reference.path.rheology import Body
 from validation.reference.path.state import State
@@ -199,8 +199,11 @@ class Tracker:
         load = depth = self.body.shape(a)
         if leg.control == "force":
             load = 2.0 * self.body.rheology.glassy * (a * depth - self.body.transform.integral(a))
-        change = abs(leg.value(leg.end) - leg.value(leg.start)) or load
-        p = (leg.end - leg.start) * min(load / change, 1.0)
+        whole, start = leg.end - leg.start, leg.value(leg.start)
+        change = leg.value(leg.end) - start
+        p = whole * min(load / (abs(change) or load), 1.0)
+        if change > load:
+            p = bracketed(lambda at: leg.value(leg.start + at) - start - load, 0.0, whole)
         elastic = min(self.T_leg, self.body.rheology.shortest)
         self.T_first, self.L = max(2.0 * p, elastic, 1e-300) if leg.timed else SMALL_PART, a
         self.T, self.lasted = self.T_first, 0.0
