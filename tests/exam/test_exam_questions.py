@@ -102,7 +102,7 @@ def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
     assert main(["judge", str(tmp_path), "--out", str(tmp_path / "report"), "--jobs", "1"]) == 0
     assert "1 verdict on answers: all passed" in capsys.readouterr().out
     data = json.loads((tmp_path / "report" / "exam.json").read_text())
-    assert [one["verdicts"][0]["verdict"] for one in data["scenes"]] == ["passed at 1e-5", "no answer"]
+    assert [one["verdicts"][0]["verdict"] for one in data["scenes"]] == ["passed at 1e-6", "no answer"]
     assert main(["exam", "answer", str(tmp_path), "--solvers", "reference", "--resolution", "4"]) == 0
     written = tmp_path / "answers" / "reference-4" / SCENE / "trace.csv"
     assert main(["exam", "reproduce", str(written)]) == 0

@@ -47,7 +47,7 @@ def test_loss_of_contact_from_a_soft_spring_is_timed_by_its_approach_to_the_limi
     case = load("spring-relaxed-si")
     assert case.scene.adhesion is not None
     scene = replace(case.scene, adhesion=Adhesion(case.scene.adhesion.work, 1.07536e-5))
-    trace = solve(scene, Options(resolution=8))
+    trace = solve(scene)
     assert trace.time[-1] == pytest.approx(FINE_DETACHMENT, rel=1.1e-5)
     assert trace.external_work[-1] == pytest.approx(FINE_LOOP, rel=4e-5)
 

@@ -101,7 +101,7 @@ def test_collapse_of_a_rated_edge_within_the_rounding_of_time() -> None:
     at_once = np.flatnonzero(np.diff(trace.time) == 0.0)
     assert at_once[-1] == trace.time.size - 2
     assert trace.contact_radius[at_once[0]] > 0.04 * trace.contact_radius.max()
-    assert trace.counters.rejected_steps < 50  # it rejected a thousand and went on
+    assert trace.counters.rejected_steps < 500  # it rejected a thousand and went on
 
 
 @pytest.mark.slow

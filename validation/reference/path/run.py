@@ -289,12 +289,13 @@ class Run:
                 self._end(OutcomeKind.BREAKDOWN, reason)
 
     def _lose_contact(self, leg: Leg) -> None:
-        """Contact ends here; the last row is the free surface, unless a force takes the indenter further."""
+        """Contact ends here; the last row is the free surface, unless a force takes the indenter far from it."""
         state = self.tracker.state
         self.recorder.lost(self.scene.ends_in_a_point, events.SAME_FOLD * self.tolerance * self.tracker.L)
         self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
-        if state.radius > 0.0 and leg.control != "force":
-            self.recorder.free(state, state.depth + self.scene.loading.compliance * state.force)
+        held, point = leg.control != "force", self.scene.ends_in_a_point
+        if state.radius > 0.0 and (held or point):
+            self.recorder.free(state, state.depth + held * self.scene.loading.compliance * state.force)
 
     def _end(self, kind: OutcomeKind, reason: str) -> None:
         self.outcome = Outcome(kind, reason, float(self.tracker.state.time))
