@@ -127,7 +127,7 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
     graded = start * (WIDENING**levels - 1.0)
     breaks = np.union1d(breaks, graded[graded < zone]) if len(levels) else breaks
     s, weight = points(breaks)
-    x, y = radius - zone + s, radius + s
+    x, y = max(radius - zone, 0.0) + s, radius + s
     width = (breaks[1:] - breaks[:-1]).repeat(COUNT)
     main = 0.5 * math.pi / np.sqrt(x * y)
     place = np.log1p((s - s[0]) / x[0])

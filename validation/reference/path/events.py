@@ -273,7 +273,7 @@ def lost(tracker: Tracker, at_fold: bool) -> bool:
         first = way * max(0.05 * zone, 1e-3 * a)
     else:  # what a row has left of the residual may drive the edge either way
         sides = way * tracker.still, -way * tracker.still
-        first = next((side for side in sides if residual(side) * side < 0.0), sides[0])
+        first = next((side for side in sides if a + side > least and residual(side) * side < 0.0), sides[0])
         way = math.copysign(1.0, first)
     before = first, residual(first) if a + first > least else math.nan
     if before[1] * way > 0.0:

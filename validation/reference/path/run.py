@@ -289,7 +289,7 @@ class Run:
                 self._end(OutcomeKind.BREAKDOWN, reason)
 
     def _lose_contact(self, leg: Leg) -> None:
-        """Contact ends here; the last row is the free surface, unless a force takes the indenter far from it."""
+        """Contact ends here; the last row is the free surface, unless a force takes the indenter off."""
         state = self.tracker.state
         self.recorder.lost(self.scene.ends_in_a_point, events.SAME_FOLD * self.tolerance * self.tracker.L)
         self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
