@@ -78,6 +78,8 @@ DRAWN = {
     "short-zones:306": (OutcomeKind.COMPLETED, 0.09641103255, 0.1736204712, 0.6123592674, 5.31348063e-3),
     # a short zone comes back to where the contact began: all happens within it
     "short-zones:307": (OutcomeKind.DETACHED, 0.001177622501, 0.00706773315, 0.2369970028, 7.68543001e-06),
+    # the pull-off is a ten-thousandth of the force at the start
+    "usual:679": (OutcomeKind.DETACHED, 0.001347929578, 5.825900951, 0.0006621861703, -0.000544867142),
 }
 """Random scenes: outcome, pull-off, time at which contact is lost, largest radius, work until then.
 

@@ -230,7 +230,8 @@ class Recorder:
         ends = np.array([coefficients[1], np.arange(len(coefficients)) @ coefficients])
         if ends[:, TIME].min() < 0.0:  # rounding of a shortest step, or past a limit point
             return found
-        for column, largest in ((DEPTH, self.scales.depth), (FORCE, self.scales.force)):
+        force = max(abs(trial.state.force), abs(trial.force_at(arrival)))
+        for column, largest in ((DEPTH, self.scales.depth), (FORCE, force)):
             first, last = ends[:, column]
             errors = self.allowed * largest if trial.leg.free or column == FORCE else 0.0
             if first * last >= 0.0 or max(abs(first), abs(last)) < errors:
