@@ -26,8 +26,6 @@ MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
 AFTER_TURN = 0.1
 """First step after a turn, in the step before."""
-AT_TURN = 0.3
-"""Speed at a turn foreseen, in that at the start of the step, above which it is none."""
 AHEAD = 1.5
 """How far beyond a step, in its way, a turn or fold is looked for."""
 SAME_FOLD = 0.1
@@ -178,10 +176,7 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
         planned.event = Kind.END  # an event that rounds onto it
     match planned.event:
         case Kind.TURN:
-            if _has_come_to_rest(correction):
-                tracker.turn_at(AFTER_TURN * h)
-            else:
-                planned.event = Kind.NONE
+            tracker.turn_at(AFTER_TURN * h)
         case Kind.DEPARTURE:
             if tracker.state.radius == 0.0:
                 tracker.touch()
@@ -205,12 +200,6 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
             tracker.h = h
         case _:
             pass
-
-
-def _has_come_to_rest(correction: Correction) -> bool:
-    """Whether the edge is as slow at the end of a step as a turn was foreseen to make it."""
-    way = correction.trial.segment.way
-    return abs(float(way @ np.arange(len(way)))) <= AT_TURN * abs(float(way[1]))
 
 
 def accept(tracker: Tracker, correction: Correction) -> None:

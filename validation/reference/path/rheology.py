@@ -63,14 +63,6 @@ class Rheology:
         """``q`` at points in contact."""
         return self.relaxed * strain + total(branches)
 
-    def stored_in_contact(self, branches: Array, strain: Array) -> Array:
-        """Energy density ``E0* w^2/2 + sum b_k^2/(2 E_k)``."""
-        return 0.5 * (self.relaxed * strain**2 + branches**2 @ (1.0 / self.moduli))
-
-    def stored_outside(self, units: Array) -> Array:
-        """Energy density ``sum e_j^2/(2 J_j)`` of free points: the same energy, other representation."""
-        return 0.5 * (units**2 @ (1.0 / self.compliances))
-
 
 @dataclass(frozen=True)
 class Body:
