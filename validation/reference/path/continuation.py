@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from validation.reference.path import events
 from validation.reference.path.numerics import DEGREE, bracketed
@@ -52,9 +52,9 @@ UNFORESEEN = 1e-2
 """Longest first step after a kink, whichever way the path then goes."""
 
 
-def on_ladder(ratio: ArrayLike) -> Array:
-    """The next lower powers of the ratio of rungs."""
-    return np.asarray(RUNG ** np.floor(np.log(ratio) / math.log(RUNG)))
+def on_ladder(ratio: float) -> float:
+    """The next lower power of the ratio of rungs."""
+    return float(RUNG ** math.floor(math.log(ratio) / math.log(RUNG)))
 
 
 class Continuation(Tracker):
@@ -84,7 +84,7 @@ class Continuation(Tracker):
         events.finish(self, plan, correction)
         self.rows.order = min(len(self.rows), order)
         if plan.event is Kind.NONE:
-            self.h = (correction.s if first else plan.h) * max(LEAST_GROWTH, growth)
+            self.h = (correction.s if first else plan.h) * on_ladder(max(LEAST_GROWTH, growth))
         return plan.event
 
     def _allowed(self, plan: Plan) -> float:
@@ -123,7 +123,7 @@ class Continuation(Tracker):
         """
 
         def growth(off: Array, rows: Array) -> Array:
-            return on_ladder(np.minimum(np.maximum(off, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH))
+            return np.minimum(np.maximum(off, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH)
 
         known, off = len(self.rows), np.array([error])
         if plan.fixed is not Fixed.REST and known > 1:
@@ -163,7 +163,7 @@ class Continuation(Tracker):
                 off = self._errors(plan, correction)[1:]
                 if off.min() < error:
                     error, self.rows.order = float(off.min()), 2 + int(off.argmin())
-            share = float(on_ladder(min(max(error ** (-1.0 / 3.0), 0.1), 0.8)))
+            share = on_ladder(min(max(error ** (-1.0 / 3.0), 0.1), 0.8))
         self.h = plan.h * share
         self.slopes = {}
         if self.h < SMALLEST_STEP or self.fails > 40:
