@@ -31,6 +31,8 @@ LARGEST_GROWTH, LEAST_GROWTH = 3.0, 0.3
 """Ratio of successive steps."""
 RUNG = 2.0**0.25
 """Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
+ALIKE = 0.99
+"""Ratio of two steps that are the same: rounding does not choose between the orders that promise them."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
 UNSEEN = 0.25
@@ -129,7 +131,7 @@ class Continuation(Tracker):
         if plan.fixed is not Fixed.REST and known > 1:
             off = self._errors(plan, correction)
             each = growth(off, np.arange(1.0, known + 1.0))
-            best = known - int(each[:0:-1].argmax())
+            best = known - int((each[:0:-1] > ALIKE * each[1:].max()).argmax())
             if best < known:
                 return best, float(each[best - 1])
         rows = min(known + 1, self.rows.kept)
