@@ -255,7 +255,8 @@ def test_other_controls_agree_with_a_finer_run(
 
 @cache
 def _profiles(scene: Scene, *times: float) -> dict[float, SurfaceProfile]:
-    found = {profile.time: profile for profile in solve(scene, Options(profile_times=(*times, 1e9))).profiles}
+    trace = solve(scene, Options(resolution=32, profile_times=(*times, 1e9)))
+    found = {profile.time: profile for profile in trace.profiles}
     assert set(found) == set(times)
     return found
 
