@@ -147,6 +147,7 @@ def kernel_slope(start: float, reach: float, zone: float, order: int) -> Array:
 
 
 def _polynomials(x: Array, order: int) -> Array:
+    """Chebyshev's, (order, m)."""
     return np.asarray(chebvander(x, order - 1).T, float)
 
 

@@ -99,9 +99,10 @@ def course(
     ends[0] = _slopes(body, law, trial.state, stress[0], *(float(change[1]) for change in changes))
     arriving = (float(change @ np.arange(len(change))) for change in changes)
     ends[1] = _slopes(body, law, after, stress[-1], *arriving)
+    rated = law.rated and trial.direction < 0.0
     if trial.passed is not None:
         end[2] += trial.direction * float(trial.passed.sweep.weight @ stress**2) / body.rheology.glassy
-        end[3] += _separation(law, trial, arrival)
+        end[3] += _separation_at_speed(law, trial, arrival) if rated else 0.0
     coefficients = np.zeros((_SIZE, STRESS))
     for column, change in ((TIME, clock), (DEPTH, depth), (RADIUS, way)):
         coefficients[: len(change), column] = change
@@ -116,11 +117,11 @@ def course(
         ends = np.where(layer, parabola, ends)
     smooth = _smooth(first[_SMOOTH], end, ends, before and (before[0], before[1][_SMOOTH]))
     coefficients[: len(smooth), _SMOOTH] = smooth
-    if not law.rated or trial.direction > 0.0:
-        spent = -_taken_up(law, 0.0, trial.direction > 0.0, 0.0) * _area(trial.state.radius, way)
-        spent[0] = first[SEPARATION]
+    if not rated:
+        spent = _separation(law, trial)
         coefficients[:, SEPARATION] = 0.0
         coefficients[: len(spent), SEPARATION] = spent
+        coefficients[0, SEPARATION] = first[SEPARATION]
     if trial.leg.control == "force" and trial.leg.timed:
         coefficients[: COLLOCATION + 1, FORCE] = through_nodes(trial.leg.value, trial.state.time, clock)
     force, depth = coefficients[: COLLOCATION + 1, [FORCE, DEPTH]].T
@@ -168,19 +169,17 @@ def _taken_up(law: EdgeLaw, speed: float, closes: bool, released: float) -> floa
     return taken if math.isfinite(taken) else released
 
 
-def _area(radius: float, way: Array) -> Array:
-    """Coefficients of the area that an edge covers on its way from a radius."""
-    covered = np.convolve(way, way)
-    covered[: len(way)] += 2.0 * radius * way
-    return np.asarray(math.pi * covered)
+def _separation(law: EdgeLaw, trial: Trial) -> Array:
+    """Coefficients of ``-int w dA`` along a step, where the energy per area does not depend on the speed."""
+    way = trial.segment.way
+    area = np.convolve(way, way)
+    area[: len(way)] += 2.0 * trial.state.radius * way
+    return np.asarray(-_taken_up(law, 0.0, trial.direction > 0.0, 0.0) * math.pi * area)
 
 
-def _separation(law: EdgeLaw, trial: Trial, arrival: Arrival) -> float:
-    """``-int w dA`` over a step."""
+def _separation_at_speed(law: EdgeLaw, trial: Trial, arrival: Arrival) -> float:
+    """``-int w dA`` over a step of an opening edge with a rate law."""
     way, clock = trial.segment.way, arrival.motion.clock
-    if not law.rated or trial.direction > 0.0:
-        area = math.pi * (trial.radius**2 - trial.state.radius**2)
-        return -_taken_up(law, 0.0, trial.direction > 0.0, 0.0) * area
     travel, time = horner(derivative(way), _POINTS), horner(derivative(clock), _POINTS)
     radius = trial.state.radius + horner(way, _POINTS)
     speeds = np.divide(-travel, time, out=np.full_like(time, math.inf), where=time > 0.0)

@@ -293,9 +293,10 @@ class Run:
         state = self.tracker.state
         self.recorder.lost(self.scene.ends_in_a_point, events.SAME_FOLD * self.tolerance * self.tracker.L)
         self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
-        held, point = leg.control != "force", self.scene.ends_in_a_point
-        if state.radius > 0.0 and (held or point):
-            self.recorder.free(state, state.depth + held * self.scene.loading.compliance * state.force)
+        held = leg.control != "force"
+        if state.radius > 0.0 and (held or self.scene.ends_in_a_point):
+            springs_back = self.scene.loading.compliance * state.force if held else 0.0
+            self.recorder.free(state, state.depth + springs_back)
 
     def _end(self, kind: OutcomeKind, reason: str) -> None:
         self.outcome = Outcome(kind, reason, float(self.tracker.state.time))
