@@ -50,7 +50,7 @@ def _run(speed: float, resolution: int | None = None, material: str = "one") -> 
 def _with_branch_power(material: str) -> tuple[Trace, list[tuple[float, float]]]:
     """The finer run of a cycle, and what the branches dissipate at every row, from the fields."""
     power: list[tuple[float, float]] = []
-    accepted = solver.Run._accepted
+    accepted = solver.PathRun._accepted
 
     def add_power(run, trial, arrival, state, s):  # type: ignore[no-untyped-def]
         rheology = run.recorder.body.rheology
@@ -60,7 +60,7 @@ def _with_branch_power(material: str) -> tuple[Trace, list[tuple[float, float]]]
         accepted(run, trial, arrival, state, s)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solver.Run, "_accepted", add_power)
+        patch.setattr(solver.PathRun, "_accepted", add_power)
         return solve(cycle(0.02, material), Options(resolution=128)), power
 
 

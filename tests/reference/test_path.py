@@ -23,8 +23,8 @@ from contact_scene import (
 )
 from validation.cases import load
 from validation.reference.path.fields import NODES, WEIGHTS
-from validation.reference.path.path import Segment
-from validation.reference.path.run import Run
+from validation.reference.path.path import PathSegment
+from validation.reference.path.run import PathRun
 from validation.reference.path.solver import DEFAULT_TOLERANCE, Options, solve
 from validation.reference.path.trial import Trial
 
@@ -35,7 +35,7 @@ from validation.reference.path.trial import Trial
 )
 def test_an_accepted_row_satisfies_the_next_step(name, near, monkeypatch):
     """The residual does not change when fields come from the table: else it is noise that steps shrink by."""
-    run, worst, record = Run(scene_of(name), DEFAULT_TOLERANCE), [], Run._accepted
+    run, worst, record = PathRun(scene_of(name), DEFAULT_TOLERANCE), [], PathRun._accepted
 
     def checked(run, trial, arrival, state, s):
         record(run, trial, arrival, state, s)
@@ -45,12 +45,12 @@ def test_an_accepted_row_satisfies_the_next_step(name, near, monkeypatch):
         way, basis = np.zeros(5), np.zeros(5)
         travel = trial.direction * 1e-9 * tracker.law.zone
         way[1], basis[1] = travel, 1.0
-        segment = Segment(travel, way, 0.0 * way, 0.0 * way, basis)
+        segment = PathSegment(travel, way, 0.0 * way, 0.0 * way, basis)
         again = Trial(tracker.body, state, tracker.leg, segment, tracker.law.zone)
         before = tracker.law.residual(trial, arrival, False)
         worst.append(tracker.law.residual(again, again.arrive(0.0), False) - before)
 
-    monkeypatch.setattr(Run, "_accepted", checked)
+    monkeypatch.setattr(PathRun, "_accepted", checked)
     run.run()
     assert np.quantile(np.abs(worst), 0.95) < near
 
@@ -128,7 +128,7 @@ def _cycles(count):
 )
 def test_the_force_is_that_of_the_surface(scene, near, monkeypatch):
     """Sums over the contact, step by step, against the table of passages, also where entries are joined."""
-    worst, record = [], Run._accepted
+    worst, record = [], PathRun._accepted
 
     def checked(run, trial, arrival, state, s):
         record(run, trial, arrival, state, s)
@@ -141,7 +141,7 @@ def test_the_force_is_that_of_the_surface(scene, near, monkeypatch):
         q = trial.body.rheology.stress(*state.in_contact(trial.body, x))
         worst.append(2.0 * (width[:, None] * WEIGHTS).ravel() @ q - state.force)
 
-    monkeypatch.setattr(Run, "_accepted", checked)
+    monkeypatch.setattr(PathRun, "_accepted", checked)
     trace = solve(scene)
     assert np.abs(worst).max() < near * trace.force.max()
 
@@ -242,7 +242,7 @@ def test_an_edge_without_adhesion_rests_where_it_is_pressed_behind_and_open_ahea
 
 
 def test_what_earlier_turns_left_is_joined_where_it_has_become_smooth():
-    run = Run(_cycles(6), DEFAULT_TOLERANCE)
+    run = PathRun(_cycles(6), DEFAULT_TOLERANCE)
     run.run()
     assert len(run.tracker.state.surface.held) < run.tracker.steps / 4  # half of them without
 

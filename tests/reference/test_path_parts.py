@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
 from validation.reference.path.closure import closure
-from validation.reference.path.memory import PATH_AT_NODES, Ramp, collocation
+from validation.reference.path.memory import PATH_AT_NODES, ConstantRate, collocation
 from validation.reference.path.numerics import bracketed, dip, inverse
 from validation.reference.path.rheology import rheology
 from validation.reference.path.solver import estimated_errors
@@ -161,7 +161,7 @@ def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> N
 @pytest.mark.parametrize("time", [1e-6, 0.03, 1.0, 1e4])
 def test_memory_by_collocation_is_that_of_a_ramp(time: float) -> None:
     times, moduli, clock = np.array([time]), np.array([0.3]), np.array([0.0, 0.5, 0.4, 0.1, 0.0])
-    exact = Ramp(times, clock, moduli, 0.1, 0.7).end
+    exact = ConstantRate(times, clock, moduli, 0.1, 0.7).end
     end = collocation(times, clock, moduli, 0.1, 0.7 * (PATH_AT_NODES @ clock), np.zeros(9)).motion().end
     assert end[1] == pytest.approx(exact[1], rel=1e-12)
     assert end[0][0] == pytest.approx(exact[0][0], rel=1e-6, abs=1e-7)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from validation.reference.path import events
 from validation.reference.path.numerics import DEGREE, bracketed
-from validation.reference.path.tracker import RESIDUAL, Correction, Fixed, Kind, Plan, Tracker
+from validation.reference.path.tracker import RESIDUAL, Correction, Ending, Fixed, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def on_ladder(ratio: float) -> float:
 class Continuation(Tracker):
     """A run that goes on along its path."""
 
-    def step(self) -> Kind:
+    def step(self) -> Ending:
         """One attempt; what it came to."""
         self.rescale()
         plan = events.plan(self)
@@ -85,7 +85,7 @@ class Continuation(Tracker):
         order, growth = self._order(plan, correction, error)
         events.finish(self, plan, correction)
         self.rows.order = min(len(self.rows), order)
-        if plan.event is Kind.NONE:
+        if plan.event is Ending.NONE:
             self.h = (correction.s if first else plan.h) * on_ladder(max(LEAST_GROWTH, growth))
         return plan.event
 
@@ -104,7 +104,7 @@ class Continuation(Tracker):
     def _falls(self, plan: Plan, correction: Correction) -> bool:
         """Whether a step ends beyond a limit point that was not foreseen."""
         trial = correction.trial
-        if plan.fixed is not Fixed.RADIUS or plan.event in (Kind.FOLD, Kind.END):
+        if plan.fixed is not Fixed.RADIUS or plan.event in (Ending.FOLD, Ending.END):
             return False
         rise = trial.segment.parameter + correction.arrival.rise * trial.segment.basis
         return float(rise @ np.arange(len(rise))) < 0.0 and (self.law.zone > 0.0 or trial.direction > 0.0)
@@ -152,7 +152,7 @@ class Continuation(Tracker):
         load = F - along * plan.tangent[3] / scales[3]
         return np.asarray(np.sqrt(across**2 + depth**2 + load**2) / self._allowed(plan))
 
-    def _reject(self, plan: Plan, correction: Correction | None, error: float) -> Kind:
+    def _reject(self, plan: Plan, correction: Correction | None, error: float) -> Ending:
         """Try a shorter step; where none is short enough, look what became of the contact.
 
         It has come to a bend of the path, beyond which it is mispredicted by the square of the way.
@@ -171,8 +171,8 @@ class Continuation(Tracker):
         if self.h < SMALLEST_STEP or self.fails > 40:
             self.fails = 0
             known = self.tolerance * self.state.radius
-            return Kind.FOLD if self.moving and events.runs_away(self, known) else Kind.LOST
-        return Kind.REJECTED
+            return Ending.FOLD if self.moving and events.runs_away(self, known) else Ending.LOST
+        return Ending.REJECTED
 
     def _correct(self, plan: Plan) -> Correction | None:
         if plan.fixed is Fixed.RADIUS:
@@ -218,7 +218,7 @@ class Continuation(Tracker):
         far = abs(arrival.rise - p) > 10.0 * plan.h * self.T
         left = self.leg.end - self.state.parameter
         if new and arrival.rise > left:  # the leg ends before
-            plan.event, plan.z[1] = Kind.END, plan.z[1] * left / arrival.rise
+            plan.event, plan.z[1] = Ending.END, plan.z[1] * left / arrival.rise
             return self._at_load(plan)
         if (far and not new) or arrival.rise > left + 1e-12 * self.leg.end:
             return None
@@ -240,7 +240,7 @@ class Continuation(Tracker):
 
     def _load(self, plan: Plan) -> float:
         """The rise that a step is to end at: exactly that at the end of a leg."""
-        return self.leg.end - self.state.parameter if plan.event is Kind.END else plan.z[0] * self.T
+        return self.leg.end - self.state.parameter if plan.event is Ending.END else plan.z[0] * self.T
 
     def _at_load(self, plan: Plan) -> Correction | None:
         """The radius at which the edge is at the predicted load."""
@@ -301,8 +301,8 @@ class Continuation(Tracker):
                 p = events.departure(lambda at: pull(at)[0], end, 1e-13 * self.T)
                 trial = self.trial(0.0, self.chord(p, 0.0))
             arrival = trial.arrive(p)
-            plan.event = Kind.DEPARTURE
-        error = 0.0 if plan.event is Kind.DEPARTURE else self.mispredicted(plan, trial, arrival)
+            plan.event = Ending.DEPARTURE
+        error = 0.0 if plan.event is Ending.DEPARTURE else self.mispredicted(plan, trial, arrival)
         return Correction(trial, arrival, error, self.chord(p, 0.0))
 
     def _sets_off(self, p: float, pull: float) -> bool:
@@ -319,8 +319,8 @@ class Continuation(Tracker):
         pulled = self.law.pulls(trial, arrival, not self.leg.timed, -self.noise)
         if p <= 0.0 or pulled != 0.0:
             return None
-        if plan.event is Kind.NONE:
-            plan.event = Kind.TURN
+        if plan.event is Ending.NONE:
+            plan.event = Ending.TURN
         return Correction(trial, arrival, self.mispredicted(plan, trial, arrival), self.chord(p, 0.0))
 
     def _secants(

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path.numerics import bracketed
-from validation.reference.path.tracker import FIRST_STEP, SMALL_PART, Correction, Fixed, Kind, Plan, Tracker
+from validation.reference.path.tracker import FIRST_STEP, SMALL_PART, Correction, Ending, Fixed, Plan, Tracker
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
@@ -46,14 +46,14 @@ def to_level(tracker: Tracker, planned: Plan, correction: Correction) -> Correct
     """The step cut where the path comes to the level, or its zone fills the contact."""
     level = tracker.level if tracker.leg.timed else None
 
-    def excess(trial: Trial, arrival: Arrival) -> tuple[float, Kind]:
-        found = [(-math.inf, Kind.NONE)]
+    def excess(trial: Trial, arrival: Arrival) -> tuple[float, Ending]:
+        found = [(-math.inf, Ending.NONE)]
         if level is not None:
             force = trial.force_at(arrival)
-            found.append((level(arrival.depth, force, trial.radius), Kind.LEVEL))
+            found.append((level(arrival.depth, force, trial.radius), Ending.LEVEL))
         if trial.cohesive:
             zone = trial.zone_at_stress(arrival.motion)
-            found.append((zone / trial.radius - FILLED, Kind.LEAST))
+            found.append((zone / trial.radius - FILLED, Ending.LEAST))
         return max(found)
 
     if excess(correction.trial, correction.arrival)[0] < 0.0:
@@ -93,7 +93,7 @@ def plan(tracker: Tracker) -> Plan:
     def slope(h: float) -> Array:
         return h ** orders[:-1] @ (orders[1:, None] * coefficients[1:])
 
-    def made(h: float, event: Kind = Kind.NONE, fixed: Fixed | None = None) -> Plan:
+    def made(h: float, event: Ending = Ending.NONE, fixed: Fixed | None = None) -> Plan:
         there, tangent = place(h), slope(h)
         tangent = tangent / np.hypot(*tangent[:2])
         if fixed is None:
@@ -107,7 +107,7 @@ def plan(tracker: Tracker) -> Plan:
     if last[0] >= end - 1e-9 * h:
         if m > 1 and last[0] > end > 0.0:
             h = bracketed(lambda x: place(x)[0] - end, 0.0, h)
-        planned = made(h, Kind.END, Fixed.REST if resting else Fixed.LOAD)
+        planned = made(h, Ending.END, Fixed.REST if resting else Fixed.LOAD)
         planned.z[0] = end
     elif resting:
         return made(h, fixed=Fixed.REST)
@@ -145,7 +145,7 @@ def _turn_or_fold(
         if at > h:
             return made(0.6 * at)
         if place(at)[0] > 0.0:
-            return made(at, Kind.TURN, Fixed.LOAD)
+            return made(at, Ending.TURN, Fixed.LOAD)
     if planned.fixed is Fixed.RADIUS and first[0] > 0.0 > ahead[0] and (tracker.law.folds or first[1] > 0.0):
         at = bracketed(lambda x: slope(x)[0], 0.0, AHEAD * h)
         vertex, before = float(place(at)[1]) * tracker.L, tracker.vertex
@@ -153,18 +153,18 @@ def _turn_or_fold(
         seen = REPEATED / abs(tracker.slopes.get(Fixed.RADIUS, math.inf))
         unseen = (8.0 * math.ulp(tracker.state.parameter) + seen) / tracker.T
         if abs(vertex - before) < SAME_FOLD * tracker.tolerance * tracker.L or place(at)[0] < unseen:
-            return made(at, Kind.FOLD, Fixed.RADIUS)
-        return made(min(h, TOWARDS_FOLD * at), Kind.TOWARDS if TOWARDS_FOLD * at < h else Kind.NONE)
+            return made(at, Ending.FOLD, Fixed.RADIUS)
+        return made(min(h, TOWARDS_FOLD * at), Ending.TOWARDS if TOWARDS_FOLD * at < h else Ending.NONE)
     return planned
 
 
-def _bound(tracker: Tracker, travel: float) -> tuple[Kind, float] | None:
+def _bound(tracker: Tracker, travel: float) -> tuple[Ending, float] | None:
     """The smallest or the largest radius, if a step goes beyond, and how far away it is."""
     radius, least, rim = tracker.state.radius, tracker.least_radius, tracker.law.rim
     if travel < 0.0 and radius + travel < least:
-        return Kind.LEAST, least - radius
+        return Ending.LEAST, least - radius
     if travel > 0.0 and radius + travel > rim * (1.0 + 1e-12):
-        return Kind.RIM, rim - radius
+        return Ending.RIM, rim - radius
     return None
 
 
@@ -172,19 +172,19 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
     """Take a step, and what its event asks for next."""
     accept(tracker, correction)
     h = planned.h
-    if tracker.state.parameter >= tracker.leg.end * (1.0 - 1e-14) and planned.event is not Kind.LEVEL:
-        planned.event = Kind.END  # an event that rounds onto it
+    if tracker.state.parameter >= tracker.leg.end * (1.0 - 1e-14) and planned.event is not Ending.LEVEL:
+        planned.event = Ending.END  # an event that rounds onto it
     match planned.event:
-        case Kind.TURN:
+        case Ending.TURN:
             tracker.turn_at(AFTER_TURN * h)
-        case Kind.DEPARTURE:
+        case Ending.DEPARTURE:
             if tracker.state.radius == 0.0:
                 tracker.touch()
                 return
             pulled = tracker.law.pulls(correction.trial, correction.arrival, not tracker.leg.timed)
             tracker.direction = -1.0 if pulled >= 0.0 else 1.0
             if tracker.direction < 0.0 and tracker.state.radius <= tracker.least_radius:
-                planned.event = Kind.LEAST
+                planned.event = Ending.LEAST
                 return
             way = np.array([0.0, tracker.direction])
             if tracker.law.rated and tracker.direction > 0.0:  # its drive may be lost in rounding
@@ -193,10 +193,10 @@ def finish(tracker: Tracker, planned: Plan, correction: Correction) -> None:
                 tracker.restart(way, FIRST_STEP * tracker.least_scale / tracker.L)
             tracker.moving = True
             if runs_away(tracker):
-                planned.event = Kind.FOLD
-        case Kind.RIM:
+                planned.event = Ending.FOLD
+        case Ending.RIM:
             tracker.restart()
-        case Kind.TOWARDS:
+        case Ending.TOWARDS:
             tracker.h = h
         case _:
             pass

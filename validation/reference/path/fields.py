@@ -113,7 +113,7 @@ def untouched(radius: float, held: Array, shape: Array) -> Passages:
 
 
 @dataclass(frozen=True)
-class Sweep:
+class SweptRadii:
     """The radii a step passes, in the entries it will leave between ``cuts``, in their order along the way.
 
     ``x`` and ``weight`` (l * 6 + 2,): radii, with both ends, and weights of an integral over them, 0 there.
@@ -125,7 +125,7 @@ class Sweep:
     weight: Array
 
 
-def sweep(way: Array, cuts: Array) -> Sweep:
+def sweep(way: Array, cuts: Array) -> SweptRadii:
     """Points of a step along ``way(u)``, cut at distances in their order along it, the first zero."""
     ends = np.zeros(len(cuts))
     ends[1:-1], ends[-1] = inverse(way, cuts[1:-1]), 1.0
@@ -137,12 +137,12 @@ def sweep(way: Array, cuts: Array) -> Sweep:
     weight = np.abs(whole[:, None]) * WEIGHTS * (linear + 2.0 * (1.0 - linear) * NODES)
     parabola = np.column_stack((cuts[:-1], whole, linear))
     x = np.concatenate((cuts[:1], x.ravel(), cuts[-1:]))
-    return Sweep(cuts, parabola, x, np.concatenate(([0.0], weight.ravel(), [0.0])))
+    return SweptRadii(cuts, parabola, x, np.concatenate(([0.0], weight.ravel(), [0.0])))
 
 
 def passed(
     before: Passages,
-    swept: Sweep,
+    swept: SweptRadii,
     elapsed: Array,
     carried: Array,
     held: bool,
@@ -189,7 +189,7 @@ class Passed:
     The last of them are those of the ``sweep``.
     """
 
-    sweep: Sweep
+    sweep: SweptRadii
     u_powers: Array
     G: Array
     begun: Array

@@ -67,9 +67,8 @@ def _joined(
     fitted = np.matmul(powers(g, count - 1).reshape(len(pairs), 2 * count, count), left)
     change = np.abs(fitted - carried[:, count:]).sum(axis=2).max(axis=1)
     width, away = high - low, np.minimum(np.abs(low), np.abs(high))
-    agree = (
-        change * width / np.minimum(np.maximum(width, away), size) < allowed[surface.held[pairs].astype(int)]
-    )
+    share = width / np.minimum(np.maximum(width, away), size)
+    agree = change * share < allowed[surface.held[pairs].astype(int)]
     return surface.joined(pairs[agree], parabola[agree], left[agree])
 
 

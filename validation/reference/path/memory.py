@@ -63,7 +63,7 @@ class Clock:
 
 
 @dataclass(frozen=True, eq=False)
-class Ramp(Clock):
+class ConstantRate(Clock):
     """A step during which the penetration is linear in time; ``moduli``: ``E_k``."""
 
     moduli: Array
@@ -101,18 +101,18 @@ class Collocated(Clock):
     end: tuple[Array, float]
 
     def during(self, u_powers: Array, _: Array, faded: Array) -> tuple[Array, Array]:
-        """As of :class:`Ramp`."""
+        """As of :class:`ConstantRate`."""
         gains = u_powers @ self.gains
         if self.layer.any():
             gains += self.layer * (1.0 + faded)
         return gains, u_powers @ self.depths
 
     def depth_slope(self) -> Array:
-        """As of :class:`Ramp`."""
+        """As of :class:`ConstantRate`."""
         return np.concatenate(([0.0], self.depths[1:]))
 
 
-Motion = Ramp | Collocated
+Motion = ConstantRate | Collocated
 
 
 @dataclass(frozen=True)

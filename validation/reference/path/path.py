@@ -55,7 +55,7 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Segment:
+class PathSegment:
     """One step: coefficients relative to its start.
 
     ``travel``: of the edge, the sum of ``way`` without its rounding. ``parameter`` and ``depth`` are those
@@ -68,7 +68,7 @@ class Segment:
     depth: Array
     basis: Array
 
-    def cut(self, u: float, rise: float, sinking: float, loose: bool = False) -> Segment:
+    def cut(self, u: float, rise: float, sinking: float, loose: bool = False) -> PathSegment:
         """The part up to ``u`` of the segment with these end values of parameter and penetration.
 
         ``loose``: with end values that are to be found, by changes that grow evenly.
@@ -81,7 +81,7 @@ class Segment:
             basis[1] = 1.0
             parameter[1] -= parameter.sum()
             depth[1] -= depth.sum()
-        return Segment(float(way.sum()), way, parameter, depth, basis)
+        return PathSegment(float(way.sum()), way, parameter, depth, basis)
 
 
 @dataclass
@@ -149,7 +149,7 @@ class Rows:
         found: Array = (values - self.table[-1, 1:] - terms.cumsum(axis=0)) / scales
         return found
 
-    def segment(self, s: float, a: float, order: int = DEGREE) -> Segment:
+    def segment(self, s: float, a: float, order: int = DEGREE) -> PathSegment:
         """The step that ends at an arclength, and that far from the radius, of the newest row."""
         products, differences = self.newton
         count = min(order, self.order, len(differences))
@@ -164,7 +164,7 @@ class Rows:
         coefficients[: count + 1, :3] += basis[:, None] * lack
         coefficients[: count + 1, 3] = basis
         parameter, way, depth, basis = coefficients.T.copy()
-        return Segment(a, way, parameter, depth, basis)
+        return PathSegment(a, way, parameter, depth, basis)
 
     def predictor(self, T: float, L: float, depth: float, tangent: Array) -> Array:
         """``(p/T, a/L, D/depth, F)`` in powers of the way from the newest row (m, 4); ``p, a`` from there."""

@@ -43,7 +43,7 @@ from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
 from validation.reference.path.rheology import Body, rheology
 from validation.reference.path.state import State
-from validation.reference.path.tracker import SMALL_PART, Kind, Level
+from validation.reference.path.tracker import SMALL_PART, Ending, Level
 from validation.reference.path.trial import Arrival, Trial
 from validation.reference.sneddon import transform
 
@@ -102,7 +102,7 @@ def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
 
 
 @dataclass
-class Run:
+class PathRun:
     """A run of a scene at a tolerance; arguments are those of :class:`Options` and ``solve``."""
 
     scene: Scene
@@ -234,35 +234,35 @@ class Run:
                 return
         tracker.level = level(segment.trigger, state)
         for leg in timed_legs(segment, self.tolerance):
-            if self._follow(leg, segment, cursor) is Kind.LEVEL or self.outcome is not None:
+            if self._follow(leg, segment, cursor) is Ending.LEVEL or self.outcome is not None:
                 return
         if segment.trigger is not None:
             self.outcome = segment.trigger.not_reached(tracker.state.time)
 
-    def _follow(self, leg: Leg, segment: Segment, cursor: LoadingCursor) -> Kind:
+    def _follow(self, leg: Leg, segment: Segment, cursor: LoadingCursor) -> Ending:
         """One leg to its end, or to what ends the run before."""
         tracker = self.tracker
         before = tracker.leg
         tracker.begin(leg, SMALL_PART * self._shortest(leg, segment))
         self.recorder.put(tracker.state)
         if leg.free and (before is None or before.control != leg.control) and events.unstable(tracker):
-            self._ends_with(Kind.FOLD, leg)
+            self._ends_with(Ending.FOLD, leg)
             if self.outcome is not None:
-                return Kind.FOLD
+                return Ending.FOLD
         while True:
             self.recorder.put(tracker.state)
             now = tracker.state.time
             self.outcome = interruption(self.monitor, now) or budget_outcome(
                 self.counters, self.max_steps, now
             )
-            kind = Kind.LOST if self.outcome is not None else tracker.step()
+            kind = Ending.LOST if self.outcome is not None else tracker.step()
             if self.outcome is None:
                 self._ends_with(kind, leg)
             if self.progress is not None and leg.timed:
                 self.progress(float(cursor.share(self.scene.loading, segment, tracker.state.time)))
-            if kind is Kind.LEVEL:
+            if kind is Ending.LEVEL:
                 self.recorder.level("trigger")
-            if self.outcome is not None or kind in (Kind.END, Kind.LEVEL):
+            if self.outcome is not None or kind in (Ending.END, Ending.LEVEL):
                 return kind
 
     def _shortest(self, leg: Leg, segment: Segment) -> float:
@@ -273,16 +273,16 @@ class Run:
         large = size.force if leg.control == "force" else size.depth + leg.compliance * size.force
         return min(leg.end - leg.start, large / rate if rate else math.inf)
 
-    def _ends_with(self, kind: Kind, leg: Leg) -> None:
+    def _ends_with(self, kind: Ending, leg: Leg) -> None:
         """The end of the run, if what a step came to is one."""
         tracker = self.tracker
-        if kind is Kind.LEAST and tracker.law.zone:
+        if kind is Ending.LEAST and tracker.law.zone:
             force = self.recorder.columns()["force"]
             self.outcome = below_zone_outcome(force, tracker.state.time)
-        elif kind is Kind.LEAST or (kind in (Kind.END, Kind.LOST) and tracker.let_go):
+        elif kind is Ending.LEAST or (kind in (Ending.END, Ending.LOST) and tracker.let_go):
             self._lose_contact(leg)
-        elif kind in (Kind.LOST, Kind.FOLD) and events.lost(tracker, kind is Kind.FOLD):
-            if kind is Kind.FOLD:
+        elif kind in (Ending.LOST, Ending.FOLD) and events.lost(tracker, kind is Ending.FOLD):
+            if kind is Ending.FOLD:
                 self._lose_contact(leg)
             else:
                 reason = "no step, however short, leads to a contact that satisfies the edge condition"

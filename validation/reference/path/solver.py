@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from contact_scene import COLUMNS, OutcomeKind, RunMonitor, Scene, Trace
 from contact_scene.run_control import MAX_STEPS, moments, single_threaded, whole_number
 from contact_scene.value_checks import number
-from validation.reference.path.run import Run
+from validation.reference.path.run import PathRun
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
@@ -130,12 +130,12 @@ def solve(
     options = options or Options()
     began = time.perf_counter()
     asked = options.stop_times, options.profile_times, options.max_steps
-    run = Run(scene, options.step_tolerance, *asked, progress, monitor)
+    run = PathRun(scene, options.step_tolerance, *asked, progress, monitor)
     columns, outcome = run.run()
     errors: dict[str, float] = {}
     if options.estimate_errors and outcome.finished:
         times = tuple(columns["time"].tolist())
-        coarser = Run(scene, COARSER * run.tolerance, times, max_steps=options.max_steps)
+        coarser = PathRun(scene, COARSER * run.tolerance, times, max_steps=options.max_steps)
         others, ending = coarser.run()
         if ending.kind is not OutcomeKind.BREAKDOWN:
             detached = {outcome.kind, ending.kind} == {OutcomeKind.DETACHED}

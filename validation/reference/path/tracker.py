@@ -46,7 +46,7 @@ RESIDUAL = 1e-12
 """At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
 
 
-class Kind(StrEnum):
+class Ending(StrEnum):
     """What a step came to."""
 
     NONE = ""
@@ -81,7 +81,7 @@ class Plan:
     z: Array
     tangent: Array
     fixed: Fixed
-    event: Kind = Kind.NONE
+    event: Ending = Ending.NONE
 
 
 @dataclass(frozen=True)

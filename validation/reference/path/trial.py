@@ -22,12 +22,12 @@ from validation.reference.path.memory import (
     COLLOCATION,
     PATH_AT_NODES,
     Collocation,
+    ConstantRate,
     Motion,
-    Ramp,
     collocation,
 )
 from validation.reference.path.numerics import inverse, powers
-from validation.reference.path.path import Leg, Segment
+from validation.reference.path.path import Leg, PathSegment
 from validation.reference.path.rheology import Body, total
 from validation.reference.path.state import GRADING, State
 
@@ -76,7 +76,7 @@ class Trial:
         body: Body,
         state: State,
         leg: Leg,
-        segment: Segment,
+        segment: PathSegment,
         zone: float,
         cohesive: float = 0.0,
         at_rest: float = 0.0,
@@ -135,7 +135,7 @@ class Trial:
         self._G, self._begun = G[: len(x)], begun[: len(x)]
         self.passed = Passed(sweep, u_powers, G[at], begun[at])
 
-    def _swept(self, cuts: Array, before: Array) -> tuple[fields.Sweep, Array]:
+    def _swept(self, cuts: Array, before: Array) -> tuple[fields.SweptRadii, Array]:
         """A sweep, and powers of ``u`` at radii and at its own, from the beginning to the end of the step."""
         sweep = fields.sweep(self.segment.way, cuts)
         u = inverse(self.segment.way, np.concatenate((before, sweep.x)))
@@ -168,7 +168,9 @@ class Trial:
         course = self.segment.parameter + rise * self.segment.basis
         clock = course if leg.timed else np.zeros_like(course)
         if leg.rate is not None:
-            return self._arrived(rise, Ramp(rheology.times, clock, rheology.moduli, state.depth, leg.rate))
+            return self._arrived(
+                rise, ConstantRate(rheology.times, clock, rheology.moduli, state.depth, leg.rate)
+            )
         if leg.control == "penetration":
             at = state.parameter + PATH_AT_NODES @ course
             given = np.array([leg.value(p) for p in at]) - state.depth
