@@ -277,4 +277,4 @@ def test_errors_of_a_hold_are_no_extrema():
 def test_the_largest_tension_lies_on_the_path(name: str) -> None:
     """Without a memory the force at an edge in equilibrium does not depend on how the edge got there."""
     coarse, fine = (solve(load(name).scene, Options(tolerance=asked)).force.min() for asked in (1e-4, 1e-5))
-    assert coarse == pytest.approx(fine, rel=1e-8)  # the steps are worth 1e-4
+    assert coarse == pytest.approx(fine, rel=1e-9)

@@ -70,7 +70,7 @@ _BENDS[:, 2:] = _AT_CENTRES[:, :-2] * _ORDERS[2:] * _ORDERS[1:-1]
 CURVED = 12.0
 """Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
 VERTEX = 0.05
-"""Distance in its step of the three places that tell an extremum: it is off by the cube."""
+"""Most distance in its step of the three places that tell an extremum: it is off by the cube."""
 NARROW = 3e-3
 """Part of a step within which the dense path knows an extremum; the force is off by the square."""
 LEAST_AREA_CHANGE = 1e-6
@@ -258,27 +258,27 @@ class Recorder:
         ends, at = (0.5 * foreseen, 0.5 * (1.0 + foreseen)), foreseen
         if slope(ends[0]) * slope(ends[1]) < 0.0:  # else a step too short for a dense path
             at = bracketed(slope, *ends, NARROW**2)
-        if (
-            trial.direction and self.law.adhesion is not None and not self.law.rated
-        ):  # one secant tells no speed
-            middle = min(max(at, VERTEX), 1.0 - VERTEX)
-            way, height = self._vertex(trial, arrival, middle)
-            place = middle + VERTEX * way
-            if not -VERTEX <= place <= 1.0 + VERTEX and math.isfinite(height):
+        # one secant tells no speed
+        if trial.direction and self.law.adhesion is not None and not self.law.rated:
+            middle = min(max(at, NARROW), 1.0 - NARROW)
+            apart = min(VERTEX, middle, 1.0 - middle)
+            way, height = self._vertex(trial, arrival, middle, apart)
+            place = middle + apart * way
+            if not -apart <= place <= 1.0 + apart and math.isfinite(height):
                 return None
             if abs(way) < 2.0:
                 return min(max(place, NARROW**2), 1.0 - NARROW**2), height
         part, end = trial.part(at, arrival)
         return at, part.force_at(end)
 
-    def _vertex(self, trial: Trial, arrival: Arrival, middle: float) -> tuple[float, float]:
+    def _vertex(self, trial: Trial, arrival: Arrival, middle: float, apart: float) -> tuple[float, float]:
         """Vertex, seen from the middle, and height there of the parabola through three forces on the path."""
 
         def residual(trial: Trial, arrival: Arrival) -> float:
             return self.law.residual(trial, arrival, False)
 
         before, here, after = (
-            trial.corrected_force(middle + shift, arrival, residual) for shift in (-VERTEX, 0.0, VERTEX)
+            trial.corrected_force(middle + shift, arrival, residual) for shift in (-apart, 0.0, apart)
         )
         bend, slope = before - 2.0 * here + after, 0.5 * (after - before)
         way = -slope / bend if bend else math.nan
