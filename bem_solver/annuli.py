@@ -9,20 +9,22 @@ every contact radius: the edge is continuous, the matrix is factorised once. The
 pressure under an edge singularity is the same pattern on every grid, known from the flat punch, whose
 pressure ``1/(pi sqrt(1 - x^2))`` and displacement ``(2/pi) arcsin(1/x)`` are exact: the singular part of
 every solution is taken out with them, and annuli carry the rest. What they miss of a profile ``x^n``, that
-of the indenter, is known as well (``power_contact``), and is added in the measure in which a solution holds
+of the indenter, is known as well (``PowerContact``), and is added in the measure in which a solution holds
 it. Unit plane modulus; lengths in contact radii.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
-from scipy.special import ellipj, ellipkm1
+from scipy.special import ellipj, ellipkm1, gamma, hyp2f1
 
 from bem_solver.cubic_interpolation import cubic_weights, divided_differences, interpolated
 from bem_solver.kernel import annulus_influence
-from bem_solver.power_contact import PowerContact
 
 Array = NDArray[np.float64]
 
@@ -34,8 +36,42 @@ _POINTS_OF_MEAN = 4
 """Gauss points of a mean over an annulus, exact for the seventh power of the angle: cubics times an area."""
 
 
+@dataclass(frozen=True)
+class PowerContact:
+    """A contact under the displacement ``x^exponent``, exactly; unit contact, unit plane modulus.
+
+    By Abel's transform it is held by discs of the weights ``G t^n``, with ``G = sqrt(pi) Gamma(n/2 +
+    1)/Gamma((n + 1)/2)`` (Sneddon).
+    """
+
+    exponent: float
+
+    @property
+    def kappa(self) -> float:
+        """Displacement of the flat punch with the same edge singularity, ``G``."""
+        n = self.exponent
+        return float(math.sqrt(math.pi) * gamma(0.5 * n + 1.0) / gamma(0.5 * n + 0.5))
+
+    @property
+    def force(self) -> float:
+        """Compressive force."""
+        return 2.0 * self.kappa / (self.exponent + 1.0)
+
+    def density(self, radius: Array) -> Array:
+        """Pressure times ``sqrt(1 - x^2)`` at radii 0 < x < 1."""
+        n, root = self.exponent, np.sqrt(1.0 - radius**2)
+        inner = radius ** (n - 2.0) * hyp2f1(0.5, 1.0 - 0.5 * n, 1.5, -((root / radius) ** 2))
+        return self.kappa / np.pi * (1.0 - n * root**2 * inner)
+
+    def outside(self, radius: Array) -> Array:
+        """Displacement at radii >= 1."""
+        n = self.exponent
+        spread = hyp2f1(0.5, 0.5 * (n + 1.0), 0.5 * (n + 3.0), radius**-2.0)
+        return 2.0 / np.pi * self.kappa / (n + 1.0) * spread / radius
+
+
 class Annuli:
-    """Annuli on the unit contact, with the factorised influence matrix.
+    """``count`` annuli on the unit contact, with the factorised influence matrix.
 
     Parameters
     ----------
@@ -60,9 +96,7 @@ class Annuli:
         self.count, self.grading, self.exponent = count, grading, exponent
         numbers = np.arange(count + 1.0)
         angle = self._angle(numbers)
-        middle = 0.5 * (angle[1:] + angle[:-1]) if grading == 1.0 else self._angle(numbers[:-1] + 0.5)
-        self.borders = np.sin(angle)
-        self.radii = np.sin(middle)
+        self.borders, self.radii = np.sin(angle), np.sin(self._angle(numbers[:-1] + 0.5))
         self.outermost = 1.0 - float(self.radii[-1])
         self.areas = np.pi * np.diff(self.borders**2)
         self.matrix = annulus_influence(self.radii, self.borders)
@@ -78,14 +112,11 @@ class Annuli:
         self._outside = annulus_influence(1.0 / np.sin(angle[1:]), self.borders)
         self._outside_punch = self._outside @ self.punch
         self._calibrate(PowerContact(exponent), 1.0 / np.sin(angle[1:]))
-        if grading != 1.0:
-            self._table_number = np.arange(_PER_ANNULUS * count + 1.0) / _PER_ANNULUS
-            self._table_angle = self._angle(self._table_number)
+        self._table_number = np.arange(_PER_ANNULUS * count + 1.0) / _PER_ANNULUS
+        self._table_angle = self._angle(self._table_number)
 
     def _angle(self, number: Array) -> Array:
         """Angle ``arcsin(r)`` after a number of annuli from the centre."""
-        if self.grading == 1.0:
-            return 0.5 * np.pi * number / self.count
         return self._jacobi(number)[3]
 
     def _jacobi(self, number: Array) -> tuple[Array, Array, Array, Array]:
@@ -97,7 +128,9 @@ class Annuli:
         share, weight = np.polynomial.legendre.leggauss(_POINTS_OF_MEAN)
         number = np.arange(float(self.count))[:, None] + 0.5 * (1.0 + share)
         angle = self._angle(number)
-        weight = weight * np.sin(2.0 * angle) * self._spacing(number)  # d(area) over d(number)
+        weight = (
+            weight * np.sin(2.0 * angle) * self._jacobi(number)[2]
+        )  # d(area) over d(number), but for a factor
         weight /= weight.sum(axis=1, keepdims=True)
         index, parts = self.cubic_shares(number.ravel())
         means = np.zeros((self.count, self.count))
@@ -105,24 +138,14 @@ class Annuli:
         np.add.at(means, (rows, index), parts * weight.ravel())
         return means
 
-    def _spacing(self, number: Array) -> Array:
-        """Derivative of the angle with the number of annuli, but for a factor."""
-        if self.grading == 1.0:
-            return np.ones(number.shape)
-        return self._jacobi(number)[2]
-
     def position(self, angle: Array) -> Array:
         """Number of annuli between the centre and the radius ``sin(angle)``, inverse of the angle above."""
-        if self.grading == 1.0:
-            return angle * (2.0 * self.count / np.pi)
         return np.interp(angle, self._table_angle, self._table_number)
 
     def position_at(self, distance: Array, edge: float) -> Array:
         """Number of annuli between the centre and a ``distance`` inside a contact of radius ``edge``."""
         cosine = np.sqrt(distance * (2.0 * edge - distance)) / edge
         from_edge = np.arcsin(np.minimum(cosine, 1.0))
-        if self.grading == 1.0:
-            return self.count * (1.0 - 2.0 / np.pi * from_edge)
         return np.minimum(self.position(0.5 * np.pi - from_edge), float(self.count))
 
     def cubic_shares(self, position: Array) -> tuple[NDArray[np.intp], Array]:
@@ -137,21 +160,11 @@ class Annuli:
         """Number of annuli within a share of the radius inside the edge."""
         return self.count - float(self.position(np.array(np.arcsin(1.0 - share))))
 
-    def __reduce__(self) -> tuple[type[Annuli], tuple[int, float, float]]:
-        """Kept as number, grading and exponent alone: matrix and factors are made anew, bit for bit."""
-        return Annuli, (self.count, self.grading, self.exponent)
-
     def _calibrate(self, shape: PowerContact, outside: Array) -> None:
-        """What annuli miss of a displacement ``x^n``, and how much of it a pressure holds.
+        """What annuli miss of a displacement ``x^n`` inside and at radii ``outside`` (M,); how it is read.
 
-        That is read in the interior, where fields are smooth; of the punch there reads none.
-
-        Parameters
-        ----------
-        shape : PowerContact
-            The displacement.
-        outside : ndarray (M,)
-            Radii at which the displacement outside is sampled.
+        How much of it a pressure holds is read in the interior, where fields are smooth; of the punch there
+        reads none.
         """
         profile = self.radii**shape.exponent
         pressure = self.solve(profile)
@@ -168,23 +181,17 @@ class Annuli:
         """How much of the displacement ``x^n`` there is in pressures (M,)."""
         return float(self._reading @ (self._per_pressure * pressure))
 
+    def curvatures_at_edge(self, pressure: Array, kappa: Array) -> Array:
+        """The same (c,) of pressures (M, c) whose edge singularities ``kappa`` are known: it shows there."""
+        found = np.pi * (self._edge_fit @ (self._per_pressure * pressure.T).T[:-4:-1])
+        return (kappa - found) / self.edge_strength(self._missed_density)
+
     def solve(self, displacement: Array) -> Array:
         """Pressures (M,) or (M, c) that produce the given displacements at the collocation radii."""
         return dgetrs(self._factors, self._pivots, displacement)[0]
 
     def force(self, pressure: Array, kappa: float, curvature: float) -> float:
-        """Force of pressures, exact for the punch, whose part in it is ``2 kappa``, and the profile.
-
-        Parameters
-        ----------
-        pressure : ndarray (M,)
-        kappa, curvature : float
-            As of :meth:`edge_strength` and :meth:`curvature`.
-
-        Returns
-        -------
-        float
-        """
+        """Force of pressures (M,), exact for the punch, whose part in it is ``2 kappa``, and the profile."""
         missed = self._missed_force * curvature
         return float(2.0 * kappa + self.areas @ (pressure - kappa * self.punch)) + missed
 
@@ -195,32 +202,22 @@ class Annuli:
         """
         return (self.areas * pressure) @ self._averages @ displacement
 
+    def work_weights(self, displacement: Array) -> Array:
+        """What makes that of pressures: ``int p g = pressure @ weights``."""
+        return self.areas[:, None] * (self._averages @ displacement)
+
     def density(self, pressure: Array, curvature: float) -> Array:
         """``q_j = p sqrt(1 - x^2)`` at the collocation angles, (M,), exact for the punch and the profile."""
         return self._per_pressure * pressure + curvature * self._missed_density
-
-    def pressure(self, density: Array) -> Array:
-        """Pressures (M,) of a density, inverse of :meth:`density`."""
-        curvature = float(self._reading @ density) / (1.0 + float(self._reading @ self._missed_density))
-        return (density - curvature * self._missed_density) / self._per_pressure
 
     def edge_strength(self, density: Array) -> float:
         """``kappa = pi q(edge)``: displacement of the flat punch with the same edge singularity."""
         return float(np.pi * (self._edge_fit @ density[:-4:-1]))
 
     def outside_field(self, pressure: Array, kappa: float, curvature: float) -> Array:
-        """Cubics of the outer displacement without its punch part, over the angle ``arcsin(1/x)``.
+        """Cubics (4, M) of the outer displacement without its punch part, over the angle ``arcsin(1/x)``.
 
-        Parameters
-        ----------
-        pressure : ndarray (M,)
-        kappa, curvature : float
-            As of :meth:`edge_strength` and :meth:`curvature`.
-
-        Returns
-        -------
-        ndarray (4, M)
-            Between borders, from the far end to the edge.
+        Between borders, from the far end to the edge.
         """
         samples = np.zeros(self.count + 3)
         samples[2:-1] = self._outside @ pressure - kappa * self._outside_punch
@@ -236,20 +233,6 @@ class Annuli:
         return float(kappa + value + 2.0 * (slope + second))
 
     def outside(self, field: Array, kappa: float, ratio: Array) -> Array:
-        """Surface displacement outside the contact.
-
-        Parameters
-        ----------
-        field : ndarray (4, M)
-            Cubics of :meth:`outside_field`.
-        kappa : float
-            Displacement of the flat punch with the same edge singularity.
-        ratio : ndarray (m,)
-            ``r/a >= 1``.
-
-        Returns
-        -------
-        ndarray (m,)
-        """
+        """Surface displacement outside the contact at ratios ``r/a >= 1`` (m,), from cubics of the field."""
         angle = np.arcsin(1.0 / ratio)
         return kappa * (2.0 / np.pi) * angle + interpolated(field, self.position(angle) + 1.0)

@@ -1,9 +1,9 @@
 """One surface point as a viscoelastic element: Voigt chain outside the contact, Maxwell chain inside.
 
-With ``v`` the displacement the present pressure would cause at unit plane modulus, the paper's
-Eq. convolution reads ``w = int J*(t - t') dv(t')`` at every radius separately, ``w`` the surface displacement
-and ``J* = (1 - nu^2) J``. Outside the contact ``v`` is known and ``w`` creeps; inside ``w`` is prescribed and
-``v`` relaxes. Two sets of internal variables describe the same state:
+With ``v`` the displacement the present pressure would cause at unit plane modulus, the paper's Eq.
+convolution reads ``w = int J*(t - t') dv(t')`` at every radius separately, ``w`` the surface displacement
+and ``J* = (1 - nu^2) J``. Outside the contact ``v`` is known and ``w`` creeps; inside ``w`` is prescribed
+and ``v`` relaxes. Two sets of internal variables describe the same state:
 
 - Voigt lags ``l_k = J_k v - e_k`` with ``dl_k/dt = J_k dv/dt - l_k/theta_k`` and ``w = v/E0 - sum l_k``;
 - Maxwell stresses ``b_j`` with ``db_j/dt = E_j dw/dt - b_j/tau_j`` and ``v = E0 w + sum b_j``.
@@ -13,6 +13,13 @@ roots (the variables stored here) they are therefore images of each other under 
 ``Q_kj = sqrt(E_j tau_j J_k theta_k)/(theta_k - tau_j)``. Either recursion is exact when its input is linear
 in time, unconditionally stable, and tends to the elastic limits for steps from 0 to infinity. The paper's
 scheme (Eq. linear system) is the same with backward Euler factors.
+
+The retardation times theta_k are the roots of ``E0 + sum_k E_k tau_k/(tau_k - x)``, one in each gap: ``tau_1
+< theta_1 < tau_2 < theta_2 < ...``. A root is represented by its *distance from the nearer pole*, found by
+bisection of the logarithm of that distance: neither spectra over many decades nor nearly equal times cost
+digits. Compliances follow from the product form, ``s E(s) = E0 prod_k (1 + s theta_k)/(1 + s tau_k)``, whose
+factors are differences of times: they belong exactly to the computed roots (the device of Gu and Eisenstat,
+SIAM J. Matrix Anal. Appl. 16, 1995).
 """
 
 from __future__ import annotations
@@ -21,10 +28,71 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import dawsn, erf, erfcx, factorial
 
-from bem_solver.retardation import creep_spectrum
-from contact_scene import Material
+from contact_scene import Branch, BulkRelaxation, Material
 
 Array = NDArray[np.float64]
+
+_HALVINGS = 72
+"""Halvings of a bracket of at most a few hundred in the logarithm of the distance: down to rounding."""
+
+
+def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, Array, Array]:
+    """Compliances ``J_k``, retardation times ``theta_k`` and their distances from the relaxation times."""
+    n = len(times)
+    if n == 0:
+        return np.empty(0), np.empty(0), np.empty((0, 0))
+    pole, distance = _roots(moduli / relaxed * times, times)
+    retardation = times[pole] + distance
+    to_poles = (times[None, :] - times[pole][:, None]) - distance[:, None]  # tau_j - theta_k
+    to_roots = _between_roots(times, pole, distance)  # theta_j - theta_k, 1 on the diagonal
+    # J_k E0 = (1 - tau_k/theta_k) prod_(j != k) (theta_k - tau_j)/(theta_k - theta_j)
+    ratio = to_poles / to_roots
+    diagonal = np.diag(-to_poles) / retardation
+    np.fill_diagonal(ratio, diagonal)
+    return np.prod(ratio, axis=1) / relaxed, retardation, -to_poles
+
+
+def _roots(strengths: Array, poles: Array) -> tuple[NDArray[np.intp], Array]:
+    """Roots of ``1 + sum_j strengths[j]/(poles[j] - x)``, one above each pole."""
+    n = len(poles)
+    index = np.arange(n)
+    separation = poles[None, :] - poles[:, None]  # [i, j] = pole_j - pole_i
+
+    def value(pole: NDArray[np.intp], distance: Array) -> Array:
+        return 1.0 + np.sum(strengths / (separation[pole] - distance[:, None]), axis=1)
+
+    far = np.empty(n)
+    far[:-1] = 0.5 * np.diff(poles)
+    # 1 = sum_j c_j/(x - p_j) <= sum_j c_j/(x - p_n)
+    far[-1] = strengths.sum() * (1.0 + 1e-12)
+    below = np.ones(n, bool)  # the root lies in the lower half of its gap
+    below[:-1] = value(index[:-1], far[:-1]) > 0.0
+    pole = np.where(below, index, np.minimum(index + 1, n - 1))
+    sign = np.where(below, 1.0, -1.0)
+
+    # The nearer pole's term balances the rest; distances to the other poles are at least half as long inside
+    # the bracket, so the rest is at most this:
+    others = np.abs(separation[pole])
+    others[index, pole] = np.inf
+    rest = 1.0 + 2.0 * np.sum(strengths / others, axis=1)
+    low = np.log(np.minimum(strengths[pole] / rest, far))
+    high = np.log(far)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        # With the pole below, the function climbs from -inf to its zero; with the pole above, it is mirrored.
+        outside = sign * value(pole, sign * np.exp(middle)) > 0.0
+        high = np.where(outside, middle, high)
+        low = np.where(outside, low, middle)
+    return pole, sign * np.exp(0.5 * (low + high))
+
+
+def _between_roots(poles: Array, pole: NDArray[np.intp], distance: Array) -> Array:
+    """``x_j - x_k`` at [k, j] for roots given as pole and distance; ones on the diagonal."""
+    base = poles[pole]
+    apart = (base[None, :] - base[:, None]) + (distance[None, :] - distance[:, None])
+    np.fill_diagonal(apart, 1.0)
+    return apart
+
 
 SMALLEST = 1e-300
 """Stands for zero in quotients whose limit there is 1 to rounding."""
@@ -48,7 +116,7 @@ def phi(y: Array) -> Array:
     return -np.expm1(-positive) / positive
 
 
-def _decaying_moments(y: Array) -> tuple[Array, Array]:
+def decaying_moments(y: Array) -> tuple[Array, Array]:
     """Integrals of ``exp(-y u) u (1 - u)`` and ``exp(-y u) u^2 (1 - u)`` over 0 <= u <= 1."""
     series = _MOMENTS @ (-np.minimum(y, _SERIES)) ** _ORDER if (y < _SERIES).any() else (y, y)
     z = np.maximum(y, _SERIES)
@@ -59,6 +127,36 @@ def _decaying_moments(y: Array) -> tuple[Array, Array]:
     closed = first - second, second - third
     once, twice = (np.where(y < _SERIES, one, two) for one, two in zip(series, closed, strict=True))
     return once, twice
+
+
+def surface_material(material: Material) -> Material:
+    """A material of one Poisson's ratio, 0, whose modulus is the plane one that the surface knows.
+
+    Where bulk relaxes apart a frictionless surface meets ``1/E* = 1/A + 1/B`` with ``A = 4 G`` and ``B = 4 K
+    + 4 G/3`` (as functions of time, products are convolutions): two bodies in series, with the energies of
+    both. From ``E* = A - A^2/(A + B)``: its times are those ``theta`` at which ``A + B`` vanishes, with the
+    moduli ``A(theta)^2 J``, where ``J`` are the compliances of ``A + B``, and those of the shear, with
+    ``A_k B_k/(A_k + B_k)``.
+    """
+    bulk = material.bulk
+    if bulk is None:
+        return material
+    twice, (shear, times) = 2.0 * (1.0 + material.poisson), material.spectrum
+    own, branches = (bulk.modulus, bulk.branches) if isinstance(bulk, BulkRelaxation) else (None, ())
+    stiffness = own or material.modulus / (3.0 * (1.0 - 2.0 * material.poisson))
+    volume, slow = Material(stiffness, 0.0, branches).spectrum
+    every = np.unique(np.concatenate((times, slow)))
+    one, other = np.zeros(len(every)), np.zeros(len(every))
+    one[every.searchsorted(times)] = 4.0 * shear / twice
+    other[every.searchsorted(slow)] = 4.0 * volume
+    other += one / 3.0
+    soft = 4.0 * material.modulus / twice
+    stiff = 4.0 * stiffness + soft / 3.0
+    compliances, retardation, distances = creep_spectrum(soft + stiff, one + other, every)
+    at_zeros = soft - (one * every / distances).sum(axis=1)
+    moduli = np.concatenate((one * other / (one + other), at_zeros**2 * compliances))
+    pairs = zip(moduli.tolist(), np.concatenate((every, retardation)).tolist(), strict=True)
+    return Material(soft * stiff / (soft + stiff), 0.0, tuple(Branch(*pair) for pair in pairs))
 
 
 class Chain:
@@ -78,8 +176,6 @@ class Chain:
         ``Q``; lags = Q @ stresses (both scaled).
     compliances : ndarray (K,)
         ``J_k``, plane.
-    share_in_creep : ndarray (K,)
-        ``J_k`` over what has crept, the glassy part included, once branch k has.
     """
 
     def __init__(self, material: Material, backward_euler: bool = False) -> None:
@@ -94,7 +190,6 @@ class Chain:
         self.compliances = plane * compliances
         self.stress_scale = np.sqrt(moduli / plane * times)
         self.stress_rate = self.stress_scale / times
-        self.share_in_creep = self.compliances / (1.0 / self.glassy + np.cumsum(self.compliances))
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
         self.lag_rate = self.lag_scale / self.retardation
         self.rotation = np.outer(self.lag_scale, self.stress_scale) / distances
@@ -109,19 +204,9 @@ class Chain:
         return self.relaxed + float(branches @ self.spread(duration / self.relaxation))
 
     def moduli_of_passage(self, time: Array, gained: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Plane moduli (m,) met by strains that follow an edge, a time (m,) after its passage.
+        """Plane moduli (m,) met by strains as ``1/sqrt(s)`` and ``sqrt(s)`` behind an edge, a time after it.
 
-        Parameters
-        ----------
-        time : ndarray (m,)
-        gained : (ndarray (m,), ndarray (m,))
-            Part of each strain at the end that it has gained since the passage, evenly, beyond what it
-            would have behind a steady edge: that moves evenly, with a field of the same strength.
-
-        Returns
-        -------
-        of_inverse_root, of_root : ndarray (m,)
-            Of strains in proportion to ``1/sqrt(s)`` and ``sqrt(s)``, s the distance behind the edge.
+        ``gained`` is the part of each that has come, evenly, since the passage, beyond a steady edge's.
         """
         branches = self.stress_scale**2 / self.relaxation
         y = time[:, None] / self.relaxation
@@ -137,24 +222,19 @@ class Chain:
         return self.relaxed + of_inverse_root @ branches, self.relaxed + of_root @ branches
 
     def share_to_meet(self, duration: float) -> float:
-        """Share of a step at which a parabola through its ends has to meet a penetration that is prescribed.
+        """Share ``s'`` of a step at which a parabola through its ends has to meet a prescribed penetration.
 
-        It misses the penetration by a multiple of ``s (1 - s) (s - s')``. With this ``s'`` a point in contact
-        bears no stress of that at the end of the step, whose error is then of fourth order: the middle of a
-        short step, two relaxation times before the end of a long one.
+        It misses by a multiple of ``s (1 - s) (s - s')``, which then leaves no stress in contact at the end.
         """
         y = duration / self.relaxation
         if not y.size or y.max() < _SHORT:
             return 0.5
-        once, twice = _decaying_moments(y)
+        once, twice = decaying_moments(y)
         weight = self.stress_scale**2 / self.relaxation * y
         return min(1.0 - float(weight @ twice) / float(weight @ once), _LATEST_SHARE)
 
     def in_contact(self, duration: float) -> tuple[Array, Array, Array]:
-        """Of stored stresses what is left, and what a rise and a bend of ``w`` leave in them, each (K,).
-
-        Those of the last steps are kept: all trials of a step and all its points ask for the same.
-        """
+        """Of stored stresses what is left, and what a rise and a bend of ``w`` leave in them, each (K,)."""
         if duration not in self._in_contact:
             if len(self._in_contact) >= _STEPS_KEPT:
                 self._in_contact.clear()
@@ -194,24 +274,7 @@ class Chain:
         return np.divide(dawsn(root), root, out=np.ones_like(y), where=root > 0)
 
     def spread_outside(self, y: Array, before: Array, after: Array) -> Array:
-        """As :meth:`spread`, following ``sqrt(distance)`` while the edge moves at constant speed.
-
-        Parameters
-        ----------
-        y : ndarray (m, K)
-            Step, in retardation times.
-        before, after : ndarray (m, 1)
-            Distances from the edge at both ends of the step.
-
-        Returns
-        -------
-        ndarray (m, K)
-
-        Notes
-        -----
-        ``int exp(-y (1 - x)) d sqrt(distance)`` is Dawson's integral for a receding edge and a scaled error
-        function for an advancing one.
-        """
+        """As :meth:`spread`, following ``sqrt(distance)`` to a steady edge (Dawson, scaled erfc)."""
         if self.backward_euler:
             return self.spread(y)
         s0, s1 = np.sqrt(before), np.sqrt(after)

@@ -9,10 +9,7 @@ Array = NDArray[np.float64]
 
 
 def even_cubic(values: Array, position: Array) -> Array:
-    """Cubic Lagrange interpolation of samples at half-integers, even about both ends.
-
-    ``values`` (n,) stand at 0.5, 1.5, ...; ``position`` in [0, n], any shape.
-    """
+    """Cubic Lagrange interpolation of samples at half-integers, even about both ends."""
     padded = np.concatenate((values[1::-1], values, values[:-3:-1]))
     return interpolated(divided_differences(padded), position + 1.5)
 
@@ -26,16 +23,7 @@ def cubic_weights(z: Array) -> Array:
 
 
 def divided_differences(samples: Array) -> Array:
-    """Of the cubics through four neighbouring samples each, in Newton's form.
-
-    Parameters
-    ----------
-    samples : ndarray (n,)
-
-    Returns
-    -------
-    ndarray (4, n - 3)
-    """
+    """Of the cubics through four neighbouring samples each, in Newton's form."""
     first = samples[1:] - samples[:-1]
     second = 0.5 * (first[1:] - first[:-1])
     third = (second[1:] - second[:-1]) / 3.0
@@ -43,19 +31,7 @@ def divided_differences(samples: Array) -> Array:
 
 
 def interpolated(table: Array, position: Array) -> Array:
-    """The cubics of :func:`divided_differences` at positions among the samples, which stand at 0, 1, ...
-
-    Parameters
-    ----------
-    table : ndarray (4, n - 3)
-    position : ndarray
-        Of any shape.
-
-    Returns
-    -------
-    ndarray
-        Of the shape of ``position``.
-    """
+    """The cubics of :func:`divided_differences` at positions among the samples, which stand at 0, 1, ..."""
     first = position.astype(np.intp)
     first -= 1
     np.minimum(np.maximum(first, 0, out=first), table.shape[1] - 1, out=first)

@@ -9,7 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from contact_scene import Adhesion
+
+Array = NDArray[np.float64]
 
 _LEAST_SLOPE = 0.01
 """Speed at the end of a step, relative to its mean, below which the parabola would turn the edge around."""
@@ -24,21 +29,7 @@ class EdgeStep:
 
 
 def end_velocity(edge: float, now: float, duration: float, before: EdgeStep | None) -> float:
-    """Rate of the radius at the end of a step from ``edge`` to ``now``; infinite at fixed time.
-
-    Parameters
-    ----------
-    edge, now : float
-        Radius at the start and at the end.
-    duration : float
-    before : EdgeStep or None
-        The step before; ``None`` after a kink.
-
-    Returns
-    -------
-    float
-        A length per time.
-    """
+    """Rate of the radius at the end of a step from ``edge`` to ``now``; infinite at fixed time."""
     if now == edge:
         return 0.0
     if duration <= 0.0:
@@ -59,18 +50,8 @@ def energy_taken(adhesion: Adhesion, velocity: float) -> float:
 def closure_of_departure(adhesion: Adhesion, closure: float, at_once: bool) -> float | None:
     """Closure at which an edge at rest sets off, the way it is driven; ``None`` if it rests.
 
-    Parameters
-    ----------
-    adhesion : Adhesion
-    closure : float
-        The closure integral with the edge where it is.
-    at_once : bool
-        At fixed time, where the edge has no finite speed.
-
-    Returns
-    -------
-    float or None
-        An energy per area.
+    ``closure`` is the integral with the edge where it is; ``at_once`` at fixed time, where the edge has no
+    finite speed.
     """
     if closure < adhesion.closing:
         return adhesion.closing
@@ -78,26 +59,13 @@ def closure_of_departure(adhesion: Adhesion, closure: float, at_once: bool) -> f
     return opening if closure > opening else None
 
 
-def energy_spent(adhesion: Adhesion, before: float, after: float, closures: tuple[float, float]) -> float:
-    """Energy that the interface takes up as the edge moves.
+def energy_spent(adhesion: Adhesion, radius: Array, closure: Array) -> Array:
+    """Energy that the interface takes up over every step (n - 1,); negative where the edge closes.
 
-    Parameters
-    ----------
-    adhesion : Adhesion
-    before, after : float
-        Contact radius.
-    closures : tuple of float
-        The closure integral before and after: what an opening edge takes up there.
-
-    Returns
-    -------
-    float
-        Negative where the edge closes.
+    Of contact radii and closure integrals (n,) at the rows: what an opening edge takes up there.
     """
-    area = math.pi * (before - after) * (before + after)
-    if area <= 0.0:
-        return adhesion.closing * area
-    if adhesion.rate is None:
-        return adhesion.work * area
-    most = adhesion.opening(math.inf)
-    return area * 0.5 * sum(min(max(closure, adhesion.work), most) for closure in closures)
+    area = -np.pi * np.diff(radius**2)
+    opening = np.full_like(closure, adhesion.work)
+    if adhesion.rate is not None:
+        opening = np.clip(closure, adhesion.work, adhesion.opening(math.inf))
+    return area * np.where(area > 0.0, 0.5 * (opening[1:] + opening[:-1]), adhesion.closing)

@@ -2,22 +2,168 @@
 
 Each side of the edge keeps the variables that are smooth there: scaled Maxwell stresses inside, where ``v``
 has no singularity, and scaled Voigt strains outside, which do not carry the square root that ``v`` has at
-the edge. Nodes are laid where the edge goes, graded towards it, and taken out again where a straight line
-through their neighbours says the same to the stated tolerance.
+the edge: cubics between nodes, over the radius or, beyond a place where an edge rests or has rested, over
+the root of the distance from it. Nodes are laid where the edge goes, graded towards it, and taken out again
+where a straight line through their neighbours says the same to the stated tolerance. Radii from the axis.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bem_solver.nodal_variables import NodalVariables
-
 Array = NDArray[np.float64]
+
+_LONG = 8.0
+"""By how much longer than the next an interval is for its end there to count as joined by a short one."""
+
+
+@dataclass(frozen=True)
+class NodalVariables:
+    """Nodes at ``radius`` (n,), rising, and their internal variables ``values`` (n, K).
+
+    ``kinks`` are nodes where an edge rests or has rested: each leaves the square root of the distance beyond
+    it. From a kink to the next the root of the distance from it is the coordinate of interpolation, in which
+    such a state is smooth; before the first, the radius is. No slope is taken across a kink. Where an edge
+    that has just set off is the first node, ``rest`` is the radius it has rested at: the root is still that.
+    """
+
+    radius: Array
+    values: Array
+    kinks: tuple[float, ...] = ()
+    rest: float | None = None
+
+    @cached_property
+    def _bounds(self) -> list[int]:
+        """Nodes at which intervals between kinks begin, and the last node."""
+        n = len(self.radius)
+        at_kinks = np.searchsorted(self.radius, self.kinks)
+        return sorted({0, *(int(node) for node in at_kinks if node < n - 1), n - 1})
+
+    @cached_property
+    def _origin(self) -> Array:
+        """Origin of the root in each interval (n - 1); NaN where the radius is the coordinate."""
+        origin = np.full(len(self.radius) - 1, np.nan)
+        for low, high in pairwise(self._bounds):
+            if low > 0 or (self.kinks and self.kinks[0] == self.radius[0]):
+                origin[low:high] = self.radius[low] if low > 0 or self.rest is None else self.rest
+        return origin
+
+    @cached_property
+    def _intervals(self) -> tuple[Array, Array]:
+        """Start and width of each interval in its coordinate, each shape (n - 1,)."""
+        start, end = self.radius[:-1].copy(), self.radius[1:].copy()
+        for low, high in pairwise(self._bounds):
+            if not np.isnan(self._origin[low]):
+                start[low:high] = np.sqrt(start[low:high] - self._origin[low])
+                end[low:high] = np.sqrt(end[low:high] - self._origin[low])
+        return start, end - start
+
+    @cached_property
+    def _cubics(self) -> Array:
+        """Cubics over the share of each interval, powers 0 to 3, shape (n - 1, 4, K)."""
+        values, (_, width) = self.values, self._intervals
+        cubics = np.empty((len(width), 4, values.shape[1]))
+        cubics[:, 0] = values[:-1]
+        rise, wide = values[1:] - values[:-1], width[:, None]
+        for low, high in pairwise(self._bounds):
+            first, last = _end_slopes(wide[low:high], rise[low:high])
+            beyond = rise[low:high] - first
+            cubics[low:high, 1] = first
+            cubics[low:high, 3] = last - first - 2.0 * beyond
+            cubics[low:high, 2] = beyond - cubics[low:high, 3]
+        return cubics
+
+    def at(self, radius: Array) -> Array:
+        """Variables (m, K) at any radii (m,), by cubics; constant beyond the ends."""
+        if len(self.radius) == 0:
+            return np.zeros((len(radius), self.values.shape[1]))
+        if len(self.radius) == 1:
+            return np.repeat(self.values, len(radius), axis=0)
+        start, width = self._intervals
+        i = self.radius[1:-1].searchsorted(radius)
+        x = radius
+        if self.kinks:
+            base = self._origin.take(i)
+            x = np.where(base == base, np.sqrt(np.maximum(radius - base, 0.0)), radius)
+        z = np.minimum(np.maximum((x - start.take(i)) / width.take(i), 0.0), 1.0)[:, None]
+        cubics = self._cubics.take(i, axis=0)
+        values = cubics[:, 3] * z
+        for power in (2, 1):
+            values += cubics[:, power]
+            values *= z
+        values += cubics[:, 0]
+        return values
+
+    def without_faded_kinks(self, faded: float) -> NodalVariables:
+        """Without kinks whose root reaches at most ``faded`` over a distance as long as their radius."""
+        width, values, gone = self._intervals[1], self.values, []
+        for low, high in pairwise(self._bounds):
+            if low > 0:
+                last = min(low + 2, high)
+                strength = _slopes(width[low:last, None], values[low + 1 : last + 1] - values[low:last])[0]
+                if np.abs(strength).max() * np.sqrt(self.radius[low]) <= faded:
+                    gone.append(self.radius[low])
+        return replace(self, kinks=tuple(kink for kink in self.kinks if kink not in gone)) if gone else self
+
+    def coarsened(self, tolerance: float, spacing: Array, parity: int) -> NodalVariables:
+        """Without every second node that its neighbours reproduce; both ends stay."""
+        i = np.arange(1 + parity, len(self.radius) - 1, 2)
+        if len(i) == 0:
+            return self
+        width, rise = self._intervals[1], self.values[1:] - self.values[:-1]
+        # coordinates of the two sides of a kink differ: kinks stay below
+        share = (width[i - 1] / (width[i - 1] + width[i]))[:, None]
+        change = np.abs(share * rise[i] - (1.0 - share) * rise[i - 1]).max(axis=1)
+        close = self.radius[i + 1] - self.radius[i - 1] <= spacing[i]
+        keep = np.ones(len(self.radius), bool)
+        keep[i[(change <= tolerance) & close]] = False
+        keep[self._bounds] = True
+        return self._thinned(keep, tolerance)
+
+    def _thinned(self, keep: NDArray[np.bool_], tolerance: float) -> NodalVariables:
+        """The nodes kept, and those that the cubics through them miss by more than a tolerance."""
+        removed = np.flatnonzero(~keep)
+        thinned = NodalVariables(self.radius[keep], self.values[keep], self.kinks, self.rest)
+        missed = np.abs(thinned.at(self.radius[removed]) - self.values[removed]).max(axis=1) > tolerance
+        if not missed.any():
+            return thinned
+        keep[removed[missed]] = True
+        return NodalVariables(self.radius[keep], self.values[keep], self.kinks, self.rest)
+
+
+def _slopes(gap: Array, rise: Array) -> Array:
+    """Derivatives at the nodes (n, K): of the parabola through each node and its neighbours."""
+    secant = rise / gap
+    if len(gap) < 2:
+        return np.repeat(secant, 2, axis=0)
+    left, right = gap[:-1], gap[1:]
+    middle = (secant[:-1] * right + secant[1:] * left) / (left + right)
+    first, last = 2.0 * secant[:1] - middle[:1], 2.0 * secant[-1:] - middle[-1:]
+    return np.concatenate((first, middle, last))
+
+
+def _end_slopes(gap: Array, rise: Array) -> tuple[Array, Array]:
+    """Derivatives at both ends of each interval over its share, each (n - 1, K).
+
+    Where a far shorter interval joins, no steeper than a cubic may be that stays between its ends.
+    """
+    slope = _slopes(gap, rise)
+    first, last = gap * slope[:-1], gap * slope[1:]
+    ratio = gap[1:, 0] / gap[:-1, 0]
+    after = np.flatnonzero(ratio > _LONG) + 1
+    before = np.flatnonzero(ratio * _LONG < 1.0)
+    for ends, joined in ((first, after), (last, before)):
+        if len(joined):
+            most = 3.0 * rise[joined]
+            ends[joined] = np.minimum(np.maximum(ends[joined], np.minimum(most, 0.0)), np.maximum(most, 0.0))
+    return first, last
+
 
 NODES_APART = 0.05
 """How far apart nodes are, as a part of their distance from the edge, where that is several zones."""
@@ -80,10 +226,7 @@ class SurfaceHistory:
 
 
 def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
-    """Sorted radii at least ``smallest`` apart, the ``fixed`` among them.
-
-    Slopes between closer nodes would be rounding errors, and feed back into the motion of the edge.
-    """
+    """Sorted radii at least ``smallest`` apart, lest slopes be rounding, the ``fixed`` among them."""
     merged = np.unique(np.concatenate((radius, fixed)))
     stay, free = np.zeros(len(merged), bool), np.ones(len(merged), bool)
     stay[merged.searchsorted(fixed)] = True
@@ -106,28 +249,8 @@ def updated_kinks(
 ) -> tuple[tuple[float, ...], int, float | None, float]:
     """Kinks, direction, turning and farthest radius after the edge went from ``edge`` to ``new_edge``.
 
-    Parameters
-    ----------
-    before : SurfaceHistory
-    edge, new_edge : float
-    apart : float
-        Smallest distance of a kink from the edge and from newer kinks.
-    rest : float
-        Accuracy of the edge: so far back from its farthest radius it has not turned.
-
-    Returns
-    -------
-    kinks : tuple of float
-    direction : int
-    turning : float or None
-    farthest : float
-
-    Notes
-    -----
-    An edge that turned, or started from rest, leaves a kink once it is ``apart`` from there. Kinks closer
-    than that to a newer one are dropped: the nodes that stay around them carry their history. One closer to
-    an edge that has not just turned takes the place of the turning until the edge has passed it, also one
-    that it meets to its accuracy: left to the annuli, its inverse root would hold the edge up there.
+    An edge that turned leaves a kink once it is ``apart`` from there; kinks closer than that to a newer one
+    are dropped. One that the edge comes near takes the place of the turning until the edge has passed it.
     """
     farthest = edge if before.farthest is None else before.farthest
     direction, turning = before.direction, before.turning
@@ -157,21 +280,7 @@ def graded_nodes(annuli_radii: Array, edge: float, reach: float) -> Array:
 
 
 def nodes_beyond(edge: float, length: float, last: float = 0.0) -> Array:
-    """Radii from ``length`` outside the edge to far beyond, at distances from it in equal ratios.
-
-    In ratios of the radius the first interval would be many process zones wide where these are short, and the
-    surface in it, a root of the distance near the edge, one cubic.
-
-    Parameters
-    ----------
-    edge, length : float
-    last : float, optional
-        Outermost node so far: those beyond it, none while it is far from the edge.
-
-    Returns
-    -------
-    ndarray
-    """
+    """Radii from ``length`` outside the edge to far beyond, at distances from it in equal ratios."""
     size = edge + length
     if last >= _NEAREST_END * size:
         return np.empty(0)

@@ -9,19 +9,15 @@ from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
 
-from bem_solver.edge_energy import energy_spent
-from bem_solver.energy import Energies
-from bem_solver.half_space_state import HalfSpaceState
+from bem_solver.control import StepStart
 from bem_solver.history import SurfaceHistory
 from bem_solver.root_search import first_stable, rising_root
-from bem_solver.run_state import StepStart
 from bem_solver.start import contact_scale, equilibrium
 from bem_solver.surface import ContactSurface
+from bem_solver.surface_points import HalfSpaceState
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 from contact_scene import Outcome, OutcomeKind, TabulatedProfile
 
-LARGEST_TRAVEL_SHARE = 4096.0
-"""Bound on widening the travel limit where time cannot resolve its passage; beyond it motion is unstable."""
 _STEPS_WITHOUT_CONTACT = 64
 """Steps per interval in which an indenter without contact looks for the first one."""
 _FIRST_CONTACT_STEP = 1e-6
@@ -65,10 +61,7 @@ class EdgeJump:
 
 
 def without_contact(start: StepStart) -> FreeMotion | EdgeJump | Outcome:
-    """Without contact, move until the load turns positive, then make the first contact: small or a plane tip.
-
-    An outcome if the indenter is pulled away, or no first contact is in equilibrium.
-    """
+    """Without contact, move until the load turns positive, then make the first contact, or end the run."""
     problem, state, interval = start.problem, start.state, start.interval
     contact, parameter, length = state.contact, state.parameter, interval.length
     if interval.control == "force" and interval.prescribed(length) < 0.0:
@@ -106,10 +99,7 @@ def _moved(start: StepStart, parameter: float, held: float) -> FreeMotion:
 
 
 def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
-    """The next stable contact at the present load, in the direction in which the edge moves unstably.
-
-    An outcome where there is none.
-    """
+    """The next stable contact at the present load, in the direction in which the edge moves unstably."""
     problem, settings, state, interval = start.problem, start.settings, start.state, start.interval
     contact, parameter = state.contact, state.parameter
     limit = problem.scene.indenter.edge
@@ -124,7 +114,7 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
     searched = start.smallest_travel
     edge = contact.edge - searched if receding else min(contact.edge + searched, limit)
     smallest = max(_SMALLEST_CONTACT * settings.scale, problem.zone)  # shorter than the zone: no contact
-    end = smallest if receding else min(_LARGEST_CONTACT * settings.scale, limit)
+    end = smallest if receding else min(_LARGEST_CONTACT * settings.scale, limit, problem.body.largest)
     way_ahead = edge > end if receding else edge < end
     places = [rest + beyond for rest in contact.history.past_kinks for beyond in (0.0, problem.zone)]
     if isinstance(problem.scene.indenter, TabulatedProfile):
@@ -156,12 +146,8 @@ def contact_lost(start: StepStart) -> bool:
     )
 
 
-def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
-    """State when the last, vanishing contact of an adhesionless indenter is gone.
-
-    The height of the indenter at its edge is extrapolated to zero linearly, but a plane tip is let go as a
-    whole; the surface outside keeps its history.
-    """
+def lift_off(start: StepStart) -> HalfSpaceState:
+    """State when the last, vanishing contact of an adhesionless indenter is gone."""
     problem, state, interval = start.problem, start.state, start.interval
     before, last = state.accepted.rows[-2:][0], state.accepted.rows[-1]
     high, low = (float(problem.scene.indenter.height(row.edge)) for row in (before, last))
@@ -175,17 +161,13 @@ def lift_off(start: StepStart) -> tuple[HalfSpaceState, Energies]:
         penetration = interval.prescribed(end)
     history = replace(SurfaceHistory.blank(len(problem.chain)), outer=contact.history.outer)
     free = ContactSurface.free(problem.annuli)
-    return HalfSpaceState(interval.time(end), penetration, free, history), state.energies.unloaded()
+    return HalfSpaceState(interval.time(end), penetration, free, history)
 
 
-def released(start: StepStart) -> tuple[HalfSpaceState, Energies]:
+def released(start: StepStart) -> HalfSpaceState:
     """State when contact is lost at once on a spring: the indenter goes to where the stage is."""
     state, interval = start.state, start.interval
     free = ContactSurface.free(start.problem.annuli)
     stage = interval.prescribed(state.parameter)
-    contact, adhesion = state.contact, start.problem.irreversible
-    after = HalfSpaceState(contact.time, stage, free, contact.history)
-    if adhesion is not None:
-        spent = contact.spent + energy_spent(adhesion, contact.edge, 0.0, (contact.closure, contact.closure))
-        after = replace(after, spent=spent)
-    return after, state.energies.unloaded()
+    contact = state.contact
+    return HalfSpaceState(contact.time, stage, free, contact.history, contact.closure)

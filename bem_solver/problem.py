@@ -1,4 +1,11 @@
-"""What stays the same over a run: scene, material, discretisation, and the lengths that bound its steps."""
+"""What stays the same over a run: scene, material, discretisation, closure, and lengths that bound its steps.
+
+Closure at the contact edge (paper, Eq. closure): ``I = (1/(2 da)) int_0^da sigma(a - s) g(a + da - s) ds =
+dgamma``: the tension at distance s inside the edge meets the gap at distance da - s outside it. With ``s =
+da sin^2(psi)`` the square-root ends become smooth. I > dgamma recedes, I < dgamma advances; the stable edge
+is where I rises through dgamma with a. A compressive edge (kappa > 0) also has sigma g > 0, with both signs
+wrong: it counts negative.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +13,31 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bem_solver.annuli import Annuli
-from bem_solver.closure import ClosureRule
+from bem_solver.body import Compliance
 from bem_solver.creep import Chain
 from contact_scene import Adhesion, Counters, Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ClosureRule:
+    """Quadrature over the process zone: ``distance`` (q,) inside the edge in zones, and ``weight`` (q,)."""
+
+    distance: Array
+    weight: Array
+
+    @classmethod
+    def resolving(cls, divisions: int) -> ClosureRule:
+        """A rule for a history held at ``divisions`` per zone."""
+        nodes, weights = np.polynomial.legendre.leggauss(2 * divisions + 8)
+        psi = 0.25 * np.pi * (nodes + 1.0)
+        return cls(np.sin(psi) ** 2, 0.25 * np.pi * weights * np.sin(2.0 * psi))
+
 
 _LONG_TRAVEL = 0.1
 """Part of the contact radius of which a step over zones takes the same fraction, at most: what acts at the
@@ -52,6 +80,11 @@ class Problem:
     layer: float = 0.0
 
     @cached_property
+    def body(self) -> Compliance:
+        """The body of the scene."""
+        return Compliance.of(self.scene)
+
+    @cached_property
     def viscoelastic(self) -> bool:
         """Whether the material has branches, so that the surface has a history."""
         return len(self.chain) > 0
@@ -68,11 +101,7 @@ class Problem:
         return self.irreversible is not None and self.irreversible.rate is not None
 
     def length_at(self, edge: float) -> float:
-        """Length on which the motion of an edge at radius ``edge`` is resolved.
-
-        The zone, over which the history sees the edge come and go; a quarter of the radius without adhesion,
-        and in an elastic contact, whose states are equilibria by themselves.
-        """
+        """Length on which the motion of an edge at radius ``edge`` is resolved."""
         return self.zone if self.work > 0.0 and self.viscoelastic else 0.25 * edge
 
     def longest_travel(self, edge: float, advancing: bool) -> float:

@@ -51,34 +51,8 @@ def rising_root(
 ) -> RootSearchResult[T]:
     """Root of ``evaluate(x).residual`` in [low, high], where the residual rises through zero.
 
-    Parameters
-    ----------
-    evaluate : callable
-        TrialContact at a contact radius, with its ``residual``.
-    guess : float
-        Where the search starts.
-    slope : float
-        Estimate of the derivative; <= 0: unknown.
-    low, high : float
-        Interval searched.
-    accuracy, residual : float
-        Tolerances in the radius and in the residual, both met at the root, or rounding.
-
-    Returns
-    -------
-    RootSearchResult
-
-    Raises
-    ------
-    FloatingPointError
-        If a residual is not finite or the search does not converge.
-
-    Notes
-    -----
-    Beyond an edge at rest the residual rises as a root of the distance, with a vertical tangent there: a
-    slope measured over less than ``accuracy`` tells nothing about where the root lies within it. The
-    tolerance in the radius is therefore judged by the smaller of the last secant and the last one over at
-    least ``accuracy``, the one that is returned, or by a change of sign.
+    Beyond an edge at rest the residual rises as a root of the distance: a slope over less than ``accuracy``
+    tells nothing there, so that of the last secant over more judges the radius, or a change of sign.
     """
     negative: float | None = None  # largest x known with residual < 0
     positive: float | None = None  # smallest x known with residual > 0
@@ -130,29 +104,7 @@ def first_stable(
     rounding: float = 0.0,
     places: Sequence[float] = (),
 ) -> tuple[float, float] | None:
-    """Two radii between which the contact becomes stable first on the way of an unstable edge.
-
-    Parameters
-    ----------
-    trial : callable
-        Contact of a radius, with its ``residual``.
-    edge, end : float
-        Where the way begins and ends.
-    ratio : float
-        Of neighbouring radii.
-    stride : int
-        How many are passed at once where the residual is nowhere near zero.
-    rounding : float
-        Residual that counts as zero.
-    places : sequence of float
-        Radii about which the residual may have a dip of its own, where the edge has rested or the profile
-        bends: nothing is passed at once there.
-
-    Returns
-    -------
-    tuple of float or None
-        The nearer one, and one at which it is stable.
-    """
+    """Two radii between which the contact becomes stable first on the way of an unstable edge."""
     way = 1.0 if end > edge else -1.0
     count = math.ceil(abs(math.log(end / edge)) / math.log(ratio))
     radii = [edge * ratio ** (way * n) for n in range(count)] + [end]

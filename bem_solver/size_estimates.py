@@ -1,7 +1,8 @@
-"""Estimates of the largest contact and the thinnest boundary layer, which set the number of annuli."""
+"""The annuli of a run, from estimates of the largest contact and the thinnest boundary layer."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -10,15 +11,25 @@ from scipy.special import ellipkm1
 
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
-from bem_solver.problem import Problem
+from bem_solver.options import Options
+from bem_solver.problem import LONG_ZONE, ClosureRule, Problem
 from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouched_state
 from bem_solver.trial import TrialContact
-from contact_scene import Ramp, Scene, Step
+from contact_scene import Cone, Counters, Indenter, PowerLaw, Ramp, Scene, Step
 
 FEWEST_ANNULI, MOST_ANNULI = 16, 4000
 """Bounds on the number of annuli: interpolation at the edge needs the first, a dense matrix the second."""
-_ANNULI_OF_ESTIMATE = 24
-"""Annuli of the elastic contacts from which the largest radius is estimated, to about a percent."""
+_SMOOTH_SHARE = 0.01
+"""Part of the largest radius that is resolved where nothing varies faster than over the radius, but for the
+root at the edge, which is taken out: without adhesion, and in an elastic contact, whatever its zone."""
+
+_FINER_OF_LONG_ZONE = 2
+"""By how much annuli are finer at the centre where the zone is long: fields vary over a few zones there."""
+_FINER_OF_THIN_LAYER = 1.0 / 3.0
+"""The same on a layer, per thickness in the radius of the contact: pressures vary over a thickness there."""
+_ANNULI_OF_ESTIMATE, _ON_LAYER = 24, 64
+"""Annuli of the elastic contacts from which the largest radius is estimated, to about a percent; on a layer
+it may be thirty thicknesses."""
 _FINER_AT_EDGE = 8.0
 """By how much graded annuli are finer at the edge than the resolution asks of the process zone: it costs a
 few annuli, and the relaxing layer behind a slowly advancing edge errs by the square of that step."""
@@ -45,22 +56,9 @@ def annuli_needed(divisions: int, share: float) -> int:
 
 
 def edge_step(divisions: int, share: float, radius: float, layer: float) -> float:
-    """Step of the angle ``arcsin(r)`` at the edge that resolves process zone and boundary layer.
+    """Step of the angle ``arcsin(r)`` at the edge that puts ``divisions`` annuli into the process zone.
 
-    Parameters
-    ----------
-    divisions : int
-        Annuli in the process zone.
-    share : float
-        Process zone over the largest contact radius.
-    radius : float
-        Largest contact radius.
-    layer : float
-        Thickness of a boundary layer; zero without.
-
-    Returns
-    -------
-    float
+    The zone is a ``share`` of the largest radius; a boundary ``layer`` is resolved too (zero without).
     """
     step = float(np.arccos(1.0 - share)) / divisions
     return min(step, 0.5 * np.pi / _annuli_for_layer(divisions, radius, layer)) if layer > 0.0 else step
@@ -74,7 +72,7 @@ def _annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
     return int(np.ceil(0.6 * divisions * np.sqrt(radius / layer)))
 
 
-def graded_annuli(divisions: int, step: float) -> tuple[int, float]:
+def graded_annuli(divisions: float, step: float) -> tuple[int, float]:
     """Number and grading of annuli that resolve a ``step`` of the angle at the edge.
 
     At the centre the step is ``2/(3 divisions)``; the number grows with the logarithm of the one over the
@@ -85,31 +83,14 @@ def graded_annuli(divisions: int, step: float) -> tuple[int, float]:
 
 
 def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float, divisions: int) -> float:
-    """Thinnest boundary layer behind an advancing edge that has to be resolved; zero without.
+    """Thickness of the thinnest layer behind an advancing edge that has to be resolved; zero without.
 
-    Parameters
-    ----------
-    scene : Scene
-    chain : Chain
-    radius : float
-        Largest contact radius.
-    zone : float
-        Length of the process zone.
-    divisions : int
-        Of the zone. A layer costs only the logarithm of its thickness: all that annuli would see is resolved.
-
-    Returns
-    -------
-    float
-        Thickness in the scene's unit of length.
-
-    Notes
-    -----
     Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
     order of ``(E_k/E0) v tau_k/da``. On a ramp the speed is that of a contact that follows the profile,
     ``rate/(2 df/dr)``; while the load rests, or turns round in an oscillation that leaves it time to relax,
     it falls through every value, down to where the layer hardly matters. The layer of a rest that is shorter
-    than the relaxation time is taken thicker by the square of their ratio: such an edge hardly slows down.
+    than the relaxation time is taken thicker by the square of their ratio: such an edge hardly slows down. A
+    layer costs only the logarithm of its thickness: all that annuli would see is resolved.
     """
     slope = float(scene.indenter.slope(radius))
     penetration, slowest, rest = scene.loading.penetration, np.inf, 0.0
@@ -134,7 +115,8 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
 
     It need not be exact: annuli travel with the edge, whatever its radius.
     """
-    elastic = elastic_problem(replace(problem, annuli=Annuli(_ANNULI_OF_ESTIMATE)), scene.material.modulus)
+    annuli = Annuli(_ANNULI_OF_ESTIMATE if scene.body is None else _ON_LAYER)
+    elastic = elastic_problem(replace(problem, annuli=annuli), scene.material.modulus)
     radius, penetration, force = 0.0, scene.loading.penetration, 0.0
 
     def by_force(value: float, scale: float) -> float:
@@ -184,3 +166,40 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
         else:
             _, penetration, force = settle(segment.control, values[-1])
     return min(radius, scene.indenter.edge)
+
+
+def _exponent(indenter: Indenter) -> float:
+    """Exponent of the indenter's profile; 2, the smooth one, where it has none."""
+    match indenter:
+        case Cone():
+            return 1.0
+        case PowerLaw():
+            return indenter.exponent
+    return 2.0
+
+
+def discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Problem, float]:
+    """The problem on annuli that resolve process zone and boundary layer, and the scale of its contact."""
+    chain = Chain(scene.material, options.scheme == "backward-euler")
+    adhesion = scene.adhesion if scene.is_adhesive else None
+    zone, work = (adhesion.zone, adhesion.work) if adhesion else (0.0, 0.0)
+    divisions = options.divisions
+    rule = ClosureRule.resolving(divisions)
+    coarse = Problem(scene, Annuli(FEWEST_ANNULI), chain, zone, work, 1.0, Counters(), rule)
+    initial = contact_scale(scene, scene.loading.penetration)
+    largest = largest_contact(scene, coarse) or initial
+    layer, thin = 0.0, _FINER_OF_THIN_LAYER * largest / coarse.body.thickness
+    if zone > 0.0 and largest > 0.0 and len(chain):
+        share = min(zone / largest, 1.0)
+        layer = thinnest_layer(scene, chain, largest, zone, divisions)
+        step = edge_step(divisions, share, largest, layer)
+        finer = max(1 if zone < LONG_ZONE * largest else _FINER_OF_LONG_ZONE, thin)
+        annuli = Annuli(*graded_annuli(finer * divisions, step), _exponent(scene.indenter))
+        at_edge = np.arccos(1.0 - share) / step  # more than the annuli in the zone where they resolve a layer
+        rule = ClosureRule.resolving(int(max(annuli.number_within(share), at_edge)))
+    else:
+        count = math.ceil(_AT_CENTRE * thin * divisions * 0.5 * np.pi)
+        count = max(annuli_needed(divisions, _SMOOTH_SHARE), count)
+        annuli = Annuli(count, exponent=_exponent(scene.indenter))
+    problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule, layer)
+    return problem, max(largest, initial)

@@ -10,15 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, initial_energies
-from bem_solver.half_space_state import HalfSpaceState, points_at
 from bem_solver.history import SurfaceHistory, distinct, nodes_beyond
 from bem_solver.motion import Motion
-from bem_solver.points_by_passage import advanced
 from bem_solver.problem import Problem
 from bem_solver.root_search import first_stable, rising_root
-from bem_solver.state_update import split_at_edge
 from bem_solver.surface import ContactSurface
+from bem_solver.surface_points import HalfSpaceState, advanced, points_at, split_at_edge
 from bem_solver.trial import TrialContact, evaluate
 from contact_scene import Indenter, Material, Scene, TabulatedProfile
 from contact_scene.scene import zone_too_long
@@ -28,8 +25,9 @@ Array = NDArray[np.float64]
 _SCAN_RATIO, _SCAN_STRIDE = 1.04, 5
 """Ratio of neighbouring radii in the scan for the largest stable contact, and how many are passed at once
 where the residual is nowhere near zero."""
-_SCAN_START, _SCAN_END = 64.0, 1e-6
-"""Largest and smallest radius of the scan, in the estimated contact radius."""
+_SCAN_START, _SCAN_START_ON_LAYER, _SCAN_END = 64.0, 4.0, 1e-6
+"""Largest and smallest radius of the scan, in the estimated contact radius. The rank of a layer grows with
+the radius: there the scan starts at the second, doubled while the edge advances from it."""
 
 _FACING = 64
 """Nodes outside the edge that the closure looks at, even in the root of the distance: their cubics hold the
@@ -55,10 +53,17 @@ def largest_stable(
 
     Edges from far above ``scale`` downwards are looked over for where the residual falls below zero, which
     brackets the stable root. A flat face, which touches as a whole, is in full contact unless its edge opens.
+    On a layer a contact that would be larger than any that is taken stands for itself.
     """
     indenter = problem.scene.indenter
-    edge, end = min(indenter.edge, _SCAN_START * scale), _SCAN_END * scale
-    largest = trial(edge)
+    edge = limit = min(indenter.edge, _SCAN_START * scale, problem.body.largest)
+    if problem.scene.body is not None:
+        edge = min(_SCAN_START_ON_LAYER * scale, limit)
+    while edge < limit and trial(edge).residual <= 0.0:
+        edge = min(2.0 * edge, limit)
+    end, largest = _SCAN_END * scale, trial(edge)
+    if edge == problem.body.largest and largest.residual <= 0.0:
+        return largest
     if edge == indenter.edge and min(largest.residual, largest.closure - problem.work) <= 0.0:
         return largest
     while edge > end and trial(edge).residual <= 0.0:
@@ -74,24 +79,7 @@ def largest_stable(
 def equilibrium(
     problem: Problem, state: HalfSpaceState, control: str, value: float, scale: float
 ) -> TrialContact | None:
-    """Instantaneous equilibrium under the given control.
-
-    Parameters
-    ----------
-    problem : Problem
-    state : HalfSpaceState
-        From which the load jumps.
-    control : "penetration", "force" or "stage"
-        Which of them has ``value``.
-    value : float
-    scale : float
-        Order of magnitude of the contact radius.
-
-    Returns
-    -------
-    TrialContact or None
-        The largest stable contact.
-    """
+    """The largest stable contact at once under the given control, or ``None``, of a ``scale`` of radii."""
 
     def trial(edge: float) -> TrialContact:
         return evaluate(problem, state, 0.0, edge, control, value)
@@ -126,30 +114,27 @@ def contact_scale(scene: Scene, penetration: float) -> float:
     return max(geometric, adhesive)
 
 
-def start_state(problem: Problem, scale: float) -> tuple[HalfSpaceState, Energies] | None:
+def start_state(problem: Problem, scale: float) -> HalfSpaceState | None:
     """The start state of the scene, or ``None`` without equilibrium."""
     scene = problem.scene
     relaxed = scene.loading.start == "relaxed"
     material = scene.material
     penetration = scene.loading.penetration
     if problem.work == 0.0 and penetration <= 0.0:
-        return untouched_state(problem, penetration), initial_energies(problem.chain, 0.0, relaxed)
+        return untouched_state(problem, penetration)
     elastic = elastic_problem(problem, material.modulus if relaxed else material.glassy_modulus)
     untouched = untouched_state(elastic, penetration)
     trial = equilibrium(elastic, untouched, scene.loading.start_control, penetration, scale)
     if trial is None:
         return None
     surface, penetration = trial.surface, trial.motion.new_penetration
+    if scene.body is not None and surface.edge >= problem.body.largest:
+        raise scene.body.outgrown
     if trial.zone >= surface.edge > 0.0:
         raise zone_too_long(trial.zone, surface.edge)
     history = _start_history(problem, surface, penetration, relaxed)
-    state = HalfSpaceState(0.0, penetration, surface, history, trial.closure)
-    energies = initial_energies(problem.chain, surface.load_work, relaxed)
-    if problem.work > 0.0 and problem.viscoelastic:
-        opening = 0.5 * surface.stress_intensity**2 / problem.chain.glassy
-        stiffer = material.glassy_modulus / material.modulus if relaxed else 1.0  # than what opened the gap
-        energies = replace(energies, release=(opening, stiffer**2 * opening))
-    return state, energies
+    work = problem.chain.compliances * surface.load_work if relaxed else 0.0
+    return HalfSpaceState(0.0, penetration, surface, history, trial.closure, branch_work=work)
 
 
 def _start_history(

@@ -1,32 +1,306 @@
 """A trial: the surface for a given edge and step, and by how much it misses the closure.
 
-Nothing here changes the committed state, only ``state_committer`` does. Penetration and surface
-displacement positive downwards, force and pressure positive in compression; radii from the axis.
+What the edge covers and leaves depends on the load at the edge, or just ahead of one that hardly moves, and
+on how that falls outside it, during the step. Both are known at its start; at its end they are those of the
+surface that is sought.
+
+Over zones, the surface outside an edge that has not receded is right whatever way and time it took. By Eq.
+convolution the displacement ``w`` is everywhere that of a pressure ``q = int J* dp`` under unit plane
+modulus. Where there was no pressure throughout the step, ``q`` has crept freely: what all strains would have
+become in that way, ``sum e exp(-y)``, misses ``w`` by the displacement of a pressure inside the edge alone,
+and is known there: one contact problem gives the rest outside. Inside, that pressure follows an edge that
+passes as its inverse root, and the stress is ``int E* d`` of it. Ahead, the displacement at both ends of the
+step is known, and moves with the edge in between. Nothing here changes the committed state. Penetration and
+surface displacement positive downwards, force and pressure positive in compression; radii from the axis.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
-from bem_solver.bent_path import BentPath, EarlierRow
-from bem_solver.between_annuli import LoadBetween
-from bem_solver.cohesive_zone import zone_at
+from bem_solver.creep import Chain
 from bem_solver.edge_energy import end_velocity, energy_taken
-from bem_solver.free_creep import FreeCreep
-from bem_solver.half_space_state import HalfSpaceState, points_at
-from bem_solver.kinks import EdgeKinks
-from bem_solver.load_control import LoadControl
-from bem_solver.motion import Motion, SurfacePoints
-from bem_solver.outer_fall import OuterFall
-from bem_solver.problem import Problem
-from bem_solver.surface import ContactSurface
-from bem_solver.tip_release import tip_distances
-from bem_solver.trial_closure import closure_and_tip_gap
+from bem_solver.motion import (
+    BentPath,
+    CarriedDisplacement,
+    EarlierRow,
+    Motion,
+    OuterFall,
+    SurfacePoints,
+    distances_outside,
+    parabola_bend,
+)
+from bem_solver.problem import ClosureRule, Problem
+from bem_solver.surface import ContactSurface, EdgeKinks, LoadBetween
+from bem_solver.surface_points import (
+    HalfSpaceState,
+    PointsByPassage,
+    advanced,
+    displacement_outside,
+    load_inside,
+    points_at,
+)
 
 Array = NDArray[np.float64]
+
+_LEAST_ZONE = 1e-3
+"""Shortest zone that is followed, in zones at rest: the edge pulls a thirtieth of what it would at rest."""
+
+
+@dataclass(frozen=True)
+class FreeCreep:
+    """The end of a step whose edge has not receded: ``pressed``, the surface under what free creep misses."""
+
+    chain: Chain
+    motion: Motion
+    pressed: ContactSurface
+
+    @staticmethod
+    def takes(problem: Problem, motion: Motion) -> bool:
+        """Whether a step is one over process zones, that takes time, of an edge that has not receded."""
+        over_zones = problem.over_zones(motion.edge)
+        return over_zones and motion.duration > 0.0 and motion.new_edge >= motion.edge > 0.0
+
+    @classmethod
+    def within(
+        cls,
+        problem: Problem,
+        state: HalfSpaceState,
+        motion: Motion,
+        points: SurfacePoints,
+        kinks: EdgeKinks | None,
+        between: LoadBetween | None,
+    ) -> FreeCreep | None:
+        """Of a step over process zones; its motion then tells what its edge carries along."""
+        if not cls.takes(problem, motion):
+            return None
+        pressed = surface_pressed(problem, motion, points, kinks, between)
+        creep = cls(problem.chain, motion, pressed)
+        return creep if motion.new_edge == motion.edge else creep._carrying(problem, state)
+
+    def _carrying(self, problem: Problem, state: HalfSpaceState) -> FreeCreep:
+        """The same with the displacement that its edge carries along."""
+        motion, distance = self.motion, np.append(0.0, distances_outside(self.motion.edge, problem.nearest))
+        path = motion.path or BentPath.straight(motion.edge, motion.new_edge)
+        before = points_at(problem, state, motion.edge + distance).displacement
+        after = self.displacement(points_at(problem, state, motion.new_edge + distance))
+        fall, new_fall = ((w[0] - w[1:]) / np.sqrt(distance[1:]) for w in (before, after))
+        shares = np.array([0.0, 0.5, 1.0])
+        start, middle, end = motion.penetration_at(shares) - problem.scene.indenter.height(
+            path.edge(1.0 - shares)
+        )
+        bend = 2.0 * (start + end) - 4.0 * middle
+        carried = CarriedDisplacement(path, OuterFall(distance[1:], fall, new_fall), float(bend))
+        return replace(self, motion=replace(motion, carried=carried))
+
+    def displacement(self, points: SurfacePoints) -> Array:
+        """``w`` (m,) at the end of the step at points outside the edge."""
+        return _crept(self.chain, points, self.motion) + self.pressed.outside(points.radius)
+
+    def tension(self, distance: Array, otherwise: Array) -> Array:
+        """Normal stress inside the edge: near it that of an inverse root that has come with it."""
+        motion, carried = self.motion, self.motion.carried
+        travel = motion.new_edge - motion.edge
+        share = np.clip(2.0 * (travel - distance) / travel, 0.0, 1.0) if travel > 0.0 else 0.0 * distance
+        if carried is None or not share.any():
+            return otherwise
+        _, left = motion.passing(motion.new_edge - distance)
+        kept = 1.0 - carried.path.abscissa(left) * carried.growth
+        slowed = np.sqrt(carried.path.mean_since(left))
+        gained = 1.0 - kept * slowed, 1.0 - kept / slowed
+        of_inverse_root, of_root = self.chain.moduli_of_passage(left * motion.duration, gained)
+        singular, whole = self.pressed.singular_tension(distance), self.pressed.tension(distance)
+        passed = of_inverse_root * singular + of_root * (whole - singular)
+        return otherwise + share * (passed - otherwise)
+
+    def settled(self, points: SurfacePoints, variables: Array, load: Array) -> Array:
+        """Variables of points outside at the end, their load bent so that they have their displacement."""
+        chain = self.chain
+        missed = self.displacement(points) - displacement_outside(chain, variables, load)
+        lags = chain.lag_rate * chain.spread_bent(self.motion.duration / chain.retardation)
+        return variables - (missed[:, None] * (lags / chain.lag(lags))) @ chain.rotation
+
+
+def surface_pressed(
+    problem: Problem,
+    motion: Motion,
+    points: SurfacePoints,
+    kinks: EdgeKinks | None,
+    between: LoadBetween | None = None,
+) -> ContactSurface:
+    """The surface under what free creep throughout a step misses of the displacement inside the edge."""
+    missed = motion.new_penetration - points.height - _crept(problem.chain, points, motion)
+    return ContactSurface.under(problem.annuli, motion.new_edge, missed, kinks, between, problem.body)
+
+
+def _crept(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
+    """``sum e`` (m,) after free creep throughout a step."""
+    strains = chain.to_strains(points.variables, points.load)
+    return chain.lag(chain.decay(motion.duration / chain.retardation) * strains)
+
+
+def closure_integral(
+    problem: Problem,
+    state: HalfSpaceState,
+    motion: Motion,
+    surface: ContactSurface,
+    zone: float,
+    creep: FreeCreep | None,
+) -> float:
+    """``I`` (Eq. closure); the zone is cut at the centre."""
+    distance, force = forces_over(surface, problem.rule, min(zone, surface.edge), creep)
+    gap = gap_outside(problem, state, motion, surface, surface.edge + zone - distance, creep)
+    return float(force @ gap) / (2.0 * zone)
+
+
+def forces_over(
+    surface: ContactSurface, rule: ClosureRule, length: float, creep: FreeCreep | None = None
+) -> tuple[Array, Array]:
+    """Points of a quadrature over a length from the edge inwards: distances (m,), forces ``sigma ds`` (m,).
+
+    The punches at kinks are integrated from their own edges on.
+    """
+    distances, forces = [length * rule.distance], [length * rule.weight]
+    kinks, strengths = surface.kinks, surface.strengths
+    if kinks is not None and strengths is not None:
+        depth = surface.edge - kinks.radius
+        for index in np.flatnonzero(depth < length).tolist():
+            own = length - depth[index]
+            tension = strengths[index] * kinks.tension(index, own * rule.distance)
+            distances.append(depth[index] + own * rule.distance)
+            forces.append(own * rule.weight * tension)
+    tension = surface.tension(distances[0])
+    forces[0] *= tension if creep is None or len(forces) > 1 else creep.tension(distances[0], tension)
+    return np.concatenate(distances), np.concatenate(forces)
+
+
+def gap_outside(
+    problem: Problem,
+    state: HalfSpaceState,
+    motion: Motion,
+    surface: ContactSurface,
+    radius: Array,
+    creep: FreeCreep | None,
+) -> Array:
+    """Gap outside the new edge at the end of the step."""
+    if creep is not None:
+        points = points_at(problem, state, radius)
+        return points.height - motion.new_penetration + creep.displacement(points)
+    load = surface.outside(radius)
+    if not problem.viscoelastic:
+        height = problem.scene.indenter.height(radius)
+        return height - motion.new_penetration + load / problem.chain.relaxed
+    points = points_at(problem, state, radius)
+    variables = advanced(problem.chain, points, motion, load)
+    displacement = displacement_outside(problem.chain, variables, load)
+    return points.height - motion.new_penetration + displacement
+
+
+@dataclass(frozen=True)
+class LoadControl:
+    """``control`` has ``value`` at the end of the step.
+
+    ``points`` are the collocation radii inside the new edge, and behind them the readings of ``kinks`` and
+    the nodes ``between``; ``earlier`` is a row before the last, where the edge or its load has a curved path.
+    """
+
+    problem: Problem
+    state: HalfSpaceState
+    points: SurfacePoints
+    kinks: EdgeKinks | None
+    control: str
+    value: float
+    earlier: EarlierRow | None = None
+    between: LoadBetween | None = None
+    _creep: dict[float, FreeCreep | None] = field(default_factory=dict)
+    _by_passage: dict[float, PointsByPassage] = field(default_factory=dict)
+
+    def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
+        """Motion with the penetration and the end that belong to the control, and its surface."""
+        motion, surface = self._controlled(motion)
+        if FreeCreep.takes(self.problem, motion):
+            return self._ending(motion, surface), surface
+        if motion.fall is None and (self.earlier is None or self.earlier.edge is None):
+            return motion, surface
+        motion = self._ending(motion, surface)
+        if motion.new_edge <= motion.edge:
+            return motion, surface
+        return self._controlled(motion) if motion.fall is None else self._settled(motion, surface)
+
+    def creep(self, motion: Motion) -> FreeCreep | None:
+        """What free creep tells of a motion; within a step their penetration alone differs."""
+        depth = motion.new_penetration
+        if depth not in self._creep:
+            self._creep[depth] = FreeCreep.within(
+                self.problem, self.state, motion, self.points, self.kinks, self.between
+            )
+        return self._creep[depth]
+
+    def _settled(self, motion: Motion, surface: ContactSurface) -> tuple[Motion, ContactSurface]:
+        """Motion and surface of an advancing edge."""
+        one, second = self._controlled(motion)
+        two, third = self._controlled(self._ending(one, second))
+        return self._ending(two, third), third
+
+    def _ending(self, motion: Motion, surface: ContactSurface) -> Motion:
+        """The motion whose end is that of a surface."""
+        fall = None if motion.fall is None else motion.fall.towards(surface)
+        rise, bend = self._load_rise_and_bend(motion, surface)
+        return replace(motion, fall=fall, load_rise=rise, load_bend=bend)
+
+    def _load_rise_and_bend(self, motion: Motion, surface: ContactSurface) -> tuple[float, float]:
+        """Rise and bend of the load through the earlier row: at the edge of its path, or ahead of others."""
+        earlier, path = self.earlier, motion.path
+        if earlier is None or earlier.load is None or (path is not None and earlier.fall is None):
+            return 0.0, 0.0
+        start, end = (of.load_ahead(earlier.ahead) for of in (self.state.surface, surface))
+        if path is not None and path.of_travel and earlier.edge is not None:
+            ago = (motion.edge - earlier.edge) / path.travel
+            return end - start, parabola_bend((ago, earlier.load), start, 1.0, end)
+        return end - start, parabola_bend((earlier.time, earlier.load), start, motion.duration, end)
+
+    def _controlled(self, motion: Motion) -> tuple[Motion, ContactSurface]:
+        """Motion with the penetration, and surface, that the control asks for."""
+        self.problem.counters.linear_solves += 1
+        if self.control == "penetration":
+            if motion.new_penetration != self.value:
+                motion = replace(motion, new_penetration=self.value)
+            return motion, self._surface(motion)
+        # everything is affine in the new penetration
+        start = self.state.penetration
+        highest = float(self.points.height.max(initial=0.0))  # a shorter step would be lost in its force
+        step = max(abs(start), 1e-3 * motion.new_edge, 1e-6 * highest)
+        first = replace(motion, new_penetration=start)
+        one, two = self._surface(first), self._surface(replace(first, new_penetration=start + step))
+        lacking, gained = self.value - one.force, two.force - one.force
+        if self.control == "stage":  # D + F/k
+            compliance = self.problem.scene.loading.compliance
+            lacking = self.value - (first.new_penetration + compliance * one.force)
+            gained = step + compliance * gained
+        share = lacking / gained
+        return replace(first, new_penetration=start + share * step), one.towards(two, share)
+
+    def _surface(self, motion: Motion) -> ContactSurface:
+        """The surface after a motion whose penetration is known."""
+        creep = self.creep(motion)
+        load = self._required_load(motion if creep is None else creep.motion)
+        annuli, body = self.problem.annuli, self.problem.body
+        return ContactSurface.under(annuli, motion.new_edge, load, self.kinks, self.between, body)
+
+    def _required_load(self, motion: Motion) -> Array:
+        """``v`` at radii inside the new edge."""
+        problem, wanted = self.problem, motion.new_penetration - self.points.height
+        if not problem.viscoelastic:
+            return problem.chain.relaxed * wanted
+        problem.counters.history_updates += 1
+        if motion.new_edge not in self._by_passage:
+            self._by_passage[motion.new_edge] = PointsByPassage(problem.chain, self.points, motion)
+        return load_inside(problem.chain, self._by_passage[motion.new_edge].inside(motion), wanted)
+
 
 EDGE_ACCURACY = 1e-3
 """Accuracy of the edge, in step tolerances of the length it is resolved on: far below the step error."""
@@ -42,8 +316,8 @@ class TrialContact:
     """Surface at the end of a trial step; ``residual`` > 0 where the edge recedes.
 
     ``points`` are the collocation radii inside its edge at the start of the step; ``zone`` is the length of
-    the process zone, and ``tip_gap`` (2,) the gap outside the edge at ``tip_distance`` (2,), with adhesion.
-    ``creep`` tells the surface outside an edge that has not receded in a step over zones.
+    the process zone, and ``creep`` tells the surface outside an edge that has not receded in a step over
+    zones.
     """
 
     motion: Motion
@@ -52,8 +326,6 @@ class TrialContact:
     residual: float
     closure: float
     zone: float = 0.0
-    tip_gap: Array | None = None
-    tip_distance: Array | None = None
     creep: FreeCreep | None = None
 
 
@@ -67,31 +339,7 @@ def evaluate(
     earlier: EarlierRow | None = None,
     within: tuple[float, float] | None = None,
 ) -> TrialContact:
-    """The surface with the edge at ``edge`` after ``duration``, and its residual.
-
-    Parameters
-    ----------
-    problem : Problem
-    state : HalfSpaceState
-        Committed state at the start of the step.
-    duration : float
-    edge : float
-        Contact radius at the end.
-    control : "penetration", "force" or "stage"
-        Which of them has ``value`` at the end of the step.
-    value : float
-    earlier : EarlierRow, optional
-        Row through which the paths of edge, load at the edge or ahead of it, and penetration are parabolas.
-    within : (float, float), optional
-        A time within the step and the penetration prescribed there, through which its path is a parabola
-        instead (:meth:`~bem_solver.creep.Chain.share_to_meet`).
-
-    Returns
-    -------
-    TrialContact
-        Its residual is ``I - dgamma`` (Eq. closure), or its share of what the edge takes up in its direction,
-        at its speed, times ``dgamma``; without adhesion the negative edge singularity.
-    """
+    """The surface with the edge at ``edge`` after ``duration``, and its residual."""
     kinks = _kinks_inside(problem, state, duration, edge)
     between = _load_between(problem, state, edge)
     readings = np.empty(0) if kinks is None else kinks.readings
@@ -163,34 +411,42 @@ def _adhesive_contact(
     """The contact after a motion, and by how much it misses the closure."""
     problem.counters.closure_evaluations += 1
     zone = _zone(problem, surface)
-    distance = tip_distances(problem, state.history, motion, zone)
-    closure, gap = closure_and_tip_gap(problem, state, motion, surface, zone, distance, creep)
+    closure = closure_integral(problem, state, motion, surface, zone, creep)
     if (surface if creep is None else creep.pressed).kappa > 0.0:  # gap and tension have the wrong sign
         closure = -abs(closure)
     residual = closure - problem.work
     if problem.irreversible is None:
-        return TrialContact(motion, surface, points, residual, closure, zone, gap, distance, creep)
+        return TrialContact(motion, surface, points, residual, closure, zone, creep)
     velocity = end_velocity(state.edge, motion.new_edge, motion.duration, state.last_step)
     excess = closure / energy_taken(problem.irreversible, velocity) - 1.0
     residual = excess * problem.work
-    return TrialContact(motion, surface, points, residual, closure, zone, gap, distance, creep)
+    return TrialContact(motion, surface, points, residual, closure, zone, creep)
 
 
 def _zone(problem: Problem, surface: ContactSurface) -> float:
-    """Length of the process zone."""
-    adhesion = problem.scene.adhesion
+    """Length of the process zone; at fixed stress s, over which the mean tension is ``(4/pi) s``.
+
+    Of the singular part that mean falls as the root of the length, so that there is one such length, if the
+    tension over the whole contact is not larger: else it is the contact radius.
+    """
+    adhesion, edge = problem.scene.adhesion, surface.edge
     if adhesion is None or adhesion.stress is None:
         return problem.zone
-    return zone_at(surface, problem.rule, adhesion.stress, problem.zone)
+    mean = 4.0 / np.pi * adhesion.stress
+
+    def excess(length: float) -> float:
+        return float(forces_over(surface, problem.rule, length)[1].sum()) - mean * length
+
+    least = min(_LEAST_ZONE * problem.zone, 0.5 * edge)
+    if edge == 0.0 or surface.kappa >= 0.0 or excess(least) <= 0.0:
+        return least
+    if excess(edge) >= 0.0:
+        return edge
+    return float(brentq(excess, least, edge, xtol=1e-15 * edge, rtol=1e-12))
 
 
 def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge: float) -> EdgeKinks | None:
-    """Where an edge has rested, or turns in this step, inside the new edge.
-
-    Older ones are read where the history holds them. Beyond an edge that turns now, or has just turned, what
-    is covered first has relaxed for the whole step, as the root does; what is covered later has not, and is
-    left out.
-    """
+    """Where an edge has rested, or turns in this step, inside the new edge."""
     history = state.history
     if not problem.viscoelastic or edge <= 0.0:
         return None

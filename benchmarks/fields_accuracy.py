@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Adhesion, FlatPunch, Indenter, Loading, Material, Scene, Sphere, Trace
+from contact_scene import Adhesion, FlatPunch, Indenter, Layer, Loading, Material, Scene, Sphere, Trace
 from validation import cases
 from validation.fields.moments import EnergySums, FieldRequest, balance, record_fields
 from validation.measure.events import end_of_approach
-from validation.reference import subsurface
+from validation.reference import layer_subsurface, subsurface
+from validation.reference.elastic_layer import ElasticLayer
 
 if TYPE_CHECKING:
     from fem_solver import FieldState
@@ -60,10 +61,12 @@ class Deviation:
         return max(self.below, self.inside, self.beside)
 
 
-def static(name: str, poisson: float, resolution: int | None = None) -> tuple[FieldState, Deviation]:
+def static(
+    name: str, poisson: float, resolution: int | None = None, body: Layer | None = None
+) -> tuple[FieldState, Deviation]:
     """Field of a static contact by name, and its errors."""
     indenter, adhesion = CONTACTS[name]
-    scene = Scene(Material(1.0, poisson), indenter, Loading("relaxed", 0.01), adhesion)
+    scene = Scene(Material(1.0, poisson), indenter, Loading("relaxed", 0.01), adhesion, body=body)
     (state,) = record_fields(scene, FieldRequest((0.0,)), resolution).states()
     return state, deviation(state, scene)
 
@@ -72,15 +75,12 @@ def deviation(state: FieldState, scene: Scene) -> Deviation:
     """Errors of the stress of an elastic scene."""
     a, (r, z) = state.contact_radius, state.points.T
     near = (np.hypot(r, z) < REACH * a) & (np.hypot(r - a, z) > EDGE * a)
-    exact = subsurface.contact(
-        r[near],
-        z[near],
-        scene.indenter,
-        a,
-        state.penetration,
-        scene.material.relaxed_plane_modulus,
-        scene.material.poisson,
-    ).stress
+    given, nu = (a, state.penetration, scene.material.relaxed_plane_modulus), scene.material.poisson
+    if scene.body is None:
+        exact = subsurface.contact(r[near], z[near], scene.indenter, *given, nu).stress
+    else:
+        elastic = ElasticLayer(scene.body, nu, scene.indenter)
+        exact = layer_subsurface.contact(elastic, r[near], z[near], *given).stress
     errors = np.abs(state.stress[:, near] - exact).max(axis=0) / np.abs(exact).max()
     deep, inner = z[near] < 0.0, r[near] < a
     return Deviation(

@@ -117,11 +117,12 @@ def recorded(number: int, scenes: Sequence[Scene], background: bool = False) -> 
 
 def _background(curve: MeasuredCurve) -> Array:
     """What instruments add, over the range of the force: a level of 5 %, a tilt of 2 % and a drift of 1 %
-    over the record, a drag of 0.5 %."""
+    over the record, a drag of 0.5 %, and a wave of 0.2 % with two and a half periods over the way."""
     reach, speed = float(np.ptp(curve.force)), curve.speed  # one in each segment: no row is half turned
     tilt = (curve.position - curve.position[0]) / np.ptp(curve.position)
     drift, drag = curve.time / curve.time[-1], speed / np.abs(speed).max()
-    return np.asarray(reach * (0.05 + 0.02 * tilt + 0.01 * drift + 0.005 * drag))
+    wave = np.sin(5.0 * np.pi * tilt)
+    return np.asarray(reach * (0.05 + 0.02 * tilt + 0.01 * drift + 0.005 * drag + 0.002 * wave))
 
 
 def recover(number: int, background: bool = False) -> RecoveredMaterial:
@@ -139,7 +140,7 @@ def recover(number: int, background: bool = False) -> RecoveredMaterial:
         tuple(one.low for one in own),
         tuple(one.high for one in own),
         tuple(one.deviation for one in own),
-        found.goodness.reduced,
+        found.goodness.misfit_over_noise**2,
         found.goodness.explained,
         found.converged,
         found.seconds,
@@ -223,7 +224,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=50)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--background", action="store_true", help="add tilt, drift and drag to the records")
+    parser.add_argument("--background", action="store_true", help="add what instruments add")
     parser.add_argument("--price", type=int, metavar="NUMBER", help="of a material: time its fit")
     options = parser.parse_args(arguments)
     if options.price is not None:

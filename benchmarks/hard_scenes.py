@@ -1,24 +1,18 @@
-"""Scenes in SI units that have been hard, through all three solvers, side by side.
+"""Scenes in SI units that have been hard for one of the solvers, as a family of random scenes draws them.
 
-``python -m benchmarks.hard_scenes SET [NAME ...] [--solvers A B] [--resolution N]`` prints, for every scene
-and solver, how the run ended and its measures, and by how much these differ from the first solver's; a force
-that differs by more than both error estimates is marked. The sets: ``presses`` without adhesion, with
-branches far faster than the run; ``starts`` under tension, with process zones from a tenth to a millionth of
-the contact; and ``programmes``, random tests of an instrument, named by their seeds (``0-199``: 200 of them).
+``python -m benchmarks.random_matrix --family hard`` runs them: presses without adhesion, with branches far
+faster than the run, and withdrawals from starts under tension, with process zones from a tenth to a millionth
+of the contact.
 """
 
 from __future__ import annotations
 
-import argparse
 import math
-import random
-from collections.abc import Iterator
 
 import numpy as np
 
 from contact_scene import (
     Adhesion,
-    Approach,
     Branch,
     Cone,
     FlatPunch,
@@ -32,22 +26,12 @@ from contact_scene import (
     PowerLaw,
     Ramp,
     Scene,
-    SceneError,
     Sphere,
     Step,
     Table,
     TabulatedProfile,
 )
-from validation.cases import Case
 from validation.reference.jkr import JKR
-from validation.runs.run import Run, run
-
-FORCES = ("peak_force", "pull_off_force")
-MEASURES = (*FORCES, "start_radius", "loop_energy")
-ALIKE = 1e-3
-"""Relative difference of two forces for which no estimate is needed."""
-SHORTEST = {"fem": 1e-4}
-"""Shortest zone, in contact radii, of the starts that a solver is asked for: below, one takes minutes."""
 
 
 def power_law_gel(first: float) -> Material:
@@ -149,99 +133,5 @@ def start(shape: str, material: str, share: float, part: float) -> Scene:
     return Scene(MATERIALS[material], indenter, loading, Adhesion(work, share * limit.contact_radius))
 
 
-def programme(seed: int) -> Scene:
-    """A test on a gel or a rubber, by an indenter of micrometres to millimetres."""
-    drawn = random.Random(seed)
-
-    def decades(low: float, high: float) -> float:
-        return float(f"{10.0 ** drawn.uniform(low, high):.3g}")
-
-    modulus, radius = decades(3.0, 7.0), decades(-6.0, -3.0)
-    times = sorted(decades(-2.0, 1.0) for _ in range(drawn.choice((0, 1, 1, 2, 4))))
-    branches = tuple(Branch(modulus * decades(-0.5, 1.0), time) for time in times)
-    material = Material(modulus, drawn.choice((0.5, 0.49, 0.3)), branches)
-    cone = Cone(drawn.choice((70.0, 80.0)))
-    ball, punch, blunt = Sphere(radius), FlatPunch(0.1 * radius), PowerLaw(3.0, 0.1 / radius**2)
-    indenter: Indenter = drawn.choice((ball, ball, cone, punch, blunt))
-    width, depth, soft = 0.1 * radius, 0.01 * radius, material.relaxed_plane_modulus
-    # A release rate that lifts the contact by a tenth of its depth to all of it.
-    work = soft * depth**2 / (6.3 * width) * decades(-2.0, 0.0)
-    adhesion = Adhesion(work, width * drawn.choice((0.05, 0.1))) if drawn.random() < 0.7 else None
-    force = soft * width * depth * decades(-0.5, 0.5)
-    speed = depth / decades(-1.0, 1.0)
-    machine = Machine(2.0 * soft * width * decades(-0.5, 1.0)) if drawn.random() < 0.4 else None
-    dwell = drawn.choice((0.0, 0.0, decades(-1.0, 1.0)))
-    retract = drawn.choice((None, speed * decades(-1.0, 1.0)))
-    if drawn.random() < 0.25:
-        level = depth * decades(-0.3, 0.3)
-        steps: tuple[Step, ...] = (
-            Ramp(level, speed),
-            Hold(dwell),
-            Ramp(-20.0 * level, retract or speed),
-        )
-    else:
-        away = drawn.choice((None, None, -5.0 * depth))
-        steps = (Approach(speed, force, drawn.choice((None, 20.0 * depth)), dwell, retract, away),)
-    return Scene(material, indenter, Loading("jump-in", 0.0, steps, machine), adhesion, f"programme {seed}")
-
-
-def chosen_scenes(kind: str, names: list[str]) -> Iterator[tuple[str, Scene]]:
-    """Scenes of a set by name; of programmes by seed, or first and last of many; refused ones are said."""
-    if kind == "programmes":
-        for name in names or ["0-199"]:
-            first, _, last = name.partition("-")
-            for seed in range(int(first), int(last or first) + 1):
-                try:
-                    yield str(seed), programme(seed)
-                except SceneError as error:
-                    print(f"{seed}: refused: {error}")
-        return
-    starts = {" ".join(map(str, one)): start(*one) for one in STARTS}
-    scenes = PRESSES if kind == "presses" else starts
-    yield from ((name, scenes[name]) for name in names or scenes)
-
-
-def apart(one: Run, base: Run) -> tuple[str, bool]:
-    """Relative differences of the measures, in words, and whether a force is beyond both error estimates."""
-    words, beyond = [], one.outcome != base.outcome
-    for name in MEASURES:
-        value, expected = one.measures.get(name), base.measures.get(name)
-        if value is None or expected is None:
-            beyond |= name in FORCES and value is not expected
-            words.append("-")
-            continue
-        difference = abs(value - expected) / abs(expected) if expected else abs(value)
-        allowed = ALIKE + base.errors.get(name, 0.0) + one.errors.get(name, 0.0)
-        beyond |= name in FORCES and difference > allowed
-        words.append(f"{difference:.1e}")
-    return " ".join(words), beyond
-
-
-def main() -> int:
-    """Print a line for every scene and solver; 1 if any is marked."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.hard_scenes", description=__doc__)
-    parser.add_argument("kind", choices=("presses", "starts", "programmes"))
-    parser.add_argument("names", nargs="*")
-    parser.add_argument("--solvers", nargs="+", default=["reference", "bem", "fem"])
-    parser.add_argument("--resolution", type=int, help="default: each solver's own; of programmes 4")
-    options = parser.parse_args()
-    resolution = options.resolution or (4 if options.kind == "programmes" else None)
-    count = differing = 0
-    for name, scene in chosen_scenes(options.kind, options.names):
-        base: Run | None = None
-        for solver in options.solvers:
-            if options.kind == "starts" and float(name.split()[2]) < SHORTEST.get(solver, 0.0):
-                continue
-            one = run(Case(name, scene), solver, resolution, estimate=True)
-            base = base or one
-            words, beyond = apart(one, base)
-            seen = " ".join(f"{one.measures.get(m) or math.nan:12.5e}" for m in MEASURES)
-            line = f"{name:26} {solver:10}{one.outcome:12}{seen}  {words}  {one.wall_seconds:.1f} s"
-            print(f"{line}{'  DIFFERS' * beyond}{'' if one.trace else '  ' + one.failure}", flush=True)
-            count, differing = count + 1, differing + beyond
-    print(f"{differing} of {count} runs differ from those of {options.solvers[0]}")
-    return int(differing > 0)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+HARD = (*PRESSES.items(), *((" ".join(map(str, one)), start(*one)) for one in STARTS))
+"""Name and scene of each."""

@@ -16,6 +16,7 @@ from typing import Any, Literal
 from hypothesis import given
 from hypothesis import strategies as st
 
+from benchmarks.hard_scenes import HARD
 from benchmarks.strategies import (
     DEPTH,
     HELD,
@@ -42,6 +43,7 @@ from contact_scene import (
     Force,
     ForceRamp,
     Hold,
+    Layer,
     Loading,
     Machine,
     Material,
@@ -358,6 +360,7 @@ def family(
     units: Drawn[tuple[float, float, float]],
     change: Callable[[float], float] = three_digits,
     moments: int = 0,
+    body: Drawn[Layer | None] = st.none(),  # noqa: B008 - a strategy has no state
 ) -> Drawn[tuple[str, Scene, list[float]]]:
     """Kind of loading, scene in its units, and shares of the loading at which the surface is asked for."""
 
@@ -371,6 +374,7 @@ def family(
         indenter=indenters(),
         loading=st.just(Loading("relaxed", DEPTH)),
         adhesion=adhesion,
+        body=body,
     )
     return st.builds(build, kinds, parts, units, st.lists(shares(0.0, 1.0), max_size=moments))
 
@@ -395,5 +399,11 @@ FAMILIES: dict[str, Drawn[tuple[str, Scene, list[float]]]] = {
         PLAIN, st.one_of(st.none(), st.none(), adhesive((-3.0, -1.0))),
         st.one_of(materials(st.just(())), FEW, FEW, modelled()), SI, change=rounded,
     ),
+    "layer": family(
+        USUAL | INSTRUMENTS, with_rates(LONG), ANY, UNITS, moments=3, body=st.builds(
+            Layer, decades(-1.3, 1.6).map(lambda x: x * WIDTH), st.sampled_from(["bonded", "frictionless"])
+        ),
+    ),
+    "hard": st.sampled_from([(name, scene, []) for name, scene in HARD]),
 }  # fmt: skip
 """Strategies of the families of scenes."""

@@ -1,6 +1,7 @@
 """Scene, form of results and control of a run, shared by the solvers of crosscontact; no way of solving."""
 
 from contact_scene.adhesion import Adhesion, PowerRate, RateTable
+from contact_scene.body import Layer
 from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import (
@@ -53,6 +54,7 @@ __all__ = [
     "ForceRamp",
     "Hold",
     "Indenter",
+    "Layer",
     "Loading",
     "LoadingCursor",
     "Machine",

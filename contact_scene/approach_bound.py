@@ -27,6 +27,9 @@ u = sqrt(2 pi (a + da) w Einf*)`` at the latest. No contact has a larger radius 
 stage of a spring goes farther by the pull that it holds then, at most ``2 b sqrt(2 pi (b + da) w Einf*)``,
 over ``k``. A work that grows with the speed of the edge has no such bound, nor has a measured profile:
 there the retraction ends at ``-to``, and a run that is still in contact there says so.
+
+A layer takes the same bounds, which are not proven for it: at one depth its contact is wider, and bears more.
+Under elastic spheres, contact radii up to 29 thicknesses, it bears more than twice ``F*`` there.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Linear viscoelastic half-space: Prony relaxation modulus.
+"""Linear viscoelastic material: Prony relaxation modulus.
 
 Young's relaxation modulus ``E(t) = E0 + sum_k E_k exp(-t/tau_k)`` with relaxed modulus ``E0``, glassy
 modulus ``Einf = E0 + sum_k E_k`` and *relaxation* times ``tau_k`` (paper, Eq. relaxation: one branch).
 The creep compliance and its retardation times follow from it; every solver derives them by itself.
-With constant Poisson's ratio the half-space sees ``E* = E/(1 - nu^2)``. Units are the scene's.
+With constant Poisson's ratio the surface sees ``E* = E/(1 - nu^2)``. Units are the scene's.
 
 Laws of few parameters are expanded into a relaxed modulus and branches. Standard linear solid: one branch,
 exact. Power law: ``E(t) = relaxed + modulus (t/time)^-n``, from Euler's integral (DLMF 5.2.1, ``s = e^u``)

@@ -11,13 +11,15 @@ import threading
 from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import ThreadpoolController
 
-from contact_scene.loading import Loading, Segment, passed
+from contact_scene.body import THINNEST, Layer
+from contact_scene.loading import Loading, Segment, Trigger, passed
 from contact_scene.trace import Counters, Outcome, OutcomeKind
 from contact_scene.value_checks import number, whole_from
 
@@ -117,6 +119,144 @@ class LoadingCursor:
         return (self.step + ((time - segment.start) / length if length > 0.0 else 1.0)) / len(loading.steps)
 
 
+# The walk over the loading
+
+_ENDS_OF_CONTACT = (OutcomeKind.DETACHED, OutcomeKind.BELOW_ZONE)
+
+
+@dataclass(frozen=True)
+class LoadingInterval:
+    """A smooth part of a load step, followed with a parameter from 0 to ``length``.
+
+    Usually the parameter is time since ``start``; for a load jump it is the share of the jump, and time
+    stands still. ``after_kink``: rates from before ``start`` say nothing about those after it. ``trigger``
+    may end the load step within it.
+    """
+
+    control: str
+    start: float
+    end: float
+    value: Callable[[float], float]
+    rate: Callable[[float], float]
+    jump: bool
+    after_kink: bool
+    trigger: Trigger | None = None
+
+    @property
+    def length(self) -> float:
+        """Extent of the parameter."""
+        return 1.0 if self.jump else self.end - self.start
+
+    def time(self, parameter: float) -> float:
+        """Time at a parameter; the end exactly."""
+        if self.jump or parameter >= self.length:
+            return self.end
+        return self.start + parameter
+
+    def prescribed(self, parameter: float) -> float:
+        """Penetration, force or stage at a parameter."""
+        return self.value(parameter if self.jump else self.time(parameter))
+
+
+def intervals(
+    segment: Segment, penetration: float, force: float, requested: Collection[float]
+) -> Iterator[LoadingInterval]:
+    """The intervals of a load step that begins at a penetration and a force, its load jump first."""
+    before, after = segment.present(penetration, force), segment.value(segment.start)
+    if after != before:
+        yield LoadingInterval(
+            segment.control,
+            segment.start,
+            segment.start,
+            lambda share: before + share * (after - before),
+            segment.rate,
+            jump=True,
+            after_kink=True,
+            trigger=segment.trigger,
+        )
+    start, kink = segment.start, True
+    for stop in stops_within(segment, requested):
+        if stop.time > start:
+            yield LoadingInterval(
+                segment.control,
+                start,
+                stop.time,
+                segment.value,
+                segment.rate,
+                jump=False,
+                after_kink=kink,
+                trigger=segment.trigger,
+            )
+        start, kink = stop.time, stop.kink
+
+
+class IntervalFollower(Protocol):
+    """A run that can be taken through one interval of the loading after the other."""
+
+    def reached(self) -> tuple[float, float, float]:
+        """Time, penetration and force of the committed state."""
+        ...
+
+    def reached_radius(self) -> float:
+        """Contact radius of the committed state."""
+        ...
+
+    def follow(self, interval: LoadingInterval, report: Callable[[float], None]) -> Outcome | None:
+        """Go through an interval, reporting times reached; an outcome if the run ends within it."""
+        ...
+
+    def record_profile(self) -> None:
+        """Record the surface in the committed state."""
+        ...
+
+
+def follow_loading(
+    run: IntervalFollower,
+    loading: Loading,
+    cursor: LoadingCursor,
+    stop_times: Collection[float],
+    profile_times: Collection[float],
+    progress: Callable[[float], None] | None,
+) -> Outcome:
+    """Take a run through the loading."""
+    requested = {*stop_times, *profile_times}
+    if 0.0 in profile_times:
+        run.record_profile()
+    while not cursor.done(loading):
+        time, penetration, force = run.reached()
+        segment = cursor.segment(loading, time, penetration, force)
+        report = partial(_report, progress, cursor, loading, segment)
+        for interval in intervals(segment, penetration, force, requested):
+            if _level_reached(run, cursor, segment):
+                break
+            outcome = run.follow(interval, report)
+            if run.reached()[0] in profile_times and (outcome is None or outcome.kind in _ENDS_OF_CONTACT):
+                run.record_profile()
+            if outcome is not None:
+                return outcome
+        if segment.trigger is not None and not _level_reached(run, cursor, segment):
+            return segment.trigger.not_reached(run.reached()[0])
+        cursor.step_done()
+    return Outcome(OutcomeKind.COMPLETED, "all loading steps done", run.reached()[0])
+
+
+def _level_reached(run: IntervalFollower, cursor: LoadingCursor, segment: Segment) -> bool:
+    """Whether the run has reached the level that ends the load step."""
+    _, penetration, force = run.reached()
+    return cursor.triggered(segment, penetration, force, run.reached_radius())
+
+
+def _report(
+    progress: Callable[[float], None] | None,
+    cursor: LoadingCursor,
+    loading: Loading,
+    segment: Segment,
+    time: float,
+) -> None:
+    if progress is not None:
+        progress(cursor.share(loading, segment, time))
+
+
 # How a run ends before its loading does
 
 
@@ -132,6 +272,14 @@ def budget_outcome(counters: Counters, max_steps: int, time: float) -> Outcome |
     if counters.steps + counters.rejected_steps < max_steps:
         return None
     return Outcome(OutcomeKind.STEP_BUDGET, f"{max_steps} steps were not enough", time)
+
+
+def outgrown_outcome(body: Layer | None, radius: float, time: float) -> Outcome | None:
+    """The outcome of a run whose contact has become too large for its layer; ``None`` while it is not."""
+    if body is None or radius <= body.largest_contact:
+        return None
+    reason = f"the contact has become wider than {THINNEST:g} thicknesses of the layer: no more is computed"
+    return Outcome(OutcomeKind.OUT_OF_RANGE, reason, time)
 
 
 def below_zone_outcome(force: ArrayLike, time: float) -> Outcome:

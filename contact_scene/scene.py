@@ -17,6 +17,7 @@ import tomli_w
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach_bound import bounded_approaches
+from contact_scene.body import Layer
 from contact_scene.checked import Checked, Key, Tabulated, check_keys, from_table, to_table, under
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import as_path, as_target, read_text, write_pairs, write_whole
@@ -28,6 +29,7 @@ from contact_scene.material_file import material_of
 from contact_scene.value_checks import a_string, of_class
 
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
+_TABLES = ("units", "material", "body", "indenter", "adhesion", "machine", "loading")
 LONGEST_UNIT = 16
 """Characters of the name of a unit, which stands beside the axes of figures."""
 
@@ -59,14 +61,15 @@ class Units(Checked):
 
 @dataclass(frozen=True)
 class Scene(Checked):
-    """A rigid indenter on a viscoelastic half-space."""
+    """A rigid indenter on a viscoelastic half-space, or on a layer."""
 
-    material: Annotated[Material, Key("half-space")]
+    material: Annotated[Material, Key("half-space or layer")]
     indenter: Annotated[Indenter, SHAPES, Key("rigid indenter")]
     loading: Annotated[Loading, Key("what is done with it")]
     adhesion: Annotated[Adhesion | None, Key("adhesion between them, if any")] = None
     title: Annotated[str, Key("name of the scene in figures and reports")] = ""
     units: Annotated[Units | None, Key("names of its units in figures and tables")] = None
+    body: Annotated[Layer | None, Key("layer, if it is no half-space")] = None
 
     def rules(self) -> None:
         if self.adhesion is not None:
@@ -76,6 +79,16 @@ class Scene(Checked):
         object.__setattr__(self, "loading", loading)
         if self.is_adhesive and self.adhesion is not None and self.adhesion.zone >= self.indenter.edge:
             raise zone_too_long(self.adhesion.zone, self.indenter.edge)
+        if self.body is not None:
+            self._layer_rules(self.body.thickness)
+
+    def _layer_rules(self, thickness: float) -> None:
+        if self.material.bulk is not None:
+            problem = "a layer takes a constant Poisson's ratio"
+            raise SceneError("material.bulk", problem, "no bulk key, or no [body]: a half-space")
+        if self.is_adhesive and self.adhesion is not None and self.adhesion.zone > 0.5 * thickness:
+            problem = f"the process zone {self.adhesion.zone:.4g} is no small part of the layer"
+            raise SceneError("adhesion.zone", problem, f"at most half its thickness, {0.5 * thickness:.4g}")
 
     @property
     def machine(self) -> Machine | None:
@@ -140,11 +153,11 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
     where = as_path(folder, "folder", "the path of a folder")
     if not isinstance(data, dict):
         raise SceneError("", f"got {shown(data)}", _A_SCENE)
-    check_keys(data, ("title", "units", "material", "indenter", "adhesion", "machine", "loading"))
-    for key in ("units", "material", "indenter", "adhesion", "machine", "loading"):
+    check_keys(data, ("title", *_TABLES))
+    for key in _TABLES:
         if key in data and not isinstance(data[key], dict):
             raise SceneError(key, f"got {shown(data[key])}", f"a table [{key}]")
-        if key not in data and key not in ("units", "adhesion", "machine"):
+        if key not in data and key in ("material", "indenter", "loading"):
             raise SceneError(key, "is missing", f"a table [{key}]")
     parts = {key: value for key, value in data.items() if key != "machine"}
     parts["material"] = under("material", lambda: material_of(data["material"], where))

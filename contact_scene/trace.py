@@ -164,7 +164,7 @@ class Trace(Checked):
 
     @property
     def whole_stored_energy(self) -> Array:
-        """Stored energy of the half-space and, where it is a spring, of the machine."""
+        """Stored energy of the body and, where it is a spring, of the machine."""
         return self.stored_energy + self.extra.get("machine_energy", 0.0)
 
     def columns(self) -> dict[str, Array]:

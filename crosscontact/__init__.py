@@ -61,6 +61,7 @@ __all__ = [
     "Force",
     "ForceRamp",
     "Hold",
+    "Layer",
     "Loading",
     "Machine",
     "Material",

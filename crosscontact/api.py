@@ -63,8 +63,8 @@ def solve(
     solver : str
         One of :func:`solvers`.
     resolution : int, optional
-        Divisions per process zone (without adhesion: per hundredth of the largest contact radius), at least
-        4; by default the solver's choice.
+        Divisions per process zone (without adhesion: per hundredth of the largest contact radius,
+        of finite elements per twentieth), at least 4; by default the solver's choice.
     estimate_errors : bool
         Whether to estimate the errors; takes a second run, about half as long again.
     stop_times : collection of float

@@ -8,7 +8,7 @@ from contact_scene.value_checks import one_of, true_or_false
 from crosscontact.arguments import checked_path
 from validation.exam.answer import read_folder
 from validation.exam.judge import Judgement, judge_folder, write
-from validation.exam.own_answers import export_reference, reference_runs
+from validation.exam.own_answers import export_reference
 from validation.exam.question import exam_cases, export_scenes
 from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
@@ -40,7 +40,7 @@ def export_exam(
     claim(target, "an exam", {}, "folder")
     export_scenes(target, cases)
     if with_reference:
-        export_reference(target, cases, reference_runs(cases))
+        export_reference(target, cases)
     return tuple(case.name for case in cases)
 
 

@@ -17,18 +17,13 @@ from contact_scene.value_checks import as_tuple, function_or_none, of_class
 from crosscontact import arguments
 from crosscontact.arguments import RESOLUTION, case_of, checked_path, given
 from crosscontact.result import html_table
-from validation.fits import charts
-from validation.fits.each import EachFit, dataset, write_each
-from validation.fits.each import fit_each as fit_curves_each
-from validation.fits.errors import Estimate
-from validation.fits.fit import fit_curves
-from validation.fits.given import Given
-from validation.fits.instruments import KNOWN, write_afm
-from validation.fits.page import lead, statements, table, write_fit
+from validation.fits.fit import EachFit, dataset, fit_curves
+from validation.fits.fit import fit_each as fit_curves_each
+from validation.fits.page import draw_curves, lead, statements, table, write_each, write_fit
 from validation.fits.parameters import FitSettings, question
-from validation.fits.readers import choose, read_file
-from validation.fits.record import MeasuredCurve
-from validation.fits.result import FitResult, InterruptedFit
+from validation.fits.readers import KNOWN, choose, read_file, write_afm
+from validation.fits.record import Given, MeasuredCurve
+from validation.fits.result import Estimate, FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic
 from validation.fits.tables import write_csv
 from validation.report.terminal import aligned
@@ -96,7 +91,7 @@ class Fit:
 
     def figure(self) -> Figure:
         """Data, fit and residuals."""
-        return charts.draw_curves(self.result)
+        return draw_curves(self.result)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write ``index.html``, ``fit.json``, ``scene.toml``, ``fit.png`` and ``fit.svg``."""
@@ -293,9 +288,7 @@ def fit_and_write(
     fresh: bool = False,
 ) -> FitResult:
     """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
-    if folder is not None:
-        claim(folder, "a fit", question(curves, guess, settings), key, fresh)
-    store = Store(folder, fresh)
+    store = _claimed(folder, "a fit", question(curves, guess, settings), key, fresh)
     try:
         result = fit_curves(curves, guess, settings, executor, store, progress)
     except InterruptedFit as interrupted:
@@ -318,17 +311,27 @@ def each_and_write(
     key: str = "out",
     fresh: bool = False,
 ) -> list[EachFit]:
-    """Fit each curve; with a folder all that there is stands in it after each of them."""
-    if folder is None:
-        return fit_curves_each(curves, guess, settings, executor, None, progress)
-    claim(folder, "fits of each curve", question(curves, guess, settings), key, fresh)
-    store = Store(folder, fresh)
-    found = fit_curves_each(
-        curves, guess, settings, executor, store, progress, lambda found: write_each(found, folder)
-    )
-    write_each(found, folder)
+    """Fit each curve; what there is when it ends or is stopped is written."""
+    store = _claimed(folder, "fits of each curve", question(curves, guess, settings), key, fresh)
+    found: list[EachFit] = []
+    try:
+        for one in fit_curves_each(curves, guess, settings, executor, store, progress):
+            found.append(one)
+    finally:
+        fitted = any(one.result for one in found)
+        if folder is not None and fitted:
+            write_each(found, folder)
+    if not fitted and found[0].refusal is not None:
+        raise found[0].refusal
     store.clear()
     return found
+
+
+def _claimed(folder: Path | None, kind: str, asked: dict[str, str], key: str, fresh: bool) -> Store:
+    """What is stored in a folder, which belongs to what is asked from now on."""
+    if folder is not None:
+        claim(folder, kind, asked, key, fresh)
+    return Store(folder, fresh)
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:

@@ -192,7 +192,8 @@ class Result:
             In units of the scene, of a sphere too, whether the scene names them or not.
         data : MeasuredCurve, optional
             A record in the units of the scene, as :func:`crosscontact.read_curve` gives one: its rows stand
-            behind the run in each panel whose quantities it holds, its times and positions as they are.
+            behind the run, or before a line as broad as they are, in each panel whose quantities it holds,
+            its times and positions as they are.
         **line
             Line properties of Matplotlib, e.g. ``color``; ``label`` is by default the solver's name, behind
             the scene's where the axes hold another run of that solver.
@@ -220,10 +221,12 @@ class Result:
         return panels
 
     def figure(self) -> Figure:
-        """The panels of :meth:`plot` as a figure that no window shows, to be saved."""
+        """Force over time and the panels of :meth:`plot` as a figure that no window shows, to be saved."""
         pairs = run_figures.side_by_side(run_figures.has_stage(self.trace))
-        figure = run_figures.new_figure(len(pairs), shown=False)
-        self.plot(figure.axes, **INK)
+        figure = run_figures.new_figure(1 + len(pairs), shown=False)
+        over_time, *others = figure.axes
+        self.plot(over_time, quantity="F(t)", **INK)
+        self.plot(others, **INK)
         return figure
 
     def __repr__(self) -> str:

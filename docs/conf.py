@@ -12,7 +12,8 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 os.environ.pop("MPLBACKEND", None)  # a notebook then shows its figures by itself
 os.environ["COLUMNS"] = "90"  # of the help of the commands
-os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH")]))
+paths = [str(HERE), str(HERE.parent), os.environ.get("PYTHONPATH")]  # of the cells: figures, the program
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
 
 import site_pages  # noqa: E402 - found by the path above
 from nbclient import NotebookClient  # noqa: E402

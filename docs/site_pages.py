@@ -116,6 +116,7 @@ SCENE_KEYS: dict[str, Iterable[type[Checked]]] = {
     "`material.model`": MODELS,
     "`material.bulk`": (cc.BulkRelaxation,),
     "`material.shift.model`": SHIFTS,
+    "`[body]`": (cc.Layer,),
     "`indenter.shape`": SHAPES,
     "`[adhesion]`": (cc.Adhesion,),
     "`adhesion.rate`": (PowerRate, RateTable),

@@ -1,4 +1,4 @@
-"""Adhesive contact of a viscoelastic half-space by finite elements and node release, of crosscontact."""
+"""Adhesive contact of a viscoelastic body by finite elements and node release, of crosscontact."""
 
 from fem_solver.fields.recording import Recording
 from fem_solver.fields.states import FieldState, field_states

@@ -1,4 +1,4 @@
-"""States that a run accepts, one row each, and the ends that a state may bring.
+"""States that a run accepts, one row each, the ends that a state may bring, and what takes a step back.
 
 Penetration is positive downwards, force positive in compression.
 """
@@ -8,28 +8,65 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, NoReturn, cast
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Counters, LoadingCursor, Outcome, OutcomeKind, RunMonitor
 from contact_scene.loading import Control
-from contact_scene.run_control import below_zone_outcome, budget_outcome
-from fem_solver.contact_solver import ContactCandidate, ContactSolver
-from fem_solver.edge import AdhesiveEdge, EdgeMotion
-from fem_solver.edge_geometry import EdgeOrigin
+from contact_scene.run_control import below_zone_outcome, budget_outcome, outgrown_outcome
+from fem_solver.contact_problem import ContactCandidate
+from fem_solver.edge import AdhesiveEdge, IrreversibleEdge, energy_spent
+from fem_solver.edge_geometry import EdgeMotion
+from fem_solver.edge_search import ContactSolver
 from fem_solver.events import zone_reached
-from fem_solver.following.contact_solver import FollowingContactSolver
-from fem_solver.following.setup import FollowingSetup
-from fem_solver.irreversible_edge import IrreversibleEdge, energy_spent
-from fem_solver.limit_point import LimitPoint, limit_point
-from fem_solver.recorder import SurfaceRecorder, SurfaceState
-from fem_solver.run_state import StepBefore
+from fem_solver.recorder import RowBefore, SurfaceRecorder, SurfaceState
 from fem_solver.setup import Setup
+from fem_solver.state import ComponentState
 from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator
-from fem_solver.tip_release import LARGEST_STEP, release_of_tip
+
+
+@dataclass(frozen=True)
+class StepBefore:
+    """What it needs to take the last step back, which lies in the present interval and brought no event.
+
+    Parameters
+    ----------
+    time : float
+        At its begin.
+    position : int
+        There, within the interval.
+    slopes : dict of str to float
+        Of the step before it.
+    row : RowBefore
+    history : ComponentState
+    """
+
+    time: float
+    position: int
+    slopes: dict[str, float]
+    row: RowBefore
+    history: ComponentState
+
+
+@dataclass(frozen=True)
+class StepCandidate:
+    """Result of a trial step; ``error`` is relative to the allowed one, infinite without equilibrium."""
+
+    contact: ContactCandidate
+    slopes: dict[str, float]
+    error: float
+
+
+@dataclass(frozen=True)
+class TensionPeak:
+    """Rates at which the tension rises to the last row and falls behind it, and what rows may miss of it."""
+
+    rise: float
+    fall: float
+    allowed: float
+
 
 Array = NDArray[np.float64]
 
@@ -48,7 +85,7 @@ class AcceptedStates:
 
     Parameters
     ----------
-    setup : Setup or FollowingSetup
+    setup : Setup
     recorder : SurfaceRecorder
     estimator : SlopeErrorEstimator
     force_scale : callable(float, float, float) -> float
@@ -67,7 +104,7 @@ class AcceptedStates:
     progress : callable(float) or None
     """
 
-    setup: Setup | FollowingSetup
+    setup: Setup
     recorder: SurfaceRecorder
     estimator: SlopeErrorEstimator
     force_scale: Callable[[float, float, float], float]
@@ -86,14 +123,7 @@ class AcceptedStates:
     before: StepBefore | None = None
 
     def __post_init__(self) -> None:
-        self.solver: ContactSolver
-        if isinstance(self.setup, FollowingSetup):
-            following = FollowingContactSolver(self.setup, self.counters)
-            self.solver = following  # type: ignore[assignment] # another class with the same methods
-        else:
-            # not a method of its own: a run that holds itself stays until the garbage collection
-            origin = partial(_edge_origin, self.recorder, self.estimator)
-            self.solver = ContactSolver(self.setup, self.counters, origin)
+        self.solver = ContactSolver(self.setup, self.counters)
 
     @property
     def state(self) -> SurfaceState:
@@ -108,6 +138,7 @@ class AcceptedStates:
 
     def _check_budget(self) -> None:
         outcome = budget_outcome(self.counters, self.max_steps, self.time)
+        outcome = outcome or outgrown_outcome(self.setup.body, self.state.radius, self.time)
         if outcome is not None:
             raise RunEnded(outcome)
 
@@ -117,15 +148,9 @@ class AcceptedStates:
         penetration, force, radius = candidate.penetration, candidate.force, self.solver.radius(candidate)
         if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
             self._end(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
-        least = self.setup.resolved_from
-        if contact and radius < least:
-            reason = f"the contact shrinks below the radius {least:.6g} the mesh is made for"
-            self._end(OutcomeKind.OUT_OF_RANGE, reason)
         history = self.setup.history
-        received = self.solver.accept(candidate, forces)
+        received = self.solver.accept(candidate)
         self.on_commit(candidate.dt, forces)
-        displacement = history.displacement
-        gap = self.setup.height - penetration + displacement
         self.counters.steps += self.recorder.content.last is not None
         self.recorder.add(
             SurfaceState(
@@ -135,37 +160,21 @@ class AcceptedStates:
                 radius=radius,
                 edge=candidate.edge.s,
                 forces=forces,
-                displacement=displacement,
+                displacement=history.displacement,
                 stored=history.stored_energy,
-                interface=history.interface_energy(forces, gap),
+                interface=history.interface_energy,
                 branch_dissipation=history.state.dissipated,
                 zone=candidate.problem.zone(candidate.edge.s),
                 received=received,
                 smooth="force" in self.estimator.slopes,
                 bent=bent,
                 singular_force=candidate.singular_force,
-                **self._at_tip(candidate.edge.s, radius, forces),
                 **self._interface(candidate, radius),
             )
         )
         if contact and self.setup.geometry.stress is not None and self.state.zone >= radius:
             forces_so_far = [row[2] for row in self.recorder.content.rows]
             raise RunEnded(below_zone_outcome(forces_so_far, self.time))
-
-    def _at_tip(self, edge: float, radius: float, forces: Array) -> dict[str, Any]:
-        """Glassy energy release rate of the tip, not known in a jump, on a mesh that does not follow it."""
-        setup, last = self.setup, self.recorder.content.last
-        if isinstance(setup, FollowingSetup) or not setup.has_history:
-            return {}
-        partly = setup.history.state.partly
-        if partly is None:
-            return {}
-        node = min(max(math.floor(edge), 0), setup.geometry.last - 1)
-        element = 2.0 * float(np.diff(setup.geometry.radii[node : node + 2])[0])
-        if last is not None and abs(radius - last.radius) > LARGEST_STEP * element:
-            return {}
-        operator, modulus = setup.history.instantaneous, setup.history.glassy_modulus
-        return {"release": release_of_tip(partly, operator, setup.geometry, modulus, forces)}
 
     def _interface(self, candidate: ContactCandidate, radius: float) -> dict[str, Any]:
         """Closure, energy spent and rate of the edge, where they do not follow from the contact radius."""
@@ -187,34 +196,24 @@ class AcceptedStates:
             reached = geometry.radius(candidate.edge.s)
             reason = f"the contact grows beyond the radius {reached:.6g} the mesh is made for"
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
-        control = cast("Control", candidate.problem.control)
+        control = candidate.problem.control
         if geometry.zone is None:
             self._last_touch(candidate.dt, control, candidate.problem.value)
-        self._pulled_off(control, self._limit_point(control))
+        self._pulled_off(control)
 
     def _last_touch(self, dt: float, control: Control, value: float) -> None:
-        """The row of the last touch without adhesion: a point, or a plane tip that a force lets go.
+        """The row of the last touch without adhesion: a point, or a plane tip.
 
         A blunt profile keeps a radius within the shortest step of that.
         """
         value = 0.0 if control == "force" else value
-        plane = self.solver.plane_contact(dt, control, value)
-        if plane is None or control == "force":
-            self.time += dt
-            self._commit(plane or self.solver.held(dt, control, value, 0.0))
+        self.time += dt
+        plane = self.solver.plane_contact(dt, "force", 0.0)  # bears nothing as it is let go
+        self._commit(plane or self.solver.held(dt, control, value, 0.0))
 
-    def _limit_point(self, control: Control) -> LimitPoint | None:
-        """Where contact is lost, as the rows since the last instability tell it."""
-        content, geometry = self.recorder.content, self.setup.geometry
-        if geometry.zone is None or not content.rows:
-            return None
-        node = min(max(math.floor(self.state.edge), 0), len(geometry.radii) - 3)
-        element = float(geometry.radii[node + 2] - geometry.radii[node])
-        rows = np.array(content.rows)[:, 1:4]
-        return limit_point(rows, element, control, self.setup.compliance)
-
-    def _pulled_off(self, control: Control, at: LimitPoint | None = None) -> NoReturn:
-        self.recorder.event("pull-off", at)
+    def _pulled_off(self, control: Control) -> NoReturn:
+        geometry = self.setup.geometry
+        self.recorder.event("pull-off", 0.5 * geometry.spacing if geometry.zone is not None else 0.0)
         reason = f"contact lost at penetration {self.state.penetration:.6g}"
         # the spring takes the indenter to where the stage is; a given force takes the stage along
         if self.setup.compliance > 0.0 and control != "force":
@@ -240,12 +239,3 @@ class AcceptedStates:
 
     def _end(self, kind: OutcomeKind, reason: str) -> NoReturn:
         raise RunEnded(Outcome(kind, reason, self.time))
-
-
-def _edge_origin(recorder: SurfaceRecorder, estimator: SlopeErrorEstimator) -> EdgeOrigin | None:
-    """Edge of the last accepted state; the step to it counts unless rates jump there."""
-    last = recorder.content.last
-    if last is None:
-        return None
-    smooth = "radius" in estimator.slopes
-    return EdgeOrigin(last.edge, last.radius, last.rate, last.duration if smooth else 0.0)

@@ -8,71 +8,21 @@ meets, where ``I`` rises through ``dg``. Beyond the last root the contact is uns
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from enum import Enum
-from typing import Protocol
 
-import numpy as np
 from scipy.optimize import brentq
 
-from fem_solver.edge_geometry import EdgeGeometry
-from fem_solver.release import ContactProblem
+from contact_scene import Adhesion
+from fem_solver.contact_problem import ContactProblem
+from fem_solver.edge_geometry import NO_CONTACT, EdgeGeometry, EdgeMotion, EdgePosition
 
 _NODE_TOLERANCE = 1e-10
 """Accuracy of the edge position, in node spacings."""
 _STRIDE, _NARROW_STRIDE = 0.25, 2.0**-12
 """First stride of a search, in node spacings: the usual one, and that next to the last root."""
+_LEAST_PRESSED = -1.0 + 1e-3
+"""Least edge position without adhesion: of contact in a point, a thousandth of the first node's radius."""
 _WIDEST_STRIDE = 0.5
 """Widest stride of a search, in shortest zones: the closure, a mean over a zone, hardly turns within it."""
-NO_CONTACT = -1.0
-"""Edge position at which no node is in contact."""
-
-
-class EdgeMotion(Enum):
-    """Result of a search: the edge rests within the range searched, or leaves it inwards or outwards."""
-
-    RESTING = "resting"
-    RECEDING = "receding"
-    ADVANCING = "advancing"
-
-
-@dataclass(frozen=True)
-class EdgePosition:
-    """Result of a search: edge position ``s`` in equilibrium, otherwise the end of the range searched."""
-
-    motion: EdgeMotion
-    s: float
-
-
-class EdgeLaw(Protocol):
-    """Law of the contact edge; ``lowest`` is the least edge position it resolves."""
-
-    lowest: float
-
-    def start(self, problem: ContactProblem) -> EdgePosition:
-        """Largest stable contact."""
-        ...
-
-    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
-        """Follow the edge to where it rests.
-
-        Parameters
-        ----------
-        problem : ContactProblem
-        s : float
-            Edge position, in nodes, from which the search starts.
-        low, high : float
-            Range searched.
-
-        Returns
-        -------
-        EdgePosition
-        """
-        ...
-
-    def radius(self, problem: ContactProblem, s: float) -> float:
-        """Contact radius of an edge at rest."""
-        ...
 
 
 class AdhesiveEdge:
@@ -86,9 +36,7 @@ class AdhesiveEdge:
         self.geometry, self.work = geometry, work
         # contact of less than one element cannot be distinguished from no contact
         self.lowest = 2.0
-        within = geometry.radii[: geometry.last + 1]
-        spacing = float(np.median(np.diff(within))) if len(within) > 1 else math.inf
-        self.widest = max(_WIDEST_STRIDE * (geometry.shortest or 0.0) / spacing, _STRIDE)
+        self.widest = max(_WIDEST_STRIDE * (geometry.shortest or 0.0) / geometry.spacing, _STRIDE)
         self.first_strides: tuple[float, ...] = (_STRIDE, _NARROW_STRIDE)
 
     def taken(self, problem: ContactProblem, s: float) -> float:
@@ -107,8 +55,6 @@ class AdhesiveEdge:
         last = self.geometry.last
         beyond = self._excess(problem, last)
         if beyond <= 0.0:
-            if self.geometry.capped:
-                return EdgePosition(EdgeMotion.RESTING, float(last))
             return EdgePosition(EdgeMotion.ADVANCING, float(last))
         for node in range(last - 1, 0, -1):
             excess = self._excess(problem, node)
@@ -125,15 +71,6 @@ class AdhesiveEdge:
 
         Next to the last root the interval between two roots is narrower than the usual stride, so a search
         that ends in a receding edge is repeated with a far shorter one.
-
-        Parameters
-        ----------
-        problem, s, low, high
-            As of :meth:`EdgeLaw.seek`.
-
-        Returns
-        -------
-        EdgePosition
         """
         for stride in self.first_strides:
             search = self._expand(problem, s, low, high, stride)
@@ -147,8 +84,19 @@ class AdhesiveEdge:
         low, high = max(low, self.lowest), min(high, float(self.geometry.last))
         here = min(max(s, low), high)
         excess = self._excess(problem, here)
+        return self._towards(problem, here, excess, (low, high), stride)
+
+    def _towards(
+        self,
+        problem: ContactProblem,
+        here: float,
+        excess: float,
+        limits: tuple[float, float],
+        stride: float,
+    ) -> EdgePosition:
+        """The first root on the way on which the excess drives the edge, or the limit there."""
         way = -1.0 if excess > 0.0 else 1.0
-        limit = low if way < 0.0 else high
+        limit = limits[0] if way < 0.0 else limits[1]
         while here != limit:
             ahead = here + way * stride
             if (limit - ahead) * way <= 0.0:
@@ -157,8 +105,6 @@ class AdhesiveEdge:
             if beyond * way >= 0.0:
                 return EdgePosition(EdgeMotion.RESTING, self._root(problem, {here: excess, ahead: beyond}))
             here, excess, stride = ahead, beyond, min(2.0 * stride, self.widest)
-        if way > 0.0 and self.geometry.capped and limit == self.geometry.last:
-            return EdgePosition(EdgeMotion.RESTING, limit)
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 
     def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:
@@ -173,98 +119,103 @@ class AdhesiveEdge:
     def _known_excess(self, s: float, problem: ContactProblem, ends: dict[float, float]) -> float:
         return ends[s] if s in ends else self._excess(problem, s)
 
-    def radius(self, problem: ContactProblem, s: float) -> float:
-        """Effective radius of the partly released set."""
-        return self.geometry.radius(s)
 
-
-class AdhesionlessEdge:
-    """No tension inside, no penetration outside: whole nodes, ``s`` an integer.
+class PressedEdge(AdhesiveEdge):
+    """Without adhesion: nothing presses at the edge, and nothing beyond it.
 
     Parameters
     ----------
     geometry : EdgeGeometry
-    positions, depths : list of float
-        Radius at which the contact that ends at each node is without singularity, and the penetration that
-        presses an elastic half-space into that contact.
     plane_tip : float
         Radius of a plane tip, all of which is in contact if any is; 0 without one.
     """
 
-    def __init__(
-        self, geometry: EdgeGeometry, positions: list[float], depths: list[float], plane_tip: float = 0.0
-    ) -> None:
-        self.geometry, self.plane_tip = geometry, plane_tip
-        self.lowest = NO_CONTACT
-        self._positions, self._depths = positions, depths
+    def __init__(self, geometry: EdgeGeometry, plane_tip: float) -> None:
+        super().__init__(geometry, 0.0)
+        self.lowest, self.widest = NO_CONTACT, math.inf
+        self._least = max(geometry.position(plane_tip), _LEAST_PRESSED)
 
-    def start(self, problem: ContactProblem) -> EdgePosition:
-        """Grow the contact from nothing."""
-        return self.seek(problem, NO_CONTACT, NO_CONTACT, float(self.geometry.last))
+    def _excess(self, problem: ContactProblem, s: float) -> float:
+        return -problem.pressed_in(s)
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
-        """Release nodes in tension, or cover nodes that would penetrate, one after the other.
+        """Follow the edge from where it is: outwards if it presses there, inwards if it pulls."""
+        before, pressed = problem.state.edge, problem.control == "force" and problem.value > 0.0
+        if problem.control == "force" and not pressed:  # bears nothing
+            rests = before == NO_CONTACT and problem.value == 0.0
+            return EdgePosition(EdgeMotion.RESTING if rests else EdgeMotion.RECEDING, NO_CONTACT)
+        if before == NO_CONTACT and not pressed and problem.pressed_in(self._least) <= 0.0:
+            return EdgePosition(EdgeMotion.RESTING, NO_CONTACT)
+        low, high = max(low, self._least), min(high, float(self.geometry.last))
+        here = min(max(before, low), high)
+        excess = self._excess(problem, here)
+        if here == before and (excess >= 0.0 or here == high):
+            excess = -problem.pressed_in(here, before=True)
+            if excess < 0.0 or (excess == 0.0 and here > self._least):
+                return EdgePosition(EdgeMotion.RESTING, here)
+        if excess == 0.0:  # at the least contact
+            return EdgePosition(EdgeMotion.RECEDING, NO_CONTACT)
+        found = self._towards(problem, here, excess, (low, high), max(abs(s - here), 1.0))
+        if found.motion is not EdgeMotion.RECEDING or found.s > self._least:
+            return found
+        if pressed:  # some contact bears it
+            return EdgePosition(EdgeMotion.RESTING, self._least)
+        return EdgePosition(EdgeMotion.RECEDING, NO_CONTACT)
 
-        Parameters
-        ----------
-        problem, s, low, high
-            As of :meth:`EdgeLaw.seek`.
 
-        Returns
-        -------
-        EdgePosition
-        """
-        lowest, highest = math.ceil(max(low, NO_CONTACT)), math.floor(min(high, self.geometry.last))
-        m = int(s)
-        while m < highest and self._presses(problem, m + 1):
-            m += 1
-        capped = self.geometry.capped and m == self.geometry.last
-        if m == highest and not capped and self._presses(problem, m + 1):
-            return EdgePosition(EdgeMotion.ADVANCING, float(m))
-        if m > s:
-            return EdgePosition(EdgeMotion.RESTING, float(m))
-        while m > lowest and not self._presses(problem, m):
-            m -= 1
-        untouched = m == NO_CONTACT and s == NO_CONTACT and not self._pulls(problem)
-        held = m > NO_CONTACT and self._presses(problem, m) and not self._is_let_go(problem)
-        return EdgePosition(EdgeMotion.RESTING if held or untouched else EdgeMotion.RECEDING, float(m))
+class IrreversibleEdge(AdhesiveEdge):
+    """Closure integral equal to what the edge takes up in its direction, at its speed."""
 
-    @staticmethod
-    def _presses(problem: ContactProblem, node: int) -> bool:
-        """Whether contact up to this node leaves it under pressure."""
-        return problem.intensity(node, float(node)) > 0.0
+    def __init__(self, geometry: EdgeGeometry, adhesion: Adhesion) -> None:
+        super().__init__(geometry, adhesion.work)
+        self.adhesion = adhesion
 
-    @staticmethod
-    def _is_let_go(problem: ContactProblem) -> bool:
-        """Whether the prescribed force presses no more: a plane tip would touch at none."""
-        return problem.control == "force" and problem.value <= 0.0
+    def taken(self, problem: ContactProblem, s: float) -> float:
+        """Energy per area that the edge takes up on its way to ``s``; at rest that at which it opens."""
+        origin = problem.origin
+        if origin is None or s > origin.edge:
+            return self.adhesion.closing
+        if s == origin.edge or self.adhesion.rate is None:
+            return self.adhesion.work
+        speed = origin.opening_speed(self.geometry.radius(s), problem.dt)
+        return self.adhesion.opening(max(speed, 0.0))
 
-    @staticmethod
-    def _pulls(problem: ContactProblem) -> bool:
-        """Whether the prescribed force is a tension, which a contact without adhesion cannot carry."""
-        return problem.control == "force" and problem.value < 0.0
+    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
+        """Leave the edge where it is pinned, or follow it in the direction in which it moves."""
+        origin = problem.origin
+        if origin is None or s != origin.edge:
+            return super().seek(problem, s, low, high)
+        motion = self.departure(problem, s)
+        if motion is EdgeMotion.RECEDING:
+            return super().seek(problem, s, low, s)
+        if motion is EdgeMotion.ADVANCING:
+            return super().seek(problem, s, s, high)
+        return EdgePosition(EdgeMotion.RESTING, s)
 
-    def radius(self, problem: ContactProblem, s: float) -> float:
-        """Where the singularity vanishes between the last node inside and the first outside."""
-        m = int(s)
-        if m < 0:
-            return 0.0
-        if self.geometry.capped and m == self.geometry.last:
-            return self.geometry.radius(s)
-        inside = max(problem.intensity(m, s), 0.0) / self._kept(problem, m - 1, s)
-        outside = min(problem.intensity(m + 1, s), 0.0) / self._kept(problem, m + 1, s)
-        share = inside / (inside - outside) if inside > outside else 0.5
-        between = self._positions[m] + (self._positions[m + 1] - self._positions[m]) * share
-        return max(between, self.plane_tip)
+    def departure(self, problem: ContactProblem, s: float) -> EdgeMotion:
+        """Which way the edge leaves the position ``s`` where a step begins, or whether it is pinned there."""
+        closure = problem.closure(s)
+        opening = self.adhesion.opening(math.inf) if problem.dt <= 0.0 else self.work
+        if closure > opening:
+            return EdgeMotion.RECEDING
+        return EdgeMotion.ADVANCING if closure < self.adhesion.closing else EdgeMotion.RESTING
 
-    def _kept(self, problem: ContactProblem, node: int, s: float) -> float:
-        """How steeply the intensity falls to the next node, relative to an elastic contact.
 
-        Under the indenter stresses relax, while the gap beside it does not: read as one line, both would let
-        the edge of a contact at rest creep by parts of an element.
-        """
-        if not 0 <= node < self.geometry.last:
-            return 1.0
-        elastic = self._depths[node + 1] - self._depths[node]
-        fall = problem.intensity(node, s) - problem.intensity(node + 1, s)
-        return fall / elastic if fall > 0.0 and elastic > 0.0 else 1.0
+def edge_law(geometry: EdgeGeometry, adhesion: Adhesion) -> AdhesiveEdge:
+    """The law of an adhesive edge."""
+    if adhesion.reversible:
+        return AdhesiveEdge(geometry, adhesion.work)
+    return IrreversibleEdge(geometry, adhesion)
+
+
+def energy_spent(adhesion: Adhesion, radii: tuple[float, float], closures: tuple[float, float]) -> float:
+    """Energy that the interface takes up in a step of the edge; negative where it closes."""
+    before, after = radii
+    area = math.pi * (before**2 - after**2)
+    if area <= 0.0:
+        return adhesion.closing * area
+    if adhesion.rate is None:
+        return adhesion.work * area
+    most = adhesion.opening(math.inf)
+    energies = [min(max(closure, adhesion.work), most) for closure in closures]
+    return 0.5 * (energies[0] + energies[1]) * area

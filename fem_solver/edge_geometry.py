@@ -1,20 +1,23 @@
 """Radii that belong to edge positions, and where an edge starts a step.
 
-An edge position counts nodes: ``s = m`` is contact of the nodes ``0..m`` (see ``release``).
+An edge position counts nodes: ``s = m`` is contact of the nodes ``0..m`` (see ``contact_problem``).
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_solver.process_zone import ZoneShift
+from fem_solver.closure import ZoneShift
 
 Array = NDArray[np.float64]
 
+NO_CONTACT = -1.0
+"""Edge position at which no node is in contact."""
 SURFACE_MARGIN = 1.2
 """Radius up to which surface nodes enter the compliance, relative to the largest contact radius."""
 _MARGIN_OF_STRESS = 2.05
@@ -26,6 +29,22 @@ _LEAST_SPEED = 0.01
 def surface_margin(stress: float | None) -> float:
     """Margin of the surface nodes for a process zone of this cohesive stress, or of a given length."""
     return SURFACE_MARGIN if stress is None else _MARGIN_OF_STRESS
+
+
+class EdgeMotion(Enum):
+    """Result of a search: the edge rests within the range searched, or leaves it inwards or outwards."""
+
+    RESTING = "resting"
+    RECEDING = "receding"
+    ADVANCING = "advancing"
+
+
+@dataclass(frozen=True)
+class EdgePosition:
+    """Result of a search: edge position ``s`` in equilibrium, otherwise the end of the range searched."""
+
+    motion: EdgeMotion
+    s: float
 
 
 @dataclass(frozen=True)
@@ -69,8 +88,6 @@ class EdgeGeometry:
         Process-zone length, at fixed stress that at rest; ``None`` without adhesion.
     reach : float
         Radius up to which the mesh is made for a contact edge.
-    edge : float
-        Largest radius the indenter touches.
     stress : float, optional
         Cohesive stress of a process zone whose length follows from it.
     shortest : float, optional
@@ -85,7 +102,6 @@ class EdgeGeometry:
         effective: Array,
         zone: float | None,
         reach: float,
-        edge: float,
         *,
         stress: float | None = None,
         shortest: float | None = None,
@@ -93,14 +109,12 @@ class EdgeGeometry:
     ) -> None:
         self.radii, self.zone, self.stress = radii, zone, stress
         self.shortest = zone if shortest is None else shortest
-        self.effective = np.where(radii < edge * (1.0 - 1e-9), effective, np.minimum(effective, edge))
-        count = len(radii)
-        within = int(np.searchsorted(radii, edge * (1.0 + 1e-9))) - 1
+        self.effective = effective
         span = reach - (zone or 0.0 if margin is None else margin)
-        on_mesh = int(np.searchsorted(radii, span * (1.0 + 1e-9))) - 1
-        self.capped = within <= on_mesh
-        self.last = min(within, on_mesh, count - 2)
+        self.last = min(int(np.searchsorted(radii, span * (1.0 + 1e-9))) - 1, len(radii) - 2)
         self.shift = None if zone is None else ZoneShift(radii, zone)
+        spacings = np.diff(radii[: self.last + 1])
+        self.spacing = float(np.median(spacings)) if spacings.size else math.inf
 
     def radius(self, s: float) -> float:
         """Contact radius at the edge position ``s``; 0 at ``s = -1`` (no contact)."""
@@ -110,5 +124,7 @@ class EdgeGeometry:
         return float(inner + part * (self.effective[m + 1] - inner)) if part > 0.0 else float(inner)
 
     def position(self, radius: float) -> float:
-        """Edge position of a contact radius."""
+        """Edge position of a contact radius; -1 at 0."""
+        if radius < self.effective[0]:
+            return float(radius / self.effective[0]) - 1.0
         return float(np.interp(radius, self.effective, np.arange(len(self.effective))))

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from scipy.optimize import brentq
 
 from contact_scene.loading import Control
-from fem_solver.contact_solver import ContactCandidate, ContactSolver
-from fem_solver.edge import EdgeMotion
+from fem_solver.contact_problem import ContactCandidate, ContactProblem
+from fem_solver.edge_geometry import EdgeMotion
+from fem_solver.edge_search import ContactSolver
 from fem_solver.recorder import SurfaceState, work_of_bends
-from fem_solver.release import ContactProblem
 
 _SHORTEST_PART = 2.0**-10
 """Least part of a load jump where the response is curved, relative to the jump."""
@@ -63,21 +63,7 @@ class LoadJump:
         return self.done >= 1.0
 
     def trial(self, solver: ContactSolver, state: SurfaceState, tolerance: float) -> ContactCandidate | None:
-        """The next part of the jump.
-
-        Parameters
-        ----------
-        solver : ContactSolver
-        state : SurfaceState
-            The last accepted one.
-        tolerance : float
-            Deviation from a linear response, relative to the largest change of the response so far.
-
-        Returns
-        -------
-        ContactCandidate or None
-            ``None`` if the part has to be shorter; without equilibrium, contact is lost.
-        """
+        """The next part; ``None`` if it has to be shorter, without equilibrium where contact is lost."""
         self.part = min(self.part, 1.0 - self.done)
         end = self._at(solver, state, self.done + self.part)
         if not end.in_equilibrium:
@@ -126,21 +112,9 @@ def zone_reached(
     taken: Callable[[ContactProblem, float], float],
     load: Callable[[float], tuple[float, Control, float]],
 ) -> ContactCandidate | None:
-    """The state within a step, or a part of a load jump, with contact as short as its process zone.
+    """The state in a step or part of a jump with contact as short as its zone; ``None`` if it leaps past.
 
-    Parameters
-    ----------
-    solver : ContactSolver
-    taken : callable(ContactProblem, float) -> float
-        Energy per area that the edge takes up on its way to an edge position.
-    load : callable(float) -> (float, str, float)
-        Length of the step, controlled quantity and its value at a share of the step, 0 to 1; the contact is
-        longer than the zone at 0 and shorter at 1.
-
-    Returns
-    -------
-    ContactCandidate or None
-        ``None`` if the edge does not rest there on its way: it has passed the zone in a jump.
+    ``load`` gives length of the step, control and value at a share of it, ``taken`` the energy per area.
     """
     zone = solver.setup.geometry.zone or 0.0
 
@@ -157,19 +131,7 @@ def zone_reached(
 
 
 def edge_jump(solver: ContactSolver, candidate: ContactCandidate) -> ContactCandidate:
-    """Follow an edge that leaves the range of the shortest step to where it rests again, if it does.
-
-    Parameters
-    ----------
-    solver : ContactSolver
-    candidate : ContactCandidate
-        Out of equilibrium, at the end of the shortest step.
-
-    Returns
-    -------
-    ContactCandidate
-        In equilibrium; otherwise contact is lost or the contact outgrows the mesh.
-    """
+    """Follow an edge that leaves the range of the shortest step to where it rests again, or is lost."""
     law = solver.setup.law
     receded = candidate.edge.motion is not EdgeMotion.ADVANCING and candidate.edge.s <= law.lowest
     return candidate if receded else solver.extended(candidate)

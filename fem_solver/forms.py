@@ -123,19 +123,7 @@ def _by_element(values: Array) -> Array:
 
 
 def _assembled(rows: Any, first: Array, columns: Any, second: Array) -> sparse.csc_matrix:
-    """Matrix of the products of two quantities of shape functions, summed over components and points.
-
-    Parameters
-    ----------
-    rows, columns : Basis
-    first, second : ndarray, shape (shapes, ..., elements, points)
-        Of the shape functions of ``rows`` and ``columns``, one with the weights of the points, or both with
-        their roots.
-
-    Returns
-    -------
-    csc_matrix, shape (rows.N, columns.N)
-    """
+    """Matrix of the products of two quantities of shape functions, summed over components and points."""
     one = _by_element(first)
     other = one if second is first else _by_element(second)
     entries = one @ other.swapaxes(1, 2)

@@ -10,7 +10,7 @@ all times. In unit shear modulus the mixed system is
 
 and the displacement system ``A + V/ratio``.
 
-On the far boundary the Boussinesq displacement of the load is prescribed (see ``farfield``). A nodal force
+On the far boundary the Boussinesq displacement of the load is prescribed (below). A nodal force
 ``f_i`` enters its amplitude with the weight ``v_i = c_i/c_0``, where ``c_i`` is the displacement of node i
 per unit amplitude and ``c_0`` that of the node at the axis. By Betti's theorem this is the weight with which
 a ring force excites that far field; it differs from one by the order of ``(r_i/R_far)^2``, and it makes the
@@ -24,6 +24,22 @@ Elimination needs no pivoting, not even for ``ratio = 0``, where pressures have 
 is eliminated behind the displacements around it, which then give it one. Nodes further out on the surface
 than those condensed to are among the body. Were all of them held until the last, the volume could not leave
 it, and one pressure would find none.
+
+**The far boundary.** A half-space loaded by a normal pressure of total force ``F`` within a radius ``a``
+displaces a point at distance ``rho`` like the point force ``F`` up to terms of relative size ``(a/rho)^2``:
+for an axisymmetric load the dipole vanishes. Prescribing that displacement leaves an error of the field near
+the contact of the order ``(a/rho)^3`` where clamping the boundary leaves ``a/rho``.
+
+With depth ``s = -z``, ``rho^2 = r^2 + s^2`` and a force ``F`` pressing downwards (Johnson, Contact
+Mechanics, Eq. 3.18, with ``z`` turned upwards),
+
+    ``u_r = F/(4 pi G) [ r s/rho^3 - (1 - 2 nu) r/(rho (rho + s)) ]``
+    ``u_z = -F/(4 pi G) [ s^2/rho^3 + 1/rho + (1 - 2 nu)/rho ]``
+
+and ``(1 - 2 nu)/G = 3/(3 K + G)``: the field is ``F/G`` times a shape independent of the material, plus
+``3 F/(3 K + G)`` times another. So, by the correspondence principle, it holds for every isotropic linear
+viscoelastic solid, whether or not its Poisson's ratio is constant: only two scalars of time are needed,
+``e_1`` with ``G * e_1 = F`` and ``e_2`` with ``(3 K + G) * e_2 = 3 F`` (hereditary integrals).
 """
 
 from __future__ import annotations
@@ -40,9 +56,19 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, MeshTri
 
 from fem_solver import forms
-from fem_solver.farfield import boussinesq_shapes
 
 Array = NDArray[np.float64]
+
+
+def boussinesq_shapes(points: Array) -> tuple[Array, Array]:
+    """The two shapes of the field, to be scaled by ``F/G`` and ``3 F/(3 K + G)``."""
+    r, depth = points[0], -points[1]
+    rho = np.hypot(r, depth)
+    shear = np.stack([r * depth / rho**3, -(depth**2 / rho**3 + 1.0 / rho)])
+    volume = np.stack([-r / (rho * (rho + depth)), -1.0 / rho])
+    return shear / (4.0 * np.pi), volume / (4.0 * np.pi)
+
+
 _QUADRATURE_ORDER = 5
 """Polynomial order that the quadrature of the elements integrates exactly."""
 _BLOCK = 256
@@ -63,9 +89,11 @@ class HalfSpace:
         Displacement and pressure (right for every Poisson's ratio) or displacement alone.
     far_field : bool
         Prescribe the displacement of the total force on the far boundary; otherwise zero.
+    sliding : bool
+        Hold the lowest nodes of the far boundary, which are those of a base, vertically alone.
     """
 
-    def __init__(self, mesh: Any, mixed: bool = True, far_field: bool = True) -> None:
+    def __init__(self, mesh: Any, mixed: bool = True, far_field: bool = True, sliding: bool = False) -> None:
         self.mixed, self.far_field = mixed, far_field
         self.mesh = MeshTri(np.ascontiguousarray(mesh.points), np.ascontiguousarray(mesh.triangles))
         self.basis = Basis(self.mesh, ElementVector(ElementTriP2()), intorder=_QUADRATURE_ORDER)
@@ -80,7 +108,7 @@ class HalfSpace:
             self.volumetric = forms.volumetric_stiffness(self.basis)
         facets = {name: self._facets(pairs) for name, pairs in mesh.boundaries.items()}
         self._order_surface(facets["surface"])
-        self._constrain(facets["axis"], facets["far"], far_field)
+        self._constrain(facets["axis"], facets["far"], far_field, sliding)
 
     def _facets(self, pairs: NDArray[np.integer]) -> NDArray[np.integer]:
         """Facet numbers of edges given by their end vertices."""
@@ -100,7 +128,9 @@ class HalfSpace:
         self.surface_dofs = dofs[order]
         self.radii: Array = radii[order]
 
-    def _constrain(self, axis: NDArray[np.integer], far: NDArray[np.integer], far_field: bool) -> None:
+    def _constrain(
+        self, axis: NDArray[np.integer], far: NDArray[np.integer], far_field: bool, sliding: bool
+    ) -> None:
         on_axis = np.unique(self.mesh.facets[:, axis])
         on_far = np.unique(self.mesh.facets[:, far])
         rollers = np.concatenate([self.basis.nodal_dofs[0, on_axis], self.basis.facet_dofs[0, axis]])
@@ -110,6 +140,9 @@ class HalfSpace:
         if far_field:
             for row, shape in enumerate(boussinesq_shapes(self.basis.doflocs[:, radial])):
                 self.far_shapes[row, radial], self.far_shapes[row, vertical] = shape
+        if sliding:
+            depth = -self.basis.doflocs[1, radial]
+            radial = radial[depth < depth.max() * (1.0 - 1e-9)]
         held = np.concatenate([rollers, radial, vertical])
         self.far_shapes[:, rollers] = 0.0
         self.free = np.setdiff1d(np.arange(self.unknowns), held)
@@ -123,19 +156,7 @@ class HalfSpace:
         )
 
     def factorise(self, ratio: float, count: int) -> Factorisation:
-        """Factorise the constrained system.
-
-        Parameters
-        ----------
-        ratio : float
-            ``G/K``.
-        count : int
-            Number of surface nodes, from the axis, to which the stiffness is condensed; not all of them.
-
-        Returns
-        -------
-        Factorisation
-        """
+        """Factorise the constrained system."""
         ranks = self._ranks.copy()
         ranks[self.surface_dofs[:count]] = self.unknowns + np.arange(count)
         order = self.free[np.argsort(ranks[self.free], kind="stable")]
@@ -200,39 +221,18 @@ class Factorisation:
         return np.array([1.0, 3.0 * self.ratio / (3.0 + self.ratio)])
 
     def solve(self, load: Array, far: Array) -> Array:
-        """Displacement (and pressure) for a right-hand side and far-field amplitudes.
-
-        Parameters
-        ----------
-        load : ndarray, shape (unknowns,)
-            Nodal forces along the coordinates, for unit shear modulus.
-        far : ndarray, shape (2,)
-            Amplitudes of the two far shapes.
-        """
+        """Displacement (and pressure) for a right-hand side and far-field amplitudes."""
         self.solves += 1
         result = far @ self.space.far_shapes
         result[self.order] = self.factor.solve(load[self.order] + far @ self.lifted)
         return result
 
     def surface_response(self) -> tuple[Array, Array]:
-        """Displacements of the surface nodes for unit shear modulus.
-
-        Returns
-        -------
-        clamped : ndarray, shape (count, count)
-            Per nodal force, with the far boundary held; in Fortran's order.
-        far : ndarray, shape (count,)
-            Per amplitude of the Boussinesq field of an elastic solid.
-        """
+        """Displacements of the surface nodes for unit shear modulus."""
         return self._condensed(), self._far_response()
 
     def far_weights(self) -> Array:
-        """Weights of the nodal forces in the far amplitude with which the compliance is symmetric.
-
-        Returns
-        -------
-        ndarray, shape (count,)
-        """
+        """Weights of the nodal forces in the far amplitude with which the compliance is symmetric."""
         return self._weights_of(self._far_response())
 
     def _weights_of(self, far: Array) -> Array:
@@ -257,18 +257,7 @@ class Factorisation:
         return whole
 
     def compliance(self, weights: Array | None = None) -> tuple[Array, Array]:
-        """Surface compliance with the far field of the load, and the weights of that far field.
-
-        Parameters
-        ----------
-        weights : ndarray, shape (count,), optional
-            Weights ``v`` of the nodal forces in the far amplitude; default those that make it symmetric.
-
-        Returns
-        -------
-        compliance : ndarray, shape (count, count)
-        weights : ndarray, shape (count,)
-        """
+        """Surface compliance with the far field of the load, and the weights of that far field."""
         whole, far = self.surface_response()
         if weights is None:
             weights = self._weights_of(far)

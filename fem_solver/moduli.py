@@ -1,4 +1,11 @@
-"""Shear and bulk relaxation of a material, as Prony series."""
+"""Shear and bulk relaxation of a material as Prony series, and the one modulus of its surface.
+
+A frictionless surface answers with ``1/E* = 1/(4 G) + 3/(4 (3 K + G))``, two moduli in series, whatever
+relaxes; as one, ``G``, where all relax alike. The energies are those of the body: what ``1/(2 G)`` answers to
+the pressures of the surface changes no volume, what ``3/(2 (3 K + G))`` answers does, and holds a third of
+its shear energy beside it; neither works on the other, and each energy is a multiple of the same form of the
+pressures (by Clapeyron's theorem, from the derivatives of ``1/E*`` with respect to G and K).
+"""
 
 from __future__ import annotations
 
@@ -6,10 +13,65 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact_scene import BulkRelaxation, Material
 from fem_solver.prony import Prony
-from fem_solver.series_modulus import OneModulus
+
+Array = NDArray[np.float64]
+
+_LEAST_SHARE = 1e-14
+"""Modulus of a branch, relative to the glassy one, that is a rounding error."""
+
+
+class OneModulus:
+    """Two moduli that bear the same stress, as one of the sum of their strains.
+
+    The energy of springs and dashpots over the strain ``x`` and those ``q`` of the dashpots of both,
+    ``m(0) x^2/2 - x g.q + q.H q/2`` once the strain of the first modulus is eliminated, with the loss
+    ``sum_k m_k tau_k q_k'^2``: in the eigenvectors of ``H`` with respect to that loss each internal variable
+    goes its own way, as in a Maxwell branch, with the same energies. What no strain reaches is left out.
+
+    Parameters
+    ----------
+    one, other : Prony
+
+    Attributes
+    ----------
+    modulus : Prony
+    """
+
+    def __init__(self, one: Prony, other: Prony) -> None:
+        whole = one.glassy + other.glassy
+        self._share = other.glassy / whole  # of the strain, taken by the first modulus in a jump
+        self._count = len(one.moduli)
+        coupling = np.append(self._share * one.moduli, (1.0 - self._share) * other.moduli)
+        self._signed = np.append(one.moduli, -other.moduli) / whole
+        stiffness = np.diag(np.append(one.moduli, other.moduli))
+        stiffness -= whole * np.outer(self._signed, self._signed)
+        root = np.sqrt(np.append(one.moduli * one.times, other.moduli * other.times))
+        rates, modes = np.linalg.eigh(stiffness / np.outer(root, root))
+        amplitudes = modes.T @ (coupling / root)
+        moduli = amplitudes**2 / rates
+        reached = moduli > _LEAST_SHARE * one.glassy * self._share
+        relaxed = one.relaxed * other.relaxed / (one.relaxed + other.relaxed)
+        self.modulus = Prony(relaxed, moduli[reached], 1.0 / rates[reached])
+        self._dashpots = (modes[:, reached] * (amplitudes / rates)[reached]) / root[:, None]
+
+    def parts(self, x: Array, branches: Array) -> tuple[StrainedModulus, StrainedModulus]:
+        """What both moduli have gone through."""
+        dashpots = self._dashpots @ (x - branches / self.modulus.moduli[:, None])
+        first = self._share * x + self._signed @ dashpots
+        own, others = dashpots[: self._count], dashpots[self._count :]
+        return StrainedModulus(first, first - own), StrainedModulus(x - first, x - first - others)
+
+
+@dataclass(frozen=True)
+class StrainedModulus:
+    """Strain of a modulus, shape (n,), and of the springs of its branches, (branches, n)."""
+
+    whole: Array
+    springs: Array
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,6 @@ class Options:
 
     Parameters
     ----------
-    resolution : int, optional
-        Divisions per process zone that the time steps resolve: in one step the edge moves by at most a
-        quarter of a division. Default: the elements of the mesh.
     tolerance : float, optional
         Relative accuracy of the force in time, between 0 and 1; default ``DEFAULT_TOLERANCE``.
     stop_times : tuple of float
@@ -31,18 +28,12 @@ class Options:
         Trial steps, accepted and rejected together, after which the run ends.
     form : "mixed" or "displacement"
         Displacement and pressure, or displacement alone (which locks towards ``nu = 0.5``).
-    path : "auto", "condensed" or "quadrature"
-        Where the history lives: on the surface (constant Poisson's ratio only) or at quadrature points.
     far_field : bool
         Prescribe the displacement of the total force on the far boundary; otherwise hold it.
     record_times : tuple of float
-        Times, stepped onto exactly, at which the whole history is recorded for fields in the body.
-    record_every : int
-        Record it at every n-th row as well; 0: no.
-    record_rows : tuple of int
-        Record it at these rows as well: a run of the same scene, mesh and options has the same rows.
-    record_pull_off : bool
-        Record it where the tension is largest as well.
+        Times, stepped onto exactly, whose rows fields in the body will be asked for.
+    record : bool
+        Record the surface at all rows, which those times alone do as well.
 
     Raises
     ------
@@ -50,18 +41,14 @@ class Options:
         If an option is out of its range.
     """
 
-    resolution: int | None = None
     tolerance: float | None = None
     stop_times: tuple[float, ...] = ()
     profile_times: tuple[float, ...] = ()
     max_steps: int = MAX_STEPS
     form: Literal["mixed", "displacement"] = "mixed"
-    path: Literal["auto", "condensed", "quadrature"] = "auto"
     far_field: bool = True
     record_times: tuple[float, ...] = ()
-    record_every: int = 0
-    record_rows: tuple[int, ...] = ()
-    record_pull_off: bool = False
+    record: bool = False
 
     def __post_init__(self) -> None:
         checked = {
@@ -69,22 +56,18 @@ class Options:
             "profile_times": moments(self.profile_times, "profile_times"),
             "record_times": moments(self.record_times, "record_times"),
             "max_steps": whole_number(self.max_steps, "max_steps", 1),
-            "record_every": whole_number(self.record_every, "record_every", 0),
         }
-        if self.resolution is not None:
-            checked["resolution"] = whole_number(self.resolution, "resolution", 1)
         if self.tolerance is not None:
             allowed = "a number between 0 and 1"
             number(self.tolerance, "tolerance", allowed, low=0.0, high=1.0, open=True)
         one_of(self.form, "form", ("mixed", "displacement"))
-        one_of(self.path, "path", ("auto", "condensed", "quadrature"))
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 
     @property
     def records(self) -> bool:
-        """Whether any history is recorded."""
-        return bool(self.record_times or self.record_rows or self.record_every or self.record_pull_off)
+        """Whether the surface is recorded."""
+        return self.record or bool(self.record_times)
 
     @property
     def requested_times(self) -> frozenset[float]:

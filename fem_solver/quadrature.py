@@ -3,10 +3,9 @@
     ``dev s = G * 2 dev e(u)``,   ``-p = K * div u``   (hereditary products, see ``prony``)
 
 Each step solves the half-space with the algorithmic moduli ``G_hat, K_hat`` of its size, loaded by the
-stress that the past leaves, ``memory``; at the surface ``u = free + C(G_hat/K_hat) f/G_hat``. One
-factorisation and one surface compliance serve every distinct ratio; with a constant Poisson's ratio
-there is one only. In the mixed form the volume strain ``-div u`` lives in the pressure space, as its
-projection ``(p - p_memory)/K_hat``.
+stress that the past leaves, ``memory``, and by the forces on its surface. One factorisation serves every
+distinct ratio; with a constant Poisson's ratio there is one only. In the mixed form the volume strain
+``-div u`` lives in the pressure space, as its projection ``(p - p_memory)/K_hat``.
 
 The far field follows its two scalars, ``G * e_1 = F`` and ``(3K + G) * e_2 = 3F``, by the same recursion.
 
@@ -18,21 +17,39 @@ this is exact (Clapeyron), otherwise an approximation to a part of relative size
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver import forms
-from fem_solver.condensed import Response
 from fem_solver.halfspace import Factorisation, HalfSpace
-from fem_solver.partial_release import PartialContact, energy_at_edge, partly_held
 from fem_solver.prony import Prony, RelaxingField
-from fem_solver.quadrature_state import LoadOfPast, QuadratureState
-from fem_solver.series_modulus import SeriesModulus
-from fem_solver.surface import SurfaceOperator
 
 Array = NDArray[np.float64]
 Form = Callable[[Array, Array], float]
+
+
+@dataclass(frozen=True)
+class QuadratureState:
+    """Internal variables in the volume.
+
+    Parameters
+    ----------
+    unknowns : ndarray, shape (unknowns,)
+        Displacement and, in the mixed form, pressure.
+    shear, volume : RelaxingField
+    far : tuple of RelaxingField
+        The two amplitudes of the far field.
+    dissipated : float
+        Energy dissipated in the branches so far.
+    """
+
+    unknowns: Array
+    shear: RelaxingField
+    volume: RelaxingField
+    far: tuple[RelaxingField, RelaxingField]
+    dissipated: float = 0.0
 
 
 class QuadratureHistory:
@@ -51,7 +68,6 @@ class QuadratureHistory:
     def __init__(self, space: HalfSpace, shear: Prony, bulk: Prony | None, count: int) -> None:
         self.space, self.count = space, count
         self.shear_modulus, self.bulk_modulus = shear, bulk
-        self.glassy_modulus = shear.glassy
         self.strain = forms.strain_operator(space.basis)
         weights = forms.volume_weights(space.basis)
         self._weights = np.concatenate([factor * weights.ravel() for factor in forms.CONTRACTION])
@@ -65,46 +81,14 @@ class QuadratureHistory:
             volume=RelaxingField.at_rest(bulk or shear, volume_size + 2),
             far=(RelaxingField.at_rest(shear, 1), RelaxingField.at_rest(joined, 1)),
         )
-        self._operators: dict[float, tuple[Factorisation, SurfaceOperator]] = {}
-        self.weights: Array = np.zeros(0)
-        self._past: LoadOfPast | None = None
-        # of the relaxed solid
-        self.factor, self.operator = self._operator(self._ratio(np.inf))
-        self._surface_modulus = _surface_modulus(shear, None if bulk is None else joined, self._ratio(0.0))
+        self._factors: dict[float, Factorisation] = {}
+        self._weights_of_far = self._factor(self._ratio(np.inf)).compliance()[1]
         far_strain = [self._deviator(shape[: space.basis.N]) for shape in space.far_shapes]
         self._far_shear = np.stack([0.5 * self._weights * field for field in far_strain])
         self._far_volume = np.stack([self._volume_force(shape) for shape in space.far_shapes])
 
-    @property
-    def volume_solves(self) -> int:
-        """Back-substitutions in the volume so far."""
-        return sum(factor.solves for factor, _ in self._operators.values())
-
-    def take_back(self, state: QuadratureState) -> None:
-        """Return to the state before the last step."""
-        self.state, self._past = state, None
-
-    @property
-    def factorisations(self) -> int:
-        """Factorisations so far."""
-        return len(self._operators)
-
-    @property
-    def instantaneous(self) -> SurfaceOperator:
-        """Surface of the glassy solid."""
-        return self._operator(self._ratio(0.0))[1]
-
-    def respond(self, dt: float) -> Response:
-        """Response to forces at the end of a step; changes nothing."""
-        past = self._prepare(dt)
-        factor, operator = self._operator(past.ratio)
-        free = factor.solve(past.load, past.far_memory)
-        surface, partly = -free[self.space.surface_dofs[: self.count]], self.state.partly
-        released = None if partly is None else partly.released(self._surface_modulus.step(dt), operator.unit)
-        return Response(operator, past.modulus, surface, released)
-
-    def commit(self, dt: float, forces: Array, contact: PartialContact | None = None) -> None:
-        """Accept the step that ends with these surface forces, and with an adhesive edge there.
+    def commit(self, dt: float, forces: Array) -> None:
+        """Accept the step that ends with these surface forces.
 
         Parameters
         ----------
@@ -112,16 +96,16 @@ class QuadratureHistory:
             Length of the step.
         forces : ndarray, shape (count,)
             Nodal forces at its end, compressive positive.
-        contact : PartialContact, optional
-            The node next to the edge then.
         """
-        past, old = self._prepare(dt), self.state
-        modulus = past.modulus
-        factor, _ = self._operator(past.ratio)
-        load = past.load.copy()
+        old, modulus, factor = (
+            self.state,
+            self.shear_modulus.increment(dt).modulus,
+            self._factor(self._ratio(dt)),
+        )
+        load, far_memory = self._past(dt, modulus)
         load[self.space.surface_dofs[: self.count]] -= forces / modulus
-        total = float(self.weights @ forces)
-        amplitudes = past.far_memory + factor.far_mix * total / modulus
+        total = float(self._weights_of_far @ forces)
+        amplitudes = far_memory + factor.far_mix * total / modulus
         unknowns = factor.solve(load, amplitudes)
         shear = old.shear.advanced(dt, np.append(2.0 * self._deviator(unknowns), amplitudes))
         volume = old.volume.advanced(dt, np.append(self._volume_strain(dt, unknowns, modulus), amplitudes))
@@ -130,9 +114,7 @@ class QuadratureHistory:
             dissipated += self._loss(dt, old.shear, shear, self._shear_form)
             dissipated += self._loss(dt, old.volume, volume, self._volume_form)
         far = old.far[0].advanced(dt, amplitudes[:1]), old.far[1].advanced(dt, amplitudes[1:])
-        partly = partly_held(old.partly, self._surface_modulus.step(dt), contact)
-        self.state = QuadratureState(unknowns, shear, volume, far, dissipated, old.updates + 1, partly)
-        self._past = None
+        self.state = QuadratureState(unknowns, shear, volume, far, dissipated)
 
     @property
     def displacement(self) -> Array:
@@ -145,27 +127,19 @@ class QuadratureHistory:
         state = self.state
         return self._stored(state.shear, self._shear_form) + self._stored(state.volume, self._volume_form)
 
-    def interface_energy(self, forces: Array, gap: Array) -> float:
-        """Energy of the node next to the edge beyond that of its mean; shapes (count,)."""
-        return energy_at_edge(self.state.partly, self.instantaneous.unit, forces, gap)
-
     def _ratio(self, dt: float) -> float:
         if self.bulk_modulus is None:
             return 0.0
         ratio = self.shear_modulus.increment(dt).modulus / self.bulk_modulus.increment(dt).modulus
         return float(f"{ratio:.12e}")  # equal to round-off: the same factors
 
-    def _operator(self, ratio: float) -> tuple[Factorisation, SurfaceOperator]:
-        if ratio not in self._operators:
-            factor = self.space.factorise(ratio, self.count)
-            compliance, self.weights = factor.compliance(self.weights if self.weights.size else None)
-            self._operators[ratio] = factor, SurfaceOperator(compliance)
-        return self._operators[ratio]
+    def _factor(self, ratio: float) -> Factorisation:
+        if ratio not in self._factors:
+            self._factors[ratio] = self.space.factorise(ratio, self.count)
+        return self._factors[ratio]
 
-    def _prepare(self, dt: float) -> LoadOfPast:
-        if self._past is not None and self._past.dt == dt:
-            return self._past
-        modulus = self.shear_modulus.increment(dt).modulus
+    def _past(self, dt: float, modulus: float) -> tuple[Array, Array]:
+        """Load that the past leaves at the end of a step, and amplitudes of the far field."""
         space = self.space
         load = np.zeros(space.unknowns)
         stress = self.state.shear.memory(dt)[:-2]
@@ -178,8 +152,7 @@ class QuadratureHistory:
         far = [-part.memory(dt)[0] / part.modulus.increment(dt).modulus for part in self.state.far]
         if self.bulk_modulus is None:
             far[1] = 0.0
-        self._past = LoadOfPast(dt, modulus, self._ratio(dt), load, np.array(far))
-        return self._past
+        return load, np.array(far)
 
     def _deviator(self, unknowns: Array) -> Array:
         strains = (self.strain @ unknowns[: self.space.basis.N]).reshape(4, -1)
@@ -230,11 +203,3 @@ class QuadratureHistory:
             forms_ = form(branch, branch) / modulus, form(branch, change), modulus * form(change, change)
             total += float(weights[:, k] @ forms_)
         return total
-
-
-def _surface_modulus(shear: Prony, joined: Prony | None, ratio: float) -> SeriesModulus:
-    """``E*`` per that of unit shear modulus at the glassy ``G/K``; ``joined`` is ``3 K + G``."""
-    if joined is None:
-        return SeriesModulus((shear,))
-    plane = (3.0 + ratio) / (3.0 + 4.0 * ratio)
-    return SeriesModulus((shear, joined), (plane, 3.0 * plane))

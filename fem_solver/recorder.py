@@ -2,13 +2,11 @@
 
 With a sharp edge the half-space receives the work of the surface forces, ``int sum_i f_i du_i``: what the
 indenter does, ``int F dD``, and what opening the interface takes, ``int sum_i f_i dg_i`` over partly released
-nodes. It stores and dissipates it in its branches; both are volume integrals (or their condensed
-equivalents) that know nothing of the work. ``balance_residual`` is what is left of that identity, with the
-work of a moving edge taken by trapezoids between rows. It measures the steps: it grows where
-an edge creeps so slowly that its layer of relaxing stress, ``|da/dt| tau``, is crossed within one of them.
+nodes. It stores and dissipates it in its branches; both are sums over components that
+know nothing of the work. ``balance_residual`` is what is left of that identity, and measures steps and nodes.
 
 The parts of the node next to the edge, in contact and free, hold an energy beyond that of their mean (see
-``partial_release``). It belongs to ``stored_energy``, which without it would sag between any two nodes by up
+``node_parts``). It belongs to ``stored_energy``, which without it would sag between any two nodes by up
 to an eighth of what the edge releases there. The balance of the half-space alone does without it.
 
 ``dissipated_energy`` is the loss of the balance ``F dD + dg dA = dU + dL``. It differs from the branch
@@ -25,14 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import COLUMNS, Counters, Event, Outcome, SurfaceProfile, Trace
-from fem_solver.limit_point import LimitPoint
-from fem_solver.tip_release import UNKNOWN_RELEASE, with_sharp_tip
 
 Array = NDArray[np.float64]
 
 SOLVER = "fem"
 """Name of the solver in its traces."""
-EXTRA = ("branch_dissipation", "zone_excess", "balance_residual", "separation_energy", "volume_dissipation")
+EXTRA = ("branch_dissipation", "zone_excess", "balance_residual", "separation_energy")
 
 
 @dataclass(frozen=True)
@@ -44,7 +40,7 @@ class SurfaceState:
     time, penetration, force, radius : float
         ``radius`` is the contact radius.
     edge : float
-        Edge position in nodes (see ``release``).
+        Edge position in nodes (see ``contact_problem``).
     forces, displacement : ndarray, shape (n,)
         Nodal forces, compressive positive, and nodal displacements, positive downwards.
     stored, interface : float
@@ -56,14 +52,12 @@ class SurfaceState:
     closure, spent, rate, duration : float
         Closure integral at the edge, energy that the interface has taken up, mean rate of the radius over the
         last step and its length: where adhesion is irreversible.
-    received : float, optional
-        Work done on the surface so far, where the history knows it better than trapezoids between rows.
+    received : float
+        Work done on the surface so far.
     smooth : bool
         Whether the rates of the step before go on into the one that ends here.
     bent : float
         Work since the last state beyond its trapezoid, where a load jump tells it.
-    release : tuple of float
-        Glassy energy release rate of the tip, opening and closing (see ``tip_release``).
     singular_force : float
         Force of the flat punch, as large as the contact, that leaves the same edge singularity.
     """
@@ -83,21 +77,14 @@ class SurfaceState:
     spent: float = 0.0
     rate: float = 0.0
     duration: float = 0.0
-    received: float | None = None
+    received: float = 0.0
     smooth: bool = False
     bent: float = 0.0
-    release: tuple[float, float] = UNKNOWN_RELEASE
     singular_force: float = 0.0
 
 
 def work_of_bends(rises: tuple[float, float], bends: tuple[float, float]) -> float:
-    """``int F dD`` beyond the trapezoid along parabolas.
-
-    Parameters
-    ----------
-    rises, bends : tuple of float
-        Of penetration and force: the rise over the way, and ``c`` of ``c s (s - 1)`` over its share s.
-    """
+    """``int F dD`` beyond the trapezoid along parabolas."""
     return (bends[0] * rises[1] - bends[1] * rises[0]) / 6.0
 
 
@@ -160,18 +147,11 @@ class SurfaceRecorder:
             mean = 0.5 * (state.force + content.last.force)
             bent = self._work_of_bend(state)
             content.external_work += mean * (state.penetration - content.last.penetration) + bent
-        if content.last is not None and state.received is not None:
-            content.surface_work += state.received - (content.last.received or 0.0)
-        elif content.last is not None:
-            forces = 0.5 * (state.forces + content.last.forces)
-            content.surface_work += float(forces @ (state.displacement - content.last.displacement))
+            content.surface_work += state.received - content.last.received
+            if self.work_of_adhesion == 0.0:  # otherwise forces at the edge open it, on straight lines
+                content.surface_work += state.bent
         else:
             content.first = state
-        if content.last is not None:
-            if state.received is None and state.radius == content.last.radius:
-                content.surface_work += bent
-            elif self.work_of_adhesion == 0.0:  # otherwise forces at the edge open it, on straight lines
-                content.surface_work += state.bent
         first = content.first or state
         stored = state.stored - first.stored
         interface = state.interface - first.interface
@@ -193,7 +173,6 @@ class SurfaceRecorder:
                 state.branch_dissipation - loss,
                 residual,
                 -adhesion,
-                *state.release,
             )
         )
         content.last = state
@@ -245,12 +224,19 @@ class SurfaceRecorder:
         content.external_work, content.surface_work = before.external_work, before.surface_work
         content.largest_force, content.largest_tension = before.largest_force, before.largest_tension
 
-    def event(self, kind: str, at: LimitPoint | None = None) -> None:
-        """An instability that starts from the last row, or from a limit point next to it."""
-        state = self.content.last
-        if state is not None:
-            start = at or state
-            self.content.events.append(Event(kind, state.time, start.penetration, start.force, start.radius))
+    def event(self, kind: str, way: float = 0.0) -> None:
+        """An instability that starts from the last row, or after a further ``way`` of the edge at most.
+
+        Towards a limit point the load is flat: its ripple, 1e-7 of it from node to node, moves the last
+        equilibrium by a share of an element.
+        """
+        rows = self.content.rows[-2:]
+        if not rows:
+            return
+        time, penetration, force, radius = rows[-1][:4]
+        moved = np.abs(np.subtract(rows[-1][:4], rows[0][:4]))
+        uncertainty = (way / moved[3] * moved).tolist() if way * moved[3] > 0.0 else ()
+        self.content.events.append(Event(kind, time, penetration, force, radius, tuple(uncertainty)))
 
     def depth_scale(self) -> float:
         """Range of the penetrations so far, at least a hundredth of the largest (of about 64 rows)."""
@@ -259,25 +245,11 @@ class SurfaceRecorder:
         return max(max(depths) - min(depths), 1e-2 * max(abs(d) for d in depths))
 
     def trace(self, outcome: Outcome, counters: Counters, wall_seconds: float) -> Trace:
-        """All that was recorded.
-
-        Parameters
-        ----------
-        outcome : Outcome
-        counters : Counters
-        wall_seconds : float
-
-        Returns
-        -------
-        Trace
-        """
+        """All that was recorded."""
         rows = self.content.rows
-        names = (*COLUMNS, *EXTRA[:-1], "opening", "closing")
+        names = (*COLUMNS, *EXTRA)
         table = np.array(rows, float).reshape(len(rows), len(names))
         columns = dict(zip(names, table.T.copy(), strict=True))
-        columns["volume_dissipation"] = columns["branch_dissipation"]
-        columns["branch_dissipation"] = branches = with_sharp_tip(columns)
-        columns["zone_excess"] = branches - columns["dissipated_energy"]
         return Trace(
             solver=SOLVER,
             time=columns["time"],
@@ -294,3 +266,41 @@ class SurfaceRecorder:
             profiles=tuple(self.content.profiles),
             wall_seconds=wall_seconds,
         )
+
+
+def tributary_areas(radii: Array) -> Array:
+    """``int N_i 2 pi r dr`` of the quadratic trace; zero at the axis. Shape (n,), n odd."""
+    left, right = radii[:-2:2], radii[2::2]
+    length = right - left
+    areas = np.zeros(len(radii))
+    areas[:-2:2] += 2.0 * np.pi * length * left / 6.0
+    areas[2::2] += 2.0 * np.pi * length * right / 6.0
+    areas[1::2] += 2.0 * np.pi * length * (left + right) / 3.0
+    return areas
+
+
+def profile(state: SurfaceState, radii: Array, height: Array, stretch: float = 1.0) -> SurfaceProfile:
+    """Pressure, displacement and gap at the surface nodes.
+
+    The pressure is the nodal force over the node's area; the axis takes that of its neighbour, and the
+    partly released node at the edge is left out.
+    """
+    areas = tributary_areas(radii)
+    pressure = np.divide(state.forces, areas, out=np.zeros_like(areas), where=areas > 0.0)
+    pressure[0] = pressure[1]
+    full = int(np.floor(state.edge))
+    gap = height - state.penetration + state.displacement
+    gap[: full + 1] = 0.0
+    shown = np.ones(len(radii), bool)
+    if full + 1 < len(radii) and state.edge > full:
+        shown[full + 1] = False
+    return SurfaceProfile(
+        state.time,
+        state.penetration,
+        state.force,
+        state.radius,
+        stretch * radii[shown],
+        pressure[shown],
+        state.displacement[shown],
+        gap[shown],
+    )

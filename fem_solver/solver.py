@@ -1,4 +1,4 @@
-"""Solution of a scene on a mesh: a trace, or a recording with the history of the body."""
+"""Solution of a scene on meshes that follow the edge: a trace, or a recording of the surface too."""
 
 from __future__ import annotations
 
@@ -20,12 +20,9 @@ from contact_scene import (
 from contact_scene.machine import on_machine
 from contact_scene.run_control import outcome_of_loss, single_threaded
 from contact_scene.scene import zone_too_long
-from fem_solver.fields.history import HistoryLog, history_log
-from fem_solver.fields.recording import Recording
-from fem_solver.following.setup import FollowingSetup, set_up_following
+from fem_solver.fields.recording import Recording, SurfaceStep
 from fem_solver.options import Options
-from fem_solver.profiles import profile
-from fem_solver.recorder import SurfaceRecorder
+from fem_solver.recorder import SurfaceRecorder, profile
 from fem_solver.setup import Setup, set_up
 from fem_solver.step_control import SlopeErrorEstimator
 from fem_solver.stepping import ELASTIC_TOLERANCE, NodeReleaseRun
@@ -35,20 +32,20 @@ Progress = Callable[[float], None]
 
 def solve(
     scene: Scene,
-    mesh: Any,
+    meshes: Any,
     options: Options | None = None,
     progress: Progress | None = None,
     monitor: RunMonitor | None = None,
 ) -> Trace:
-    """Solve a scene on a mesh of the half-space.
+    """Solve a scene on meshes of the half-space.
 
     Parameters
     ----------
     scene : Scene
-    mesh : object
-        With ``points`` (2, n), ``triangles`` (3, m), ``boundaries`` "surface", "axis", "far" of vertex pairs
-        (2, k), and ``parameters.fine_from`` and ``parameters.fine_to``, the radii between which it is made
-        for a contact edge; or meshes that follow the edge (see ``following.placement``).
+    meshes : object
+        With ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest`` and ``divisions`` (see
+        ``placement``); meshes with ``points`` (2, n), ``triangles`` (3, m), ``boundaries`` "surface", "axis",
+        "far" of vertex pairs (2, k), and ``parameters.fine_from``, ``parameters.fine_to``.
     options : Options, optional
     progress : callable(float), optional
         Called with the share of the loading that is done, 0 to 1.
@@ -58,7 +55,7 @@ def solve(
     Returns
     -------
     Trace
-        Extra columns ``branch_dissipation``, ``volume_dissipation``, ``zone_excess`` and ``balance_residual``
+        Extra columns ``branch_dissipation``, ``zone_excess`` and ``balance_residual``
         (see ``recorder``).
 
     Raises
@@ -68,13 +65,13 @@ def solve(
     UnsupportedScene
         If the options exclude what the scene needs.
     """
-    return record(scene, mesh, options, progress, monitor).trace
+    return record(scene, meshes, options, progress, monitor).trace
 
 
 @single_threaded()
 def record(
     scene: Scene,
-    mesh: Any,
+    meshes: Any,
     options: Options | None = None,
     progress: Progress | None = None,
     monitor: RunMonitor | None = None,
@@ -83,7 +80,7 @@ def record(
 
     Parameters
     ----------
-    scene, mesh, options, progress, monitor
+    scene, meshes, options, progress, monitor
         As for :func:`solve`.
 
     Returns
@@ -92,8 +89,7 @@ def record(
     """
     began = clock.perf_counter()
     options = options or Options()
-    follows = hasattr(mesh, "place")
-    setup = (set_up_following if follows else set_up)(scene, mesh, options)
+    setup = set_up(scene, meshes, options)
     recorder = SurfaceRecorder(
         scene.adhesion.work if scene.adhesion else 0.0,
         scene.adhesion is None or scene.adhesion.reversible,
@@ -126,10 +122,9 @@ def record(
     return Recording(
         setup,
         replace(trace, outcome=outcome),
-        observer.states,
         observer.rows,
         recorder.surfaces or [],
-        observer.log,
+        observer.steps,
     )
 
 
@@ -143,7 +138,7 @@ def _start(scene: Scene, run: NodeReleaseRun) -> Outcome | None:
 
 
 def _force_scale(
-    scene: Scene, setup: Setup | FollowingSetup, recorder: SurfaceRecorder
+    scene: Scene, setup: Setup, recorder: SurfaceRecorder
 ) -> Callable[[float, float, float], float]:
     """Force to which errors of the force are relative, at a force, its singular part and a contact radius.
 
@@ -168,28 +163,21 @@ def _force_scale(
 class _Observer:
     """Takes profiles at their times and records the history as the options ask."""
 
-    def __init__(self, options: Options, setup: Setup | FollowingSetup, recorder: SurfaceRecorder) -> None:
+    def __init__(self, options: Options, setup: Setup, recorder: SurfaceRecorder) -> None:
         self._options, self._setup, self._recorder = options, setup, recorder
-        self.states: dict[float, Any] = {}
         self.rows: dict[float, int] = {}
-        self.log: HistoryLog | None = None
-        if options.records:
-            self.log = history_log(setup.history, options)
+        self.steps: list[SurfaceStep] = []
 
     def on_commit(self, dt: float, forces: NDArray[Any]) -> None:
-        if self.log is not None:
-            self.log.accept(dt, forces)
+        if self._options.records:
+            self.steps.append(SurfaceStep.last_of(self._setup.history, dt))
 
     def on_take_back(self) -> None:
-        if self.log is not None:
-            self.log.drop_last()
+        del self.steps[-1:]
 
     def on_stop(self, time: float) -> None:
         setup, content = self._setup, self._recorder.content
         if time in self._options.profile_times:
             content.profiles.append(profile(self._recorder.last, setup.radii, setup.height, setup.stretch))
         if time in self._options.record_times:
-            self.states[time] = setup.history.state
             self.rows[time] = len(content.rows) - 1
-            if self.log is not None:
-                self.log.store(self.rows[time])

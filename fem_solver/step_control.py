@@ -1,8 +1,7 @@
 """Step sizes: dyadic divisions of an interval, so that few distinct ones occur and its end is met exactly.
 
 An interval between two stops is divided dyadically. A step of ``2^-j`` of it starts at a multiple of itself,
-and is doubled only where the doubled one would as well. Histories at quadrature points need one factorisation
-per distinct step size; this keeps their number small.
+and is doubled only where the doubled one would as well.
 
 The error of a step is estimated from the change of slope of the recorded quantities: strains linear in time
 are integrated exactly, so the curvature over a step is the error.
@@ -12,6 +11,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+
+import numpy as np
+
+from contact_scene import Segment
 
 _LEVELS = 448
 """Halvings of an interval that the position within it resolves: from the longest time to the shortest."""
@@ -115,17 +118,6 @@ def missed_peak(earlier: float, rise: float, fall: float, length: float) -> floa
 
     Above the chord lies at most the corner of the line that continues the step before and the line that
     continues the step behind backwards.
-
-    Parameters
-    ----------
-    earlier, rise, fall : float
-        Slope of the step before, of this step, and downwards of the step behind; ``math.inf`` if unknown.
-    length : float
-        Of this step, in time.
-
-    Returns
-    -------
-    float
     """
     if earlier <= rise:
         return 0.0
@@ -147,22 +139,7 @@ class SlopeErrorEstimator:
     slopes: dict[str, float] = field(default_factory=dict)
 
     def error(self, slopes: dict[str, float], scales: dict[str, float], dt: float) -> float:
-        """Change of slope over the step, relative to ``tolerance`` times the scale.
-
-        Parameters
-        ----------
-        slopes : dict of str to float
-            Of the trial step, a quantity per time.
-        scales : dict of str to float
-            Of the quantities.
-        dt : float
-            Length of the step.
-
-        Returns
-        -------
-        float
-            The largest of all quantities; 0 just after a kink.
-        """
+        """Change of slope over the step, relative to ``tolerance`` times the scale."""
         worst = 0.0
         for name, slope in slopes.items():
             if name in self.slopes and scales[name] > 0.0:
@@ -177,3 +154,34 @@ class SlopeErrorEstimator:
     def reset(self, continuous: dict[str, float] | None = None) -> None:
         """Drop the slopes at a kink or a jump, but for those that are ``continuous`` there."""
         self.slopes = continuous or {}
+
+
+_SAMPLES = (0.273, 0.618, 1.0)
+"""Uneven shares of a step at which the deviation is sampled: an oscillation cannot vanish at all of them."""
+_STRAIGHT = 1e-12
+"""Swing, relative to the largest value, below which a law is straight but for rounding, as a smooth table of
+rows on a line."""
+_SPREAD = 256
+"""Samples over a load step from which the swing is read."""
+
+
+def swing(segment: Segment) -> float:
+    """Range of a curved control law about the straight line between its ends, from unevenly spread samples.
+
+    A drift many times as long as an oscillation is wide must not hide it.
+    """
+    if segment.linear:
+        return 0.0
+    shares = np.mod(np.arange(_SPREAD) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
+    length, change = segment.end - segment.start, segment.value(segment.end) - segment.value(segment.start)
+    values = [segment.value(segment.start + length * x) - change * x for x in shares]
+    spread = max(values) - min(values)
+    largest = max(abs(change), *(abs(value) for value in values))
+    return spread if spread > _STRAIGHT * largest else 0.0
+
+
+def deviation_from_tangent(segment: Segment, start: float, end: float) -> float:
+    """Largest deviation of the prescribed value from its tangent at ``start``, at samples up to ``end``."""
+    value, rate = segment.value(start), segment.rate(start)
+    ahead = [(end - start) * share for share in _SAMPLES]
+    return max(abs(segment.value(start + x) - value - rate * x) for x in ahead)

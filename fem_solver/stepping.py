@@ -16,15 +16,17 @@ from contact_scene import Loading, Outcome, OutcomeKind, Segment
 from contact_scene.loading import Control
 from contact_scene.run_control import Stop, interruption, stops_within
 from fem_solver.accepted_states import RunEnded
-from fem_solver.curved_loads import swing
-from fem_solver.edge import EdgeMotion
+from fem_solver.edge_geometry import EdgeMotion
+from fem_solver.edge_search import EdgeNotFound
 from fem_solver.events import LoadJump
-from fem_solver.following.edge_search import EdgeNotFound
-from fem_solver.step_control import DyadicInterval
+from fem_solver.step_control import DyadicInterval, swing
 from fem_solver.time_step import SteppedStates
 
-_SHORTEST = 1e-6
-"""Shortest step, relative to the shortest relaxation time or the interval: below it the edge is unstable."""
+_SHORTEST = 1e-8
+"""Shortest step, relative to the shortest relaxation time or the interval: below it the edge is unstable. Its
+radius goes with the root of the time to a limit point."""
+_SHORTEST_PRESSED = 1e-6
+"""The same without adhesion, where no contact is lost at a limit point."""
 _SHORTEST_RATED = 1e-12
 """The same where the energy follows the speed: such an edge always has one, until rounding hides it."""
 _TOUCHING = 1e-12
@@ -173,23 +175,12 @@ class NodeReleaseRun(SteppedStates):
         return _LONGEST * (segment.end - segment.start) if moves and self.setup.has_history else math.inf
 
     def _new_interval(self, start: float, end: float, longest: float) -> DyadicInterval:
-        """The interval between two stops, with the first of its steps.
-
-        Parameters
-        ----------
-        start, end : float
-            Times of the stops.
-        longest : float
-            Longest step.
-
-        Returns
-        -------
-        DyadicInterval
-        """
+        """The interval between two stops, with the first of its steps."""
         length, relaxation = end - start, self.setup.shortest_time
         interval = DyadicInterval(start, end, ceiling=longest)
         first = self.step or min(_FIRST * length, 2.0 * _FIRST * relaxation)
-        shortest = _SHORTEST_RATED if self._has_rate else _SHORTEST
+        usual = _SHORTEST_PRESSED if self.setup.adhesion is None else _SHORTEST
+        shortest = _SHORTEST_RATED if self._has_rate else usual
         interval.limit(first, shortest * min(relaxation, length))
         return interval
 

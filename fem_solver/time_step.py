@@ -1,7 +1,8 @@
 """One time step: trials of shrinking length until one is accepted, or the edge leaves in a jump.
 
-A trial (``trial_step``, ``events``) returns a candidate and changes nothing. Steps are dyadic divisions of an
-interval between two stops (``step_control``).
+A trial returns a candidate within the travel of the edge, with its error, and changes nothing. Steps are
+dyadic divisions of an interval between two stops (``step_control``); one that reaches the level of a trigger
+ends there.
 """
 
 from __future__ import annotations
@@ -9,15 +10,132 @@ from __future__ import annotations
 import math
 from typing import NoReturn
 
-from contact_scene import Segment
+from scipy.optimize import brentq
+
+from contact_scene import Segment, Trigger
 from contact_scene.loading import Control
-from fem_solver.contact_solver import ContactCandidate
-from fem_solver.edge import EdgeMotion
+from fem_solver.accepted_states import AcceptedStates, StepBefore, StepCandidate, TensionPeak
+from fem_solver.contact_problem import ContactCandidate
+from fem_solver.edge_geometry import EdgeMotion
 from fem_solver.events import edge_jump
-from fem_solver.run_state import StepBefore, StepCandidate, TensionPeak
-from fem_solver.step_control import DyadicInterval, missed_peak
-from fem_solver.trial_step import TriedSteps
-from fem_solver.trigger import step_to_level
+from fem_solver.recorder import SurfaceState
+from fem_solver.step_control import DyadicInterval, deviation_from_tangent, missed_peak
+
+_ZONE_END_SHARE = 1e-4
+"""Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
+_DEVIATION_PER_TOLERANCE = 10.0
+"""Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its swing."""
+_RADIUS_SCALE = 10.0
+"""Allowed error of the radius per that of the force, relative to their sizes: the travel bounds it closer."""
+_MISSED_RADIUS = 0.1
+"""Distance by which the edge may miss the extrapolation of its path, per allowed error of the force, relative
+to the sizes of radius and force. It is less than one: an edge that is too far inside recedes faster from
+then on, so that what it misses grows towards the pull-off."""
+_ELASTIC_TRAVEL = 4.0
+"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
+_ELASTIC_SHARE = 0.1
+"""Edge travel per step of an elastic solid, relative to the contact radius, where that is more."""
+
+
+class TriedSteps(AcceptedStates):
+    """A run that can try a step of any length from the last accepted state."""
+
+    def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
+        """A step with its edge within one step's travel."""
+        now = self.state
+        contact = self.solver.trial(dt, segment.control, segment.value(end), now.edge, self._reach(now))
+        if not contact.in_equilibrium:
+            return StepCandidate(contact, {}, math.inf)
+        radius = self.solver.radius(contact)
+        force = contact.force
+        quantities = {
+            "force": (force, now.force, self.force_scale(force, contact.singular_force, radius)),
+            "radius": (radius, now.radius, _RADIUS_SCALE * self.setup.radius_scale(radius)),
+        }
+        if segment.control != "penetration":
+            scale = self.recorder.depth_scale()
+            quantities["penetration"] = contact.penetration, now.penetration, scale
+        slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
+        scales = {name: scale for name, (_, _, scale) in quantities.items()}
+        error = max(self.estimator.error(slopes, scales, dt), self._path_error(contact, radius))
+        return StepCandidate(contact, slopes, error)
+
+    def _path_error(self, contact: ContactCandidate, radius: float) -> float:
+        """Error of the edge's path over a step, relative to the allowed one.
+
+        The force does not show it where it follows the loading whatever the edge does, as on a soft spring.
+        The missed distance is of the third order in the step; errors are of the second.
+        """
+        if radius <= 0.0:
+            return 0.0
+        allowed = _MISSED_RADIUS * self.estimator.tolerance * self.setup.radius_scale(radius)
+        return (self.solver.missed_by_extrapolation(contact) / allowed) ** (2.0 / 3.0)
+
+    def _travel(self) -> float:
+        """Edge travel allowed in the present step.
+
+        Without a history each state is an equilibrium by itself, and the edge may pass many zones in a step;
+        the shortest step alone keeps to the travel of the others: what lies farther is reached in a jump.
+        """
+        travel, interval = self.setup.travel, self.interval
+        if self.setup.has_history or interval is None or interval.shortest:
+            return travel
+        return max(_ELASTIC_TRAVEL * travel, _ELASTIC_SHARE * self.state.radius)
+
+    def _reach(self, now: SurfaceState) -> tuple[float, float]:
+        """Edge positions within one step's travel, at least one node either way."""
+        geometry, travel = self.setup.geometry, self._travel()
+        low, high = geometry.position(now.radius - travel), geometry.position(now.radius + travel)
+        return min(low, now.edge - 1.0), max(high, now.edge + 1.0)
+
+    def _deviation(self, segment: Segment, interval: DyadicInterval, span: float) -> float:
+        """Deviation of the prescribed value from its tangent over a step, relative to the allowed one."""
+        if segment.linear or span == 0.0:
+            return 0.0
+        largest = deviation_from_tangent(segment, interval.time, interval.next_time)
+        return largest / (_DEVIATION_PER_TOLERANCE * self.estimator.tolerance * span)
+
+    def _zone_fills_contact(self, contact: ContactCandidate, interval: DyadicInterval) -> bool:
+        """Whether a zone of fixed stress comes to fill its contact within a step that is not yet short."""
+        if self.setup.geometry.stress is None or not contact.in_equilibrium or interval.shortest:
+            return False
+        fills = contact.problem.zone(contact.edge.s) >= self.solver.radius(contact)
+        return fills and interval.dt > _ZONE_END_SHARE * (interval.end - interval.start)
+
+
+_LENGTH_TOLERANCE = 1e-14
+"""Accuracy of the length of the step, relative to it: close to rounding."""
+
+
+class _NoEquilibrium(Exception):
+    """A shorter step does not end in equilibrium."""
+
+
+def step_to_level(
+    run: TriedSteps, segment: Segment, trigger: Trigger, dt: float, contact: ContactCandidate
+) -> ContactCandidate | None:
+    """The state at the level; ``None`` if the step does not pass it, or passes it in a jump of the edge."""
+    now = run.state
+    before = trigger.excess(now.penetration, now.force, now.radius)
+
+    def excess_of(candidate: ContactCandidate) -> float:
+        if not candidate.in_equilibrium:
+            raise _NoEquilibrium
+        return trigger.excess(candidate.penetration, candidate.force, run.solver.radius(candidate))
+
+    def excess(length: float) -> float:
+        if length == 0.0:
+            return before
+        return excess_of(run.trial_step(segment, length, run.time + length).contact)
+
+    try:
+        if before * excess_of(contact) > 0.0:
+            return None
+        length = float(brentq(excess, 0.0, dt, xtol=_LENGTH_TOLERANCE * dt, rtol=1e-15))
+        return run.trial_step(segment, length, run.time + length).contact
+    except _NoEquilibrium:
+        return None
+
 
 _REJECT = 2.0
 """A step is rejected if its estimated error exceeds this multiple of the allowed one."""
@@ -67,22 +185,7 @@ class SteppedStates(TriedSteps):
     def _accepted_trial(
         self, segment: Segment, interval: DyadicInterval, span: float
     ) -> tuple[StepCandidate, float]:
-        """The first trial step that is accepted, not yet committed, and its error; the interval has its size.
-
-        Parameters
-        ----------
-        segment : Segment
-        interval : DyadicInterval
-            Is halved for as long as trials are rejected.
-        span : float
-            Swing of the prescribed value over the load step.
-
-        Returns
-        -------
-        candidate : StepCandidate
-        error : float
-            Relative to that allowed; at most what is rejected, unless the step is the shortest.
-        """
+        """The first trial step that is accepted, not committed, and its error; the interval has its size."""
         while True:
             deviation = self._deviation(segment, interval, span)
             if deviation > _REJECT and not interval.shortest:
@@ -94,7 +197,7 @@ class SteppedStates(TriedSteps):
             if self._first_step_was_too_long(candidate, interval):
                 continue
             contact = candidate.contact
-            if self._sets_off_too_far(contact, interval) or self._zone_fills_contact(contact, interval):
+            if self._zone_fills_contact(contact, interval):
                 self._reject(interval)
                 continue
             if error > _REJECT and not interval.shortest:
@@ -158,7 +261,7 @@ class SteppedStates(TriedSteps):
         self.time = before.time
         self.estimator.accept(before.slopes)
         self.recorder.take_back(before.row)
-        self.setup.history.take_back(before.history)  # type: ignore[arg-type]
+        self.setup.history.take_back(before.history)
         self.on_take_back()
         self.counters.steps -= 1
         self.counters.rejected_steps += 1

@@ -12,8 +12,10 @@ import math
 from dataclasses import dataclass, field
 
 from meshes.halfspace import cached, half_space
+from meshes.layer import LayerMesh, layer
 from meshes.mesh import HalfSpaceMesh
 from meshes.parameters import DOMAIN_RATIO, MeshParameters
+from meshes.structured import structured_layer
 
 INNER_RADIUS = 24.0
 """Contact radius, in process zones, up to which the innermost mesh serves."""
@@ -25,6 +27,9 @@ that the edge has at least three quarters of the strip's half before it and behi
 _GMSH_RESOLVES = 5e-9
 """Least element, over the contact radius, that gmsh places rightly: its own tolerances are some 1e-8 of the
 geometry. Below 1e-9 it leaves most of the elements out around the strip; the structured family does not."""
+_SPARE = 1.2
+"""Radius to which the innermost mesh is fine, but for a zone, over the largest of the contact: as far as an
+edge may come."""
 _COVERED = 8.0
 """Radius of the domain, at least, over the largest contact radius of the run."""
 
@@ -56,7 +61,7 @@ class EdgeMeshes:
     def place(self, radius: float) -> Place:
         """The place nearest to a contact radius."""
         zones = radius / self.zone
-        if zones <= INNER_RADIUS:
+        if zones <= INNER_RADIUS * (1.0 + 1e-9):  # without adhesion as far as the edge may come, rounded
             return Place(0, 0)
         level = max(1, math.ceil(math.log2(zones / INNER_RADIUS)))
         return Place(level, round(self._steps(level) * math.log2(self.centre(level) / zones)))
@@ -76,7 +81,10 @@ class EdgeMeshes:
     def parameters(self, level: int) -> MeshParameters:
         """Parameters of the mesh of a level, in process zones."""
         centre = self.centre(level)
-        fine_from, fine_to = (centre - STRIP, centre + STRIP) if level else (0.0, centre + 0.5 * STRIP)
+        fine_from, fine_to = centre - STRIP, centre + STRIP
+        if level == 0:
+            needed = 2.0 * math.ceil(0.5 * (_SPARE * self.largest / self.zone + 1.0))
+            fine_from, fine_to = 0.0, min(centre + 0.5 * STRIP, needed)
         ratio = self.domain_ratio or DOMAIN_RATIO
         # no other length of the scene enters, so that the meshes of one scene serve the next
         covered = 2.0 ** math.ceil(math.log2(max(_COVERED * self.largest / self.zone, 1.0)))
@@ -91,3 +99,11 @@ class EdgeMeshes:
             parameters = self.parameters(level)
             self._meshes[level] = cached(parameters) if self.in_cache else half_space(parameters)
         return self._meshes[level]
+
+    def layer(self, reach: float) -> LayerMesh:
+        """The mesh of a layer of unit thickness that is loaded up to a radius."""
+        return layer(reach)
+
+    def layer_below(self, level: int, thickness: float) -> HalfSpaceMesh:
+        """A layer of a thickness, in process zones, below the surface of the mesh of a level."""
+        return structured_layer(self.parameters(level), thickness)

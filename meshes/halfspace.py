@@ -9,7 +9,6 @@ from types import ModuleType
 
 import numpy as np
 
-from meshes.edge import refine_edge
 from meshes.gmsh_session import find_gmsh, session
 from meshes.mesh import Array, HalfSpaceMesh, Indices, assemble
 from meshes.parameters import MeshParameters
@@ -30,7 +29,7 @@ def half_space(parameters: MeshParameters) -> HalfSpaceMesh:
     if gmsh is None:
         return structured_half_space(parameters)
     points, triangles = _triangulate(gmsh, parameters)
-    return assemble(*refine_edge(points, triangles, parameters), parameters)
+    return assemble(points, triangles, parameters)
 
 
 @lru_cache(maxsize=16)

@@ -1,10 +1,13 @@
-"""A structured mesh of the half-space: rows of vertices at growing distances from the fine strip.
+"""Structured meshes of half-space and layer: rows of vertices at growing distances from the fine strip.
 
 Row j runs at the distance d_j from the strip: down from the surface (once it is deeper, from the axis), along
 below the strip, and up again to the surface on a quarter circle about the end of the strip. Towards the axis
 the row turns a square corner, so that the row at ``d = fine_from`` lies on the axis. It is a tensor grid,
 distance by position along the row, whose rows get fewer vertices as they get thicker; neighbouring rows are
 joined by triangles. It needs nothing but numpy.
+
+In a layer the rows end with the one that reaches the base, and turn a square corner beyond the strip as well.
+What is left of the rectangle, towards the axis and beyond, is a grid below the other vertices of the surface.
 """
 
 from __future__ import annotations
@@ -14,10 +17,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from meshes.edge import refine_edge
+from meshes.layer import grid
 from meshes.mesh import Array, HalfSpaceMesh, Indices, assemble
 from meshes.parameters import MeshParameters
-from meshes.surface import Layers, layers
+from meshes.surface import Layers, layers, surface_radii
 
 SPACING = 0.75**0.5
 """Vertex distance along a row over the row's thickness: triangles have the area of equilateral ones."""
@@ -43,15 +46,56 @@ def structured_half_space(parameters: MeshParameters) -> HalfSpaceMesh:
     the surface at ``domain_radius``.
     """
     plan = layers(parameters)
+    rows = _rows(plan, parameters)
+    rows[-1].points[0, -1] = parameters.domain_radius
+    points = np.concatenate([row.points for row in rows], axis=1)
+    return assemble(points, _triangles(plan, rows), replace(parameters, family="structured"))
+
+
+def structured_layer(parameters: MeshParameters, thickness: float) -> HalfSpaceMesh:
+    """Mesh a layer with the surface vertices of the half-space; ``far`` is its base, and its rim.
+
+    The row nearest to the base is moved onto it, with less and less of those above; a layer deeper than the
+    domain has more rows, and is as much wider.
+    """
+    plan, offsets = layers(parameters), layers(parameters).offsets
+    while offsets[-1] < thickness:
+        offsets = np.append(offsets, offsets[-1] + parameters.size_at(offsets[-1]))
+    depth = offsets[np.abs(offsets - thickness).argmin()]
+    plan = replace(plan, offsets=offsets[offsets <= depth])
+    rows, stop = _rows(plan, parameters), plan.strip[-1]
+    for r, z in (row.points for row in rows):  # a square corner for the quarter circle
+        beyond = np.maximum(r - stop, 0.0)
+        angle = np.arctan2(beyond, -z)
+        square = 1.0 / np.maximum(np.sin(angle), np.cos(angle))
+        r += (square - 1.0) * beyond
+        z *= square
+    (r, z), left = rows[-1].points, rows[-1].corner
+    right = int(np.hypot(r - stop - depth, z + depth).argmin())
+    r[right:], z[left : right + 1] = stop + depth, -depth
+    surface = surface_radii(parameters)
+    inside, outside = surface[surface < r[0]], surface[surface > r[-1] * (1.0 + 1e-9)]
+    parts = [(np.concatenate([row.points for row in rows], axis=1), _triangles(plan, rows))]
+    for columns, heights in ((np.append(inside, r[0]), z[left::-1]), (np.append(r[-1], outside), z[right:])):
+        points, triangles = grid(columns, heights)
+        parts.append((points, triangles + sum(part[0].shape[1] for part in parts)))
+    points, same = np.unique(np.hstack([part[0] for part in parts]), axis=1, return_inverse=True)
+    points[1] *= 1.0 + (thickness / depth - 1.0) * (points[1] / depth) ** 2
+    triangles = same[np.hstack([part[1] for part in parts])]
+    return assemble(points, triangles, replace(parameters, family="structured"))
+
+
+def _rows(plan: Layers, parameters: MeshParameters) -> list[_Row]:
     rows: list[_Row] = []
     for level in range(plan.offsets.size):
         first = rows[-1].first + rows[-1].points.shape[1] if rows else 0
         rows.append(_row(plan, parameters, level, first))
-    rows[-1].points[0, -1] = parameters.domain_radius
+    return rows
+
+
+def _triangles(plan: Layers, rows: list[_Row]) -> Indices:
     cells = [_join(plan, *pair, below_axis=k >= plan.axis) for k, pair in enumerate(pairwise(rows))]
-    points = np.concatenate([row.points for row in rows], axis=1)
-    points, triangles = refine_edge(points, np.concatenate(cells, axis=1), parameters)
-    return assemble(points, triangles, replace(parameters, family="structured"))
+    return np.concatenate(cells, axis=1)
 
 
 def _row(plan: Layers, parameters: MeshParameters, level: int, first: int) -> _Row:

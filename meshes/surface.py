@@ -40,26 +40,11 @@ def graded(start: float, stop: float, size: float, grading: float) -> Array:
 
 
 def layers(parameters: MeshParameters) -> Layers:
-    """Lay out strip and offsets.
-
-    Vertex k of the strip is ``origin + k * fine_size`` for whole k, with the extra-fine radius, where there
-    is one, as its origin. No interval shorter than half of ``fine_size`` is left between strip and axis.
-    """
+    """Lay out strip and offsets, with no interval shorter than half of ``fine_size`` before the strip."""
     size = parameters.fine_size
-    edge = parameters.extra_fine_radius
-    near_axis = parameters.fine_from < 0.5 * size
-    origin = edge if edge is not None else 0.0 if near_axis else parameters.fine_from
-    first = math.floor((parameters.fine_from - origin) / size + 1e-9)
-    last = math.ceil((parameters.fine_to - origin) / size - 1e-9)
-    on_axis = -round(origin / size)
-    if abs(origin + on_axis * size) < 1e-9 * size:
-        first = max(first, on_axis)
-    else:
-        first = max(first, math.ceil(0.5 - origin / size))
-    last = max(last, first + 1)
-    strip: Array = origin + size * np.arange(first, last + 1, dtype=np.float64)
-    if abs(strip[0]) < 1e-9 * size:
-        strip[0] = 0.0
+    start = parameters.fine_from if parameters.fine_from >= 0.5 * size else 0.0
+    count = max(math.ceil((parameters.fine_to - start) / size - 1e-9), 1)
+    strip: Array = start + size * np.arange(count + 1, dtype=np.float64)
     reach = parameters.domain_radius - strip[-1]
     if strip[0] == 0.0:
         return Layers(strip, graded(0.0, reach, size, parameters.grading), 0)
@@ -69,7 +54,7 @@ def layers(parameters: MeshParameters) -> Layers:
 
 
 def surface_radii(parameters: MeshParameters) -> Array:
-    """All surface vertices from the axis to the far boundary (before the grading to an extra-fine radius)."""
+    """All surface vertices from the axis to the far boundary."""
     plan = layers(parameters)
     inside = plan.strip[0] - plan.offsets[plan.axis : 0 : -1]
     if inside.size:

@@ -5,7 +5,6 @@ A built-in scene is a pair of files in ``validation/scenes``: ``NAME.toml``, an 
 
 - ``figure``, ``statement``: where in the paper it belongs, what it shows;
 - ``suites``: the report suites it belongs to; ``outcome``: how a run should end;
-- ``refused_by``: solvers that do not take the scene and have to say so, none if left out;
 - ``too_long_for``: solvers that would take more than a minute, and are run only where they are named, none if
   left out;
 - ``profile_times``: times at which the state of the surface is kept, none if left out;
@@ -58,7 +57,6 @@ class Case:
     expected: tuple[Expected, ...] = ()
     tolerances: dict[str, dict[str, float]] = field(default_factory=dict)
     profile_times: tuple[float, ...] = ()
-    refused_by: tuple[str, ...] = ()
     too_long_for: tuple[str, ...] = ()
 
     def tolerance(self, solver: str, quantity: str) -> float | None:
@@ -106,7 +104,6 @@ def load(name: str) -> Case:
             expected=tuple(Expected(**entry) for entry in known.get("checks", [])),
             tolerances=known["tolerances"],
             profile_times=tuple(known.get("profile_times", ())),
-            refused_by=tuple(known.get("refused_by", ())),
             too_long_for=tuple(known.get("too_long_for", ())),
         )
     path = Path(name)

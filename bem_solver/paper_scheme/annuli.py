@@ -8,6 +8,12 @@ a whole number of annuli. Every annulus has a history, in contact or not: its di
 same C everywhere: inside the contact ``w = D - f`` gives ``v`` and, with the influence matrix, the pressure;
 outside v follows from the pressure and w from v. Signs: see ``kernel``; lengths in scene units, ``scaled``
 pressure is pressure times ``lambda`` at unit plane modulus.
+
+One factorisation of the influence matrix without row exchanges serves every contact. With ``K = L U``, for
+every n ``K[:n, :n] = L[:n, :n] U[:n, :n]`` and ``K[n:, :n] = L[n:, :n] U[:n, :n]``: so ``y = L^-1 b`` holds
+the forward solutions of all leading blocks, and ``K[n:, :n] K[:n, :n]^-1 b[:n]`` is ``L[n:, :n] y[:n]``. From
+10 to 2000 annuli every multiplier stays below 0.58 and every pivot between 1.7 and 2 annulus widths, so that
+partial pivoting would exchange no rows; that none are is checked.
 """
 
 from __future__ import annotations
@@ -17,30 +23,68 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from scipy.linalg.blas import dtpsv
+from scipy.linalg.lapack import dgetrf
 
 from bem_solver.creep import Chain
 from bem_solver.kernel import annulus_influence
-from bem_solver.paper_scheme.leading_blocks import LeadingBlocks
 from contact_scene import Counters, Indenter
 
 Array = NDArray[np.float64]
 
 
+def _packed(triangle: Array) -> Array:
+    """Rows of a lower triangle one after another: storage of which every leading block is a prefix."""
+    return np.concatenate([triangle[j, : j + 1] for j in range(len(triangle))])
+
+
+class LeadingBlocks:
+    """LU factors of a matrix (N, N) for solutions with any leading block.
+
+    In ``factors`` (N, N) L, with unit diagonal, is below the diagonal, U on and above it. ArithmeticError if
+    the matrix is singular or needs row exchanges.
+    """
+
+    def __init__(self, matrix: Array) -> None:
+        factors, rows, info = dgetrf(matrix)
+        if info or np.any(rows != np.arange(len(rows))):
+            raise ArithmeticError("the matrix cannot be factorised without exchanging rows")
+        self.factors = np.ascontiguousarray(factors)
+        self._lower = _packed(self.factors)
+        self._upper = _packed(self.factors.T)
+
+    def forward(self, values: Array) -> Array:
+        """``L^-1 b`` for b (n,), any n <= N."""
+        return dtpsv(len(values), self._lower, values, trans=1, diag=1)
+
+    def backward(self, values: Array) -> Array:
+        """``U^-1 y`` for y (n,): the solution with the leading block of that size."""
+        return dtpsv(len(values), self._upper, values)
+
+    def adjoint(self, values: Array) -> Array:
+        """``U^-T c`` for c (n,): ``c[:m] @ K[:m, :m]^-1 b[:m]`` is ``(U^-T c)[:m] @ (L^-1 b)[:m]``."""
+        return dtpsv(len(values), self._upper, values, trans=1)
+
+    def last(self, forward: Array, count: int) -> Array:
+        """The last ``count`` entries of ``U^-1 y`` for y (n,)."""
+        n = len(forward)
+        corner = self.factors[n - count : n, n - count : n]
+        return solve_triangular(corner, forward[n - count :], check_finite=False)
+
+    def beyond(self, forward: Array, end: int) -> Array:
+        """Rows n to ``end`` of ``K[:, :n] K[:n, :n]^-1 b`` from ``y = L^-1 b`` (n,)."""
+        n = len(forward)
+        return self.factors[n:end, :n] @ forward
+
+
 class UniformAnnuli:
-    """``count`` annuli of equal ``width`` under an indenter, of which ``zone`` make up the process zone.
+    """``count`` annuli of equal ``width`` under an indenter, ``zone`` of them (0 without adhesion) the zone.
 
-    Without adhesion ``zone`` is 0.
-
-    Attributes
-    ----------
-    radii, heights, areas : ndarray (N,)
-        Collocation radii, indenter heights there, and areas (in squared widths).
-    blocks : LeadingBlocks
-        Factorised influence matrix of annuli of width one (the kernel is scale-free).
-    unit : ndarray (N,)
-        ``L^-1`` of the displacement one: all flat punches at once.
-    force_weights : ndarray (N,)
-        ``U^-T areas``: the force of a contact of n annuli is their product with ``y = L^-1 v``, over n.
+    ``radii``, ``heights`` and ``areas`` (N,) are the collocation radii, the indenter there, and areas in
+    squared widths; ``blocks`` the factors for annuli of width one; ``unit`` is ``L^-1`` of the displacement
+    one, all flat punches at once, and ``force_weights`` ``U^-T areas``: the force of n annuli is its product
+    with ``y = L^-1 v``.
     """
 
     def __init__(self, width: float, count: int, zone: int, indenter: Indenter) -> None:
@@ -75,18 +119,8 @@ class UniformAnnuli:
 class AnnuliState:
     """Committed state of the surface.
 
-    Attributes
-    ----------
-    contact : int
-        Annuli in contact.
-    load : ndarray (N,)
-        ``v``, displacement at unit plane modulus.
-    strains : ndarray (N, K)
-        Displacement of each Voigt branch.
-    scaled : ndarray (n,)
-        Scaled pressure in the contact.
-    force, stress_intensity : float
-        Compressive force, ``K_I``.
+    ``contact`` annuli touch under the ``scaled`` pressure (n,); ``load`` (N,) is ``v``, and ``strains``
+    (N, K) are the displacements of the Voigt branches.
     """
 
     time: float
@@ -100,19 +134,7 @@ class AnnuliState:
 
     @classmethod
     def untouched(cls, annuli: UniformAnnuli, branches: int, penetration: float) -> AnnuliState:
-        """No contact and no past, at time zero.
-
-        Parameters
-        ----------
-        annuli : UniformAnnuli
-        branches : int
-            Branches of the material.
-        penetration : float
-
-        Returns
-        -------
-        AnnuliState
-        """
+        """No contact and no past, at time zero."""
         zero = np.zeros(annuli.count)
         return cls(0.0, penetration, 0, zero, np.zeros((annuli.count, branches)), zero[:0], 0.0, 0.0)
 
@@ -141,15 +163,8 @@ class ContactCandidates:
     """All contacts that are possible at the end of a step, from one triangular solution.
 
     Penetration enters ``v = (D - f - A)/C`` linearly, so ``y = L^-1 v`` is ``base + D rise``, for contacts of
-    any number of annuli, and so is the force.
-
-    Parameters
-    ----------
-    before : AnnuliState
-    duration : float
-        Zero for a sudden change of load.
-    control : "penetration" or "force"
-        Which of the two has ``value`` at the end of the step.
+    any number of annuli, and so is the force. The duration of a sudden change of load is zero; of penetration
+    and force the ``control`` has ``value`` at the end.
     """
 
     def __init__(
@@ -236,23 +251,9 @@ def equilibrium_contact(
     """Number of annuli in contact at equilibrium, next to ``start``.
 
     With adhesion, the stable edge lies where the closure rises through the work of adhesion; of the two
-    borders around it the one whose closure comes closer is taken. Zero where no stable contact is
-    left. Without adhesion, tensile edge annuli are released and overlapping ones covered.
-
-    Parameters
-    ----------
-    candidates : ContactCandidates
-    start : int
-        Number of annuli from which the search begins.
-    most : int
-        Largest contact; ``capped`` says that the indenter ends there. Otherwise the result is ``None`` where
-        contact would spread further.
-    work : float
-        Work of adhesion.
-
-    Returns
-    -------
-    int or None
+    borders around it the one whose closure comes closer is taken. Zero where no stable contact is left.
+    Without adhesion, tensile edge annuli are released and overlapping ones covered. ``None`` where contact
+    would spread beyond the largest, ``most``, unless the indenter ends there (``capped``).
     """
     n, above = start, None
     if work > 0.0:

@@ -12,6 +12,8 @@ from crosscontact.commands import shared
 from crosscontact.commands.shared import value
 from crosscontact.fitting import read_given
 from validation.fits.curve_page import draw_curve, rows, written
+from validation.fits.features import Features, common_wall
+from validation.fits.record import MeasuredCurve
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder
 
@@ -31,10 +33,10 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     number(options.poisson, "--poisson", "from -1 to 0.5", low=-1.0, high=0.5)
     folder = None if options.out is None else output_folder(options.out)
     try:
-        curves = [curve for file in options.files for curve in read_given(file, options, si=True)]
+        files = [read_given(file, options, si=True) for file in options.files]
     except ImportError as error:
         raise SceneError("", str(error), "a table of text, or the package") from None
-    told = [(curve, curve.features(options.radius, options.poisson)) for curve in curves]
+    told = [each for curves in files for each in _shown(curves, options.radius, options.poisson)]
     for curve, seen in told:
         print("\n".join([curve.name, *aligned(rows(curve, seen))]))
         shared.warn(f"{curve.name}: {text}" for text in seen.warnings)
@@ -44,3 +46,14 @@ def run(options: argparse.Namespace, jobs: int) -> int:
             shared.draw(draw_curve(curve, seen), folder, curve.name)
         print(f"written to {folder / 'features.csv'}")
     return 0
+
+
+def _shown(
+    curves: list[MeasuredCurve], radius: float | None, poisson: float
+) -> list[tuple[MeasuredCurve, Features]]:
+    """What the curves of a file show; those of a map with the drag near the wall that they have in common."""
+    seen = [curve.features(radius, poisson) for curve in curves]
+    wall = common_wall(seen) if len(seen) > 1 else None
+    if wall is not None:
+        seen = [curve.features(radius, poisson, wall) for curve in curves]
+    return list(zip(curves, seen, strict=True))

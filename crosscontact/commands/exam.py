@@ -11,13 +11,7 @@ from contact_scene.errors import shown
 from crosscontact import arguments
 from crosscontact.commands import shared
 from crosscontact.commands.shared import flag, value
-from validation.exam.own_answers import (
-    ANSWERS,
-    answer_all,
-    export_reference,
-    reference_runs,
-    reproduce,
-)
+from validation.exam.own_answers import ANSWERS, answer_all, export_reference, reproduce
 from validation.exam.question import exam_cases, export_scenes, listed_cases
 from validation.report.document import counted
 from validation.runs.folder import claim, output_folder
@@ -79,12 +73,11 @@ def _export(options: argparse.Namespace, jobs: int) -> int:
     if options.with_reference:
         try:
             with Progress("exam export") as progress, processes(min(jobs, len(cases))) as executor:
-                runs = reference_runs(cases, executor, progress=progress)
+                runs = export_reference(target, cases, executor, progress)
         except KeyboardInterrupt:
             shared.say(f"{target} holds the scenes; answers of the reference are kept only when all are done")
             raise
-        export_reference(target, cases, runs)
-        failures = [f"failed: {run.scene}: {run.ending}" for run in runs.values() if not run.finished]
+        failures = [f"failed: {run.scene}: {run.ending}" for run in runs if not run.finished]
     code = shared.failed(failures)
     print(f"{counted(len(cases), 'scene')} in {target}: see {target / 'README.md'}")
     return code

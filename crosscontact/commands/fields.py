@@ -91,8 +91,6 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         raise SceneError("fields", "no moment asked for", allowed)
     check_times(times, case.scene.loading)  # before anything is made
     shared.check_taken(options.scene, case.scene, (METHOD,), options.resolution)
-    if figures is not None and METHOD.follows_edge(case.scene) and not case.scene.material.is_elastic:
-        figures.check_without_history()
     request = FieldRequest(
         tuple(times), options.pull_off, options.every, None if figures is None else figures.rows
     )
@@ -138,6 +136,8 @@ def _into(
                 lines += figures.draw(
                     folder, states, recording.trace, scene, progress, recording.rows.values()
                 )
+    except SceneError as error:
+        raise error.in_file(options.scene) from None
     except KeyboardInterrupt:
         say("the same command begins anew")
         raise
@@ -159,11 +159,10 @@ def _write_moments(
         if series is not None and state.row in written:
             sums = balance(state, trace)
             series.add(state, sums)
-            lost = "-" if sums.dissipated is None else f"{sums.dissipated:.6g}"
             error = "-" if sums.error is None else f"{100.0 * sums.error:.3f} %"
             numbers = state.time, state.penetration, state.force, state.contact_radius, sums.stored
-            shown = [format(number, ".6g") for number in (*numbers, sums.branch_dissipation)]
-            rows.append((state.label or "-", *shown[:-1], lost, shown[-1], error))
+            shown = [format(number, ".6g") for number in (*numbers, sums.dissipated, sums.branch_dissipation)]
+            rows.append((state.label or "-", *shown, error))
         if keep and state.row not in recorded.sampled:  # every n-th state would be too many
             drawn.append(state)
         progress(count / len(recorded.moments), detail=f"{count} of {len(recorded.moments)} moments")

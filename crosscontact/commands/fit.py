@@ -13,7 +13,8 @@ from crosscontact.commands import shared
 from crosscontact.commands.shared import say, value
 from crosscontact.fitting import Fit, each_and_write, fit_and_write, read_given
 from validation import cases
-from validation.fits.each import EachFit, each_table
+from validation.fits.fit import EachFit
+from validation.fits.page import each_table
 from validation.fits.parameters import FitSettings
 from validation.fits.result import InterruptedFit
 from validation.report.terminal import aligned

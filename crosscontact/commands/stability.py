@@ -29,7 +29,7 @@ OPTIONS = {
 
 
 def run(options: argparse.Namespace, jobs: int) -> int:
-    """Run the matrix, print where each solver holds; 1 if a cell is wrong, not finite, crashed or hung."""
+    """Run the matrix, print where each solver holds; 1 if a cell is wrong, crashed or hung."""
     if not options.solver:
         arguments.usable()  # names those that cannot be loaded
     solvers = (options.solver,) if options.solver else SOLVERS

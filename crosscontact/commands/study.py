@@ -76,6 +76,10 @@ def _turned(options: argparse.Namespace, jobs: int) -> int:
     given = options.poisson if options.zones is None else options.zones
     asked = solvers() if options.zones is None else (SOLVERS[REFERENCE],)
     loaded, failures = shared.load_taken(options.scenes, lambda case: asked), list[str]()
+    for source, case in zip(dict.fromkeys(options.scenes), loaded, strict=True):
+        if isinstance(knob, Poisson) and case.scene.body is not None:
+            problem = "bulk relaxes apart from shear in this study, and on a layer it cannot"
+            raise SceneError("body", problem, "no [body]: a half-space", source)
     workers = processes(jobs) if options.zones is None else processes(1, isolated=True, tasks_per_process=1)
     with shared.long_work("study", options, "a study", loaded) as work, workers as executor:
         for case in loaded:

@@ -10,22 +10,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import SurfaceProfile
-from fem_solver.fields.fixed_mesh import CondensedFields, VolumeFields
-from fem_solver.fields.following_log import FollowingLog
-from fem_solver.fields.following_mesh import FollowingFields
-from fem_solver.fields.history import HistoryLog, SurfaceLog, VolumeLog
-from fem_solver.fields.point_fields import FieldSource
+from fem_solver.fields.body import Body, Springs
+from fem_solver.fields.loss import Losses
 from fem_solver.fields.recording import Recording
-from fem_solver.following.setup import FollowingSetup
-from fem_solver.profiles import profile
+from fem_solver.fields.recovery import Recovery
+from fem_solver.recorder import profile
 from fem_solver.setup import Setup
 
 Array = NDArray[np.float64]
+
+_VOLUMES = 4
+"""Volumes kept, some 200 MB each: one for each halving of the radius, on a layer for each place."""
 
 
 @dataclass(frozen=True)
@@ -55,15 +56,15 @@ class FieldState:
         Energy of all springs per volume.
     dissipation_rate : ndarray, shape (B, n)
         Power per volume lost in each branch.
-    dissipated : ndarray, shape (B, n), or None
-        Energy per volume lost so far; ``None`` where branches lose it and the mesh follows the edge.
+    dissipated : ndarray, shape (B, n)
+        Energy per volume lost so far.
     surface : SurfaceProfile
         Radius, displacement, pressure and gap of the surface.
     element_volumes : ndarray, shape (m,)
         Volumes of revolution.
     element_stored : ndarray, shape (m,)
     element_rate : ndarray, shape (B, m)
-    element_dissipated : ndarray, shape (B, m), or None
+    element_dissipated : ndarray, shape (B, m)
         Means over each element: times its volume and summed, they are the integrals over the mesh.
     """
 
@@ -81,12 +82,12 @@ class FieldState:
     strain: Array
     stored_energy_density: Array
     dissipation_rate: Array
-    dissipated: Array | None
+    dissipated: Array
     surface: SurfaceProfile
     element_volumes: Array
     element_stored: Array
     element_rate: Array
-    element_dissipated: Array | None
+    element_dissipated: Array
 
     @property
     def hydrostatic(self) -> Array:
@@ -120,8 +121,7 @@ def field_states(recording: Recording, labels: Mapping[int, str]) -> Iterator[Fi
     Parameters
     ----------
     recording : Recording
-        Of a run whose options record its history. With a constant Poisson's ratio every row is available,
-        otherwise those recorded.
+        Of a run whose options record it.
     labels : mapping of int to str
         Rows and their labels.
 
@@ -133,59 +133,106 @@ def field_states(recording: Recording, labels: Mapping[int, str]) -> Iterator[Fi
     ------
     KeyError
         If a row was not recorded.
-    ValueError
-        If the recording does not begin at the start of the loading.
     """
-    log = recording.log
-    if log is None:
-        raise KeyError("nothing was recorded: the options of the run record nothing")
-    missing = sorted(row for row in labels if row not in log)
+    missing = sorted(row for row in labels if not 0 <= row < len(recording.steps))
     if missing:
         raise KeyError(f"rows not recorded: {missing}")
-    source = _source(recording.setup, log)
-    counters, counted = recording.trace.counters, (0, 0, 0)
+    if not labels:
+        return
+    bodies = _Bodies(recording)
+    counters, counted = recording.trace.counters, np.zeros(3, int)
     for row in sorted(labels):
-        state = _state(recording, source, row, labels[row])
-        before, counted = counted, (source.factorisations, source.volume_solves, source.linear_solves)
-        counters.factorisations += counted[0] - before[0]
-        counters.volume_solves += counted[1] - before[1]
-        counters.linear_solves += counted[2] - before[2]
+        state = bodies.at(row, labels[row])
+        before, counted = counted, bodies.work
+        factorisations, volume_solves, linear_solves = (counted - before).tolist()
+        counters.factorisations += factorisations
+        counters.volume_solves += volume_solves
+        counters.linear_solves += linear_solves
         yield state
 
 
-def _source(setup: Setup | FollowingSetup, log: HistoryLog) -> FieldSource:
-    if isinstance(setup, FollowingSetup) and isinstance(log, FollowingLog):
-        return FollowingFields(setup, log)
-    if isinstance(setup, Setup) and isinstance(log, SurfaceLog):
-        return CondensedFields(setup, log)
-    if isinstance(setup, Setup) and isinstance(log, VolumeLog):
-        return VolumeFields(setup, log)
-    raise AssertionError("the log is of another kind of run")
+class _Bodies:
+    """The body at rows in rising order, each on the mesh where that row has it.
+
+    Stress, strain and what is stored need the surface components of the row (see ``body``); what the branches
+    have lost, all steps up to it (see ``loss``). What the surface holds within an element is in no density.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        assert isinstance(recording.setup, Setup)
+        self._recording, self._surfaces = recording, recording.setup.surfaces
+        self._springs = Springs(recording.setup.material)
+        self._volumes: dict[Any, tuple[Body, Recovery]] = {}
+        self._dropped = np.zeros(3, int)
+        self._next, self._place = 0, recording.steps[0].end.place
+        self._here = Losses(self._springs)
+        self._lost = np.zeros((len(self._springs.names), self._volume(self._place)[0].points))
+
+    @property
+    def work(self) -> NDArray[np.int_]:
+        """Factorisations, back-substitutions in the body and projections onto the nodes so far."""
+        return sum((_work(*parts) for parts in self._volumes.values()), self._dropped)
+
+    def at(self, row: int, label: str) -> FieldState:
+        """The body at a row, not before the last one requested."""
+        for step in self._recording.steps[self._next : row + 1]:
+            self._move(step.end.place)
+            self._here.add(step.dt, step.begin, step.end)
+        self._next = row + 1
+        self._sum_up()
+        trace, state = self._recording.trace, self._recording.steps[row].end
+        here, (body, recovery) = self._surfaces.at(self._place), self._volume(self._place)
+        fields = body.fields(state.components, state.branches, here)
+        nodal = recovery.nodal(np.concatenate([fields.stress, fields.strain]))
+        return FieldState(
+            row=row,
+            time=float(trace.time[row]),
+            penetration=float(trace.penetration[row]),
+            force=float(trace.force[row]),
+            contact_radius=float(trace.contact_radius[row]),
+            label=label,
+            branches=self._springs.names,
+            points=here.scale * here.stretch * recovery.points,
+            triangles=recovery.triangles,
+            displacement=recovery.displacement(fields.unknowns),
+            stress=nodal[:4],
+            strain=nodal[4:],
+            stored_energy_density=recovery.densities(fields.stored[None])[0],
+            dissipation_rate=recovery.densities(fields.rates),
+            dissipated=recovery.densities(self._lost),
+            surface=profile(self._recording.surfaces[row], here.radii, here.height, here.stretch),
+            element_volumes=here.scale**3 * recovery.volumes,
+            element_stored=recovery.means(fields.stored[None])[0],
+            element_rate=recovery.means(fields.rates),
+            element_dissipated=recovery.means(self._lost),
+        )
+
+    def _move(self, place: Any) -> None:
+        """Take what has been lost so far to the mesh at another place."""
+        if place == self._place:
+            return
+        self._sum_up()
+        unit = self._surfaces.at(self._place).scale / self._surfaces.at(place).scale
+        left, new = (self._volume(one)[1] for one in (self._place, place))
+        self._lost, self._place = new.taken_over(self._lost, left, unit), place
+
+    def _sum_up(self) -> None:
+        """Add the losses of the steps on this mesh."""
+        here = self._surfaces.at(self._place)
+        self._lost = self._lost + self._here.density(self._volume(self._place)[0], here)
+        self._here = Losses(self._springs)
+
+    def _volume(self, place: Any) -> tuple[Body, Recovery]:
+        """The volume below a place and its projection; those that were needed last are kept."""
+        key = self._surfaces.volume_of(place)
+        if key not in self._volumes:
+            space, count = self._surfaces.volume(place)
+            self._volumes[key] = Body(space, count, self._springs), Recovery(space.basis)
+            if len(self._volumes) > _VOLUMES:
+                self._dropped += _work(*self._volumes.pop(next(iter(self._volumes))))
+        return self._volumes[key]
 
 
-def _state(recording: Recording, source: FieldSource, row: int, label: str) -> FieldState:
-    trace, mesh, fields = recording.trace, source.mesh(row), source.at(row)
-    recovery, lost = mesh.recovery, fields.dissipated
-    nodal = recovery.nodal(np.concatenate([fields.stress, fields.strain]))
-    return FieldState(
-        row=row,
-        time=float(trace.time[row]),
-        penetration=float(trace.penetration[row]),
-        force=float(trace.force[row]),
-        contact_radius=float(trace.contact_radius[row]),
-        label=label,
-        branches=source.names,
-        points=mesh.scale * mesh.stretch * recovery.points,
-        triangles=recovery.triangles,
-        displacement=recovery.displacement(fields.unknowns),
-        stress=nodal[:4],
-        strain=nodal[4:],
-        stored_energy_density=recovery.densities(fields.stored[None])[0],
-        dissipation_rate=recovery.densities(fields.rates),
-        dissipated=None if lost is None else recovery.densities(lost),
-        surface=profile(recording.surfaces[row], mesh.radii, mesh.height, mesh.stretch),
-        element_volumes=mesh.scale**3 * recovery.volumes,
-        element_stored=recovery.means(fields.stored[None])[0],
-        element_rate=recovery.means(fields.rates),
-        element_dissipated=None if lost is None else recovery.means(lost),
-    )
+def _work(body: Body, recovery: Recovery) -> NDArray[np.int_]:
+    """Factorisations, back-substitutions in the body and projections onto the nodes."""
+    return np.array([body.factorisations + 1, body.solves, recovery.solves])

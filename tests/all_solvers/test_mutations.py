@@ -57,7 +57,7 @@ IN_CI = (
     "bem: measured profile by straight lines",
     "bem: an edge that turned goes on as if it had not",
     "bem: answer: contact given up half a zone too early",
-    "fem: glassy state with the relaxed ratio of the moduli",
+    "fem: energy without a branch",
     "fem: bulk relaxes like shear",
     "fem: relaxation times close together joined",
     "fem: surface 0.5 % narrower than its mesh",

@@ -14,9 +14,9 @@ import pytest
 from support.faults.injection import seeded, stale
 from support.faults.path_order import FAULTS
 
-from bem_solver.bent_path import BentPath
-from fem_solver.following.path import EdgePolynomial
-from fem_solver.following.state import FollowingState
+from bem_solver.motion import BentPath
+from fem_solver.path import EdgePolynomial
+from fem_solver.state import ComponentState
 from validation.reference.path import numerics
 from validation.reference.path.path import Rows
 
@@ -41,16 +41,16 @@ def by_boundary_elements(h, radii):
 
 def by_finite_elements(h, radii):
     none = np.zeros(0)
-    state = FollowingState(None, none, np.zeros((0, 0)), none, radius=float(edge(-EARLIER * h)))
+    state = ComponentState(None, none, np.zeros((0, 0)), none, radius=float(edge(-EARLIER * h)))
     for n in range(EARLIER - 1, -1, -1):
         state = replace(state, radius=float(edge(-n * h)), before=state.rows_and_this(h))
     return EdgePolynomial.through(state.radius, float(edge(h)), h, state.before).passed(radii)
 
 
 def by_the_path(h, radii):
-    rows = Rows.at(0.0, 0.0)
+    rows = Rows.at(0.0, np.zeros(1))
     for n in range(EARLIER - 1, -1, -1):
-        rows.append(h, h, float(edge(-n * h) - edge(-(n + 1) * h)), 0.0, 0.0)
+        rows.append(h, h, float(edge(-n * h) - edge(-(n + 1) * h)), 0.0, np.zeros(1))
     way = rows.segment(h, float(edge(h) - edge(0.0))).way
     return numerics.inverse(way, radii - float(edge(0.0)))
 

@@ -8,16 +8,13 @@ from validation import cases, scenes, solvers
 from validation.runs.pool import quick_resolution, run_all
 from validation.solvers.base import QUICK_DIVISIONS
 
-SHORT_ZONE = "pdms-retraction-100nm"
-
 
 @pytest.mark.parametrize("name", scenes.suite("quick"))
 @pytest.mark.parametrize("solver", solvers.SOLVERS)
 def test_no_solver_is_finer_than_by_default_nor_than_the_suite_asks(solver, name):
     case = cases.load(name)
     default, chosen = solvers.solver(solver).default_resolution(case.scene), quick_resolution(case, solver)
-    follows = solver == "fem" and name == SHORT_ZONE
-    assert chosen == (default if follows else min(default, QUICK_DIVISIONS))
+    assert chosen == (default if solver == "fem" else min(default, QUICK_DIVISIONS))
 
 
 def test_a_quick_run_is_that_of_its_resolution():

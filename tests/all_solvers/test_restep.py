@@ -12,7 +12,6 @@ from functools import cache
 from itertools import cycle
 
 import pytest
-from support.fitted_meshes import mesh_for
 
 import bem_solver
 import fem_solver
@@ -36,8 +35,9 @@ from contact_scene import (
 from fem_solver.stepping import NodeReleaseRun
 from validation import solvers
 from validation.reference import path as reference
+from validation.reference.path.continuation import Continuation
 from validation.reference.path.numerics import DEGREE
-from validation.reference.path.tracker import Tracker
+from validation.solvers.finite_elements import FiniteElements
 
 TIMES = (0.0, 0.05, 0.35)  # of profiles: the start, within the approach, within the oscillation
 TWO = Material(0.75, 0.5, (Branch(3.0, 0.1), Branch(3.75, 1.0)))
@@ -63,8 +63,8 @@ def bem(scene: Scene, monitor: RunMonitor | None = None, **options) -> Trace:
 
 def fem(scene: Scene, monitor: RunMonitor | None = None, **options) -> Trace:
     fineness = 4 if scene.is_adhesive else 1
-    asked = fem_solver.Options(fineness, 5e-3, profile_times=TIMES, **options)
-    return fem_solver.solve(scene, mesh_for(scene, fineness), asked, None, monitor)
+    asked = fem_solver.Options(5e-3, profile_times=TIMES, **options)
+    return fem_solver.solve(scene, FiniteElements().mesh(scene, fineness), asked, None, monitor)
 
 
 def front(scene: Scene, monitor: RunMonitor | None = None) -> Trace:
@@ -95,7 +95,7 @@ def twice(monkeypatch):
     """Every step of every solver is preceded by a vain one; counts them."""
     vain = {"bem": 0, "fem": 0, "reference": 0}
     share = shares()
-    result, node_trial, trial = TrialStep.result, NodeReleaseRun.trial_step, Tracker.trial
+    result, node_trial, trial = TrialStep.result, NodeReleaseRun.trial_step, Continuation.trial
 
     def bem_result(self):
         left = self.interval.length - self.state.parameter
@@ -113,15 +113,14 @@ def twice(monkeypatch):
     def front_trial(self, radius, s, order=DEGREE):
         elsewhere = self.state.radius + next(share) * (radius - self.state.radius)
         tried = trial(self, max(elsewhere, self.least_radius), s, order)
-        _, end = self.residual(tried, self.state.parameter + next(share) * self.h * self.T)
-        tried.state_after(end)
+        self.arrive(tried, next(share) * self.h * self.T).after()
         vain["reference"] += 1
         return trial(self, radius, s, order)
 
     def put():
         monkeypatch.setattr(TrialStep, "result", bem_result)
         monkeypatch.setattr(NodeReleaseRun, "trial_step", fem_trial)
-        monkeypatch.setattr(Tracker, "trial", front_trial)
+        monkeypatch.setattr(Continuation, "trial", front_trial)
         return vain
 
     return put
@@ -144,12 +143,12 @@ def test_a_step_tried_in_vain_leaves_nothing(twice, name, solve):
 
 
 @pytest.mark.slow
-def test_a_step_tried_in_vain_in_the_volume(twice):
+def test_a_step_tried_in_vain_where_bulk_relaxes_apart(twice):
     assert SHORT.material is APART
     once = fem(SHORT)
     twice()
     again = fem(SHORT)
-    assert again.counters.factorisations > once.counters.factorisations  # other steps, other moduli
+    assert again.counters.closure_evaluations > once.counters.closure_evaluations
     assert_same_columns(again, once)
 
 
@@ -166,5 +165,7 @@ def test_a_stopped_run_is_the_beginning_of_the_whole(name, solve):
     part, whole = solve(RICH, lambda: next(looks, None) is not None), uninterrupted(solve)
     for column in ("time", "penetration", "force", "contact_radius", "stored_energy"):
         mine, theirs = part.columns()[column], whole.columns()[column]
-        assert 1 < len(mine) < len(theirs)
+        assert 3 < len(mine) < len(theirs)
+        if (name, column) == ("bem", "stored_energy"):  # by slopes through the rows on both sides
+            mine = mine[:-3]
         assert mine.tobytes() == theirs[: len(mine)].tobytes(), column

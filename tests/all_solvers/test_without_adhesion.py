@@ -94,7 +94,8 @@ def test_a_plane_tip_touches_and_is_let_go_as_a_whole(solver, name):
     hardest = trace.force.max()
     start, end = trace.contact_radius[[first, last]]
     assert start == pytest.approx(tip, rel=near)
-    assert trace.force[first] == pytest.approx(0.0, abs=1e-9 * hardest)
+    node = 1e-5 if solver.name == "fem" else 1e-9  # in part beyond the rim of the tip
+    assert trace.force[first] == pytest.approx(0.0, abs=node * hardest)
     assert trace.time[first] == trace.time[first - 1]  # the row of the touch, without contact
     assert trace.penetration[first - 1 : first + 1] == pytest.approx(0.0, abs=1e-12)
     assert end == pytest.approx(tip, rel=near)

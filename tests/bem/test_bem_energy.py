@@ -9,10 +9,7 @@ from support.closed_forms import hertz
 from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, WORK, ZONE, cycle, scene
 
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, updated_energies
-from bem_solver.external_work import external_work
-from bem_solver.recorder import rest_ends
-from bem_solver.work_increment import WorkIncrement
+from bem_solver.energy import RowPath, rest_ends, stored_energy
 from contact_scene import Adhesion, Branch, FlatPunch, Force, Hold, Material, Oscillate, Ramp, Table
 from validation.reference.finite_zone import FiniteZone
 
@@ -250,21 +247,27 @@ def test_branches_faster_than_the_steps(time, resolution):
     assert np.all(np.diff(branch) >= -2e-3 * lost)
 
 
-def test_energies_depend_continuously_on_the_step_and_on_the_tip():
-    """From short steps to long ones, and from a tip at rest to one that changes everything."""
+@pytest.mark.parametrize("slow", [1e-3, 1.0, 1e3])
+def test_stored_energy_of_a_load_that_swings(slow):
+    """One surface point: ``Y = v^2``, ``X = v e``, ``W = e^2`` with ``e' = (J v - e)/theta``."""
     chain = Chain(ONE)
-    before = Energies(1.0, np.array([0.9]), np.array([0.6]), 0.0)
+    (compliance,), (theta,) = chain.compliances, chain.retardation
 
-    def heat(tip, y):
-        increment = WorkIncrement(1.3, np.array([1.1]), 1.1, np.array([0.05]), tip)
-        return updated_energies(chain, before, increment, y * float(chain.retardation[0])).dissipated
+    def error(rows):
+        phase = np.linspace(0.0, 3.0, rows + 1)
+        time, wave, load = phase * slow * theta, 1.0 / slow, np.sin(phase)
+        strain = (load - wave * np.cos(phase) + wave * np.exp(-time / theta)) / (1.0 + wave**2)
+        found = stored_energy(chain, RowPath(time, []), time, load**2, (compliance * load * strain)[:, None])
+        exact = 0.5 * (load**2 / chain.glassy + compliance * strain**2)
+        return np.abs(found - exact).max() / exact.max()
 
-    for values in (
-        [heat(0.0, y) for y in np.geomspace(0.3, 3.0, 400)],
-        [heat(tip, 2.0) for tip in np.linspace(0.0, 0.1, 400)],
-    ):
-        assert np.abs(np.diff(values)).max() < 0.03 * np.ptp(values)
-        assert np.ptp(values) > 0.0
+    coarse, fine = error(40), error(80)
+    assert fine < 1e-6
+    assert slow > 1.0 or observed_order([coarse, fine]) > 2.8
+
+
+def external_work(time, penetration, force, kinks, edge=None):
+    return np.concatenate(([0.0], np.cumsum(RowPath(time, kinks, edge).integral(force, penetration))))
 
 
 def sampled(rows):

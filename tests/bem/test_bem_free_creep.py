@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from support.bem_runs import bem, front
 from support.paper_scenes import cycle
 
-from bem_solver import Options, free_creep, load_control, solve
+from bem_solver import Options, solve, trial
 from bem_solver.creep import Chain
 from bem_solver.motion import CarriedDisplacement
 from contact_scene import (
@@ -99,7 +99,7 @@ def test_what_an_edge_carries_along_counts(monkeypatch):
 @pytest.mark.exhaustive
 def test_strains_that_do_not_follow_the_displacement_are_seen(monkeypatch):
     assert solve(SLOW, Options(6)).counters.steps < 100
-    monkeypatch.setattr(free_creep.FreeCreep, "settled", lambda self, points, variables, load: variables)
+    monkeypatch.setattr(trial.FreeCreep, "settled", lambda self, points, variables, load: variables)
     assert solve(SLOW, Options(6)).counters.steps > 300
 
 
@@ -144,7 +144,7 @@ def test_slow_swings_over_what_an_edge_has_left():
 @pytest.mark.exhaustive
 def test_what_was_left_behind_as_if_it_crept_evenly_is_seen(monkeypatch):
     monkeypatch.setattr(
-        free_creep,
+        trial,
         "_crept",
         lambda chain, points, motion: chain.lag(chain.to_strains(points.variables, points.load)),
     )
@@ -179,7 +179,7 @@ def test_a_load_at_the_edge_of_the_surface_before_is_seen(monkeypatch):
         one, second = self._controlled(motion)
         return self._ending(one, second), second
 
-    monkeypatch.setattr(load_control.LoadControl, "_settled", unimproved)
+    monkeypatch.setattr(trial.LoadControl, "_settled", unimproved)
     heat, _ = slow_cycle()
     assert np.abs(heat).max() > 7e-4
 

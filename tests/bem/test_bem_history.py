@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from support.bem_runs import observed_order
 
 from bem_solver.history import (
+    NodalVariables,
     SurfaceHistory,
     distinct,
     graded_nodes,
@@ -15,7 +16,6 @@ from bem_solver.history import (
     nodes_beyond,
     updated_kinks,
 )
-from bem_solver.nodal_variables import NodalVariables
 
 UNEVEN = np.cumsum([0.0, 1.0, 0.3, 0.7, 2.0, 0.1, 0.5, 1.4]) / 6.0
 BETWEEN = np.linspace(0.0, 1.0, 203)
@@ -175,28 +175,10 @@ def surface_with_roots(kinks, strengths):
     return NodalVariables(radius, columns(beyond @ np.array(strengths)), tuple(kinks))
 
 
-def test_kinks_that_the_edge_tells_apart_stay_whatever_their_number():
-    many = [0.01 * k for k in range(1, 40)]
-    surface = surface_with_roots(many, np.ones(len(many)))
-    assert surface.with_distinct_kinks(1e-6, 0.5, 1e-2) is surface
-
-
-@pytest.mark.parametrize("strengths", [(1.0, 0.5), (0.5, 1.0)])
-def test_of_two_close_kinks_the_stronger_stays_once_the_edge_is_far(strengths):
-    kinks = [0.1, 0.1001]
-    surface = surface_with_roots(kinks, strengths)
-    assert surface.with_distinct_kinks(1e-6, 0.11, 1e-3) is surface
-    one = surface.with_distinct_kinks(1e-6, 0.5, 1e-3)
-    assert one.kinks == ((0.1,) if strengths[0] > strengths[1] else (0.1001,))
-    radius = np.linspace(0.0, 0.5, 4001)
-    left_out = 0.5 * np.sqrt(kinks[1] - kinks[0])
-    assert np.abs(one.at(radius) - surface.at(radius)).max() < 0.2 * left_out
-
-
 def test_a_root_that_has_faded_is_no_kink():
     surface = surface_with_roots([0.1, 0.2], (1.0, 1e-6))
-    assert surface.with_distinct_kinks(1e-5, 0.5, 1e-3).kinks == (0.1,)
-    assert surface.with_distinct_kinks(1e-8, 0.5, 1e-3) is surface
+    assert surface.without_faded_kinks(1e-5).kinks == (0.1,)
+    assert surface.without_faded_kinks(1e-8) is surface
 
 
 def test_a_kink_that_the_edge_comes_near_is_held_until_it_is_far():

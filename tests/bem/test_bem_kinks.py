@@ -8,8 +8,7 @@ from support.bem_runs import bem, front
 from support.paper_scenes import scene
 
 from bem_solver.annuli import Annuli
-from bem_solver.kinks import EdgeKinks
-from bem_solver.surface import ContactSurface
+from bem_solver.surface import ContactSurface, EdgeKinks
 from contact_scene import Adhesion, Branch, Cone, Force, Material, Ramp, Sphere
 
 TWO = Material(0.75, 0.5, (Branch(0.75, 0.1), Branch(0.75, 1.0)))

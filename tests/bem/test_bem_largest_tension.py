@@ -16,6 +16,8 @@ from contact_scene import (
     Scene,
     Sphere,
 )
+from validation.cases import load
+from validation.solvers.boundary_elements import BoundaryElements
 
 LATE = Scene(
     Material(1.0, 0.5, (Branch(20.0, 1.0),)),
@@ -58,3 +60,10 @@ def test_largest_tension_over_short_zones(question, force, resolution):
     trace = bem(question, resolution=resolution)
     assert trace.outcome.kind == "detached"
     assert_allclose(-trace.force.min(), force, rtol=1e-3)
+
+
+@pytest.mark.slow
+def test_a_step_that_passes_it_where_slopes_bend_is_taken_back():
+    """The zone leaves the edge at which the contact has rested; to that step the load would turn later."""
+    trace = BoundaryElements().solve(load("layer-dwell").scene, 6)
+    assert -trace.force.min() == pytest.approx(0.015955733, rel=1e-4)  # front tracking; without 2.6e-4

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 from support.bem_runs import bem
 from support.paper_scenes import cycle
 
-from bem_solver.limit_point import smallest
+from bem_solver.step import smallest
 from validation.cases import load
 
 

@@ -1,24 +1,14 @@
 """Steps as long as a branch needs, and steps within which the energy release of the tip jumps."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.integrate import quad
 from support.bem_runs import bem, front
 from support.paper_scenes import ONE, cycle, scene
 
-from bem_solver import Options, load_control, solve
-from bem_solver.annuli import Annuli
+from bem_solver import Options, solve, trial
 from bem_solver.creep import Chain
-from bem_solver.energy import Energies, updated_energies
-from bem_solver.history import SurfaceHistory
-from bem_solver.motion import Motion
-from bem_solver.nodal_variables import NodalVariables
-from bem_solver.surface import ContactSurface
-from bem_solver.tip_release import energy_of_tip, tip_release
-from bem_solver.work_increment import WorkIncrement
+from bem_solver.energy import tip_energy
 from contact_scene import (
     Adhesion,
     Branch,
@@ -34,43 +24,16 @@ from contact_scene import (
 )
 
 
-@pytest.mark.parametrize("y", [1e-9, 0.05, 0.4, 0.98])
-def test_energies_of_a_load_that_changes_evenly_are_exact(y):
-    """One surface point: ``Y = v^2``, ``X = v e``, ``W = e^2``; heat ``int l^2/(J theta) dt``."""
-    chain = Chain(ONE)
-    (compliance,), (time,) = chain.compliances, chain.retardation
-    load, new_load, lag = 1.0, 1.7, 0.6 * compliance
-
-    def lag_at(s):
-        rise = compliance * (new_load - load) * -np.expm1(-y * s) / y
-        return lag * np.exp(-y * s) + rise
-
-    strain, new_lag = compliance * load - lag, lag_at(1.0)
-    new_strain = compliance * new_load - new_lag
-    before = Energies(load**2, np.array([load * strain]), np.array([strain**2]), 0.0)
-    increment = WorkIncrement(
-        new_load**2, np.array([new_load * new_strain]), load * new_load, np.array([new_load * lag]), 0.0
-    )
-    after = updated_energies(chain, before, increment, y * time)
-    heat = y * quad(lambda s: lag_at(s) ** 2, 0.0, 1.0, epsabs=0.0, epsrel=1e-12)[0] / compliance
-    assert_allclose(after.branch_energy, [new_strain**2], rtol=1e-12)
-    assert_allclose(after.dissipated, heat, rtol=1e-6 if y < 1e-6 else 1e-11)
-
-
 def test_release_of_the_tip_jumps_where_the_edge_has_rested():
-    """A trapezoid on either side of a kink only; without one the trapezoid itself."""
-    area = np.pi * (0.9**2 - 1.0)
+    """A trapezoid where the edge goes on; the release beyond a place of rest counts from there on only."""
 
-    def energy(edge, new_edge, *kinks, before=(3.0, 5.0)):
-        return energy_of_tip(before, (1.0, 7.0), Motion(1.0, edge, new_edge, 0.0, 0.0), kinks)
+    def energy(*radius):
+        return tip_energy(np.array(radius), np.arange(1.0, len(radius) + 1.0)) / np.pi
 
-    assert_allclose(energy(1.0, 0.9), 2.0 * area)
-    assert_allclose(energy(1.0, 0.9, 1.2, 0.5), 2.0 * area)
-    assert_allclose(energy(1.0, 0.9, 1.0), 1.0 * area)
-    passed = np.pi * (0.97**2 - 1.0)
-    assert_allclose(energy(1.0, 0.9, 0.93, 0.97), 3.0 * passed + (area - passed))
-    assert_allclose(energy(0.9, 1.0, 1.0), -5.0 * area)
-    assert np.isnan(energy(1.0, 0.9, before=None))
+    down = 0.9**2 - 1.0
+    assert_allclose(energy(1.1, 1.0, 0.9), [2.0 * (1.0 - 1.1**2), 2.5 * down])
+    assert_allclose(energy(0.9, 1.0, 1.0, 0.9), [-2.0 * down, 0.0, 4.0 * down])
+    assert_allclose(energy(1.0, 0.95, 0.99, 1.05)[2], 3.0 * (1.0 - 0.99**2) + 4.0 * (1.05**2 - 1.0))
 
 
 @pytest.mark.parametrize(
@@ -105,41 +68,9 @@ def test_load_ahead_of_an_edge_that_turns_bends_within_a_step(monkeypatch):
     question = cycle(0.002)
     expected = front(question, 16).external_work[-1]
     assert_allclose(bem(question, resolution=8).external_work[-1], expected, rtol=3e-5)
-    monkeypatch.setattr(load_control, "parabola_bend", lambda *a: 0.0)
+    monkeypatch.setattr(trial, "parabola_bend", lambda *a: 0.0)
     straight = solve(question, Options(8)).external_work[-1]
     assert abs(straight / expected - 1.0) > 1.2e-4
-
-
-def history_beyond(edge, places, root):
-    """A surface outside an edge, displaced by ``root sqrt(r - b)`` beyond it and each of some places."""
-    chain, kinks = Chain(ONE), np.array([edge, *places])
-    fine, coarse = np.linspace(0.0, 0.05, 5) ** 2, np.linspace(0.0, 3.0, 61) ** 2
-    radius = np.unique(np.concatenate([edge + coarse, *(place + fine for place in places)]))
-    strains = root * np.sqrt(np.maximum(radius[:, None] - kinks, 0.0)).sum(axis=1)[:, None] / chain.lag_scale
-    outer = NodalVariables(radius, strains, tuple(kinks.tolist()))
-    return SurfaceHistory(NodalVariables(radius[:1], strains[:1]), outer)
-
-
-@pytest.mark.parametrize("ahead", [(), (0.1,), (0.3,), (0.3, 1.5), (3.0,)])
-def test_release_of_the_tip_is_read_beside_the_roots_of_places_of_rest(ahead):
-    """``g = sqrt(d) + 0.1 d^(3/2) + 10 sqrt(d - ahead)``: the tip has the first."""
-    chain, distances, edge = Chain(ONE), np.array([1.0, 2.0]), 5.0
-    surface = replace(ContactSurface.free(Annuli(8)), edge=edge)
-    history = history_beyond(edge, [edge + place for place in ahead], 10.0)
-    gap = np.sqrt(distances) + 0.1 * distances**1.5
-    gap += sum(10.0 * np.sqrt(np.maximum(distances - place, 0.0)) for place in ahead)
-    closing = tip_release(chain, surface, gap, distances, history)[1]
-    assert_allclose(closing, chain.glassy * np.pi / 16.0, rtol=2e-3)
-
-
-def test_a_place_of_rest_long_left_takes_nothing_from_the_release_of_the_tip():
-    """Its root has faded, and the gap still bends: a root fitted to that made the release half as large."""
-    chain, distances, edge = Chain(ONE), np.array([1.0, 2.0]), 5.0
-    surface = replace(ContactSurface.free(Annuli(8)), edge=edge)
-    history = history_beyond(edge, [edge + 0.3], 0.0)
-    gap = np.sqrt(distances) + 0.1 * distances**1.5
-    closing = tip_release(chain, surface, gap, distances, history)[1]
-    assert_allclose(closing, chain.glassy * np.pi / 16.0, rtol=1e-12)
 
 
 @pytest.mark.slow
@@ -153,7 +84,7 @@ def test_branches_only_lose_where_an_edge_swings_over_its_old_turns():
     question = Scene(rubber, Cone(78.0305), loading, Adhesion(5.7625e-4, 9.6672e-3))
     heat = bem(question).extra["branch_dissipation"]
     assert np.diff(heat).min() > -1e-4 * heat[-1]
-    assert_allclose(heat[-1], front(question, 12).extra["branch_dissipation"][-1], rtol=0.025)
+    assert_allclose(heat[-1], front(question, 12).extra["branch_dissipation"][-1], rtol=0.01)
 
 
 def test_the_first_step_of_a_glassy_contact_follows_its_force():

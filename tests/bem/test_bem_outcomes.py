@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import bem, front
+from support.closed_forms.separate_bulk import equivalent_material
 from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
+from bem_solver.creep import surface_material
 from contact_scene import (
     Adhesion,
     Branch,
@@ -28,7 +30,6 @@ from contact_scene import (
     Sweep,
     Table,
     TabulatedProfile,
-    UnsupportedScene,
 )
 from validation.cases import load
 from validation.reference.finite_zone import FiniteZone
@@ -128,10 +129,46 @@ def test_adhesionless_first_contact_and_lift_off():
     assert pulled.outcome.kind is OutcomeKind.DETACHED
 
 
-@pytest.mark.parametrize("bulk", ["elastic", BulkRelaxation(100.0, (Branch(1.0, 2.0),))])
-def test_separate_bulk_relaxation_is_not_supported(bulk):
-    with pytest.raises(UnsupportedScene, match=r"bulk.*fem"):
-        solve(scene(Ramp(0.01, 0.1), material=Material(0.75, 0.4, ONE.branches, bulk)))
+@pytest.mark.parametrize(
+    "branches", [ONE.branches, (Branch(6.0, 1.0), Branch(1.0, 1.0 + 1e-9), Branch(2.0, 40.0))]
+)
+def test_where_bulk_does_not_relax_the_surface_has_the_modulus_of_a_closed_form(branches):
+    material = Material(0.75, 0.4, branches, "elastic")
+    found, known = surface_material(material), equivalent_material(material)
+    plane = 1.0 - known.poisson**2
+    assert found.modulus * plane == pytest.approx(known.modulus, rel=1e-14)
+    for time in (1e-3, 0.1, 1.0, 10.0, 1e3):
+        assert found.relaxation_modulus(time) * plane == pytest.approx(
+            known.relaxation_modulus(time), rel=1e-12
+        )
+
+
+@pytest.mark.parametrize("shear", [(), (Branch(6.0, 1.0),), (Branch(6.0, 0.5), Branch(0.3, 7.0))])
+def test_shear_and_bulk_are_in_series(shear):
+    """``1/E* = 1/(4 G) + 1/(4 K + 4 G/3)`` of the transforms, at real times of them."""
+    material = Material(0.75, 0.3, shear, BulkRelaxation(2.0, (Branch(1.5, 0.5), Branch(1.0, 3.0))))
+    found = surface_material(material)
+    for p in (1e-3, 0.3, 2.0, 50.0):
+
+        def transform(modulus, branches, p=p):
+            return modulus + sum(one.modulus * p * one.time / (1.0 + p * one.time) for one in branches)
+
+        g = transform(material.modulus, shear) / 2.6
+        k = transform(2.0, material.bulk.branches)
+        expected = 1.0 / (0.25 / g + 1.0 / (4.0 * k + 4.0 * g / 3.0))
+        assert transform(found.modulus, found.branches) == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("annuli", ["graded", "uniform"])
+def test_relaxing_bulk_is_that_of_the_surface_alone(annuli):
+    separate = Material(0.75, 0.3, ONE.branches, BulkRelaxation(2.0, (Branch(1.0, 2.0),)))
+    one, other = (
+        solve(scene(Ramp(0.01, 0.1), start="relaxed", at=0.008, material=material), Options(6, annuli=annuli))
+        for material in (separate, surface_material(separate))
+    )
+    assert np.array_equal(one.force, other.force)
+    constant = solve(scene(Ramp(0.01, 0.1), start="relaxed", at=0.008), Options(6))
+    assert one.force[-1] != pytest.approx(constant.force[-1], rel=0.1)
 
 
 EXTREMES = {
@@ -286,7 +323,7 @@ def test_a_pull_beyond_all_measure_detaches(step):
     ("where", "error", "kind"),
     [
         ("start", ZeroDivisionError, OutcomeKind.NO_EQUILIBRIUM),
-        ("step_trials", OverflowError, OutcomeKind.OUT_OF_RANGE),
+        ("step", OverflowError, OutcomeKind.OUT_OF_RANGE),
     ],
 )
 def test_numbers_beyond_floating_point_end_a_run_with_a_reason(monkeypatch, where, error, kind):

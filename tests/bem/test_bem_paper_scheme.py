@@ -11,11 +11,10 @@ from support.paper_scenes import cycle, scene
 
 import bem_solver
 from bem_solver import Options
-from bem_solver.paper_scheme.leading_blocks import LeadingBlocks
+from bem_solver.paper_scheme.annuli import LeadingBlocks
 from contact_scene import (
     Adhesion,
     Branch,
-    BulkRelaxation,
     Cone,
     FlatPunch,
     Force,
@@ -223,12 +222,6 @@ def test_a_zone_longer_than_the_contact_is_refused():
         uniform(scene(Hold(1.0), adhesion=Adhesion(GAMMA, 0.2)))
 
 
-def test_bulk_relaxation_is_refused():
-    separate = Material(0.75, 0.3, (Branch(6.75, 1.0),), BulkRelaxation(2.0))
-    with pytest.raises(UnsupportedScene, match="constant Poisson"):
-        uniform(scene(Hold(1.0), material=separate))
-
-
 def test_no_equilibrium():
     trace = uniform(scene(Hold(1.0), at=-0.5))
     assert trace.outcome.kind is OutcomeKind.NO_EQUILIBRIUM
@@ -257,7 +250,7 @@ def test_pulled_without_contact():
 
 
 def test_contact_that_leaves_the_annuli(monkeypatch):
-    monkeypatch.setattr("bem_solver.paper_scheme.size_estimates.largest_contact", lambda scene, problem: 0.15)
+    monkeypatch.setattr("bem_solver.paper_scheme.solver.largest_contact", lambda scene, problem: 0.15)
     trace = uniform(cycle(0.1))
     assert trace.outcome.kind is OutcomeKind.OUT_OF_RANGE
     assert 0.16 < trace.contact_radius[-1] < 0.17

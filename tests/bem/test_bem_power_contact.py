@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from bem_solver.power_contact import PowerContact
+from bem_solver.annuli import PowerContact
 
 EXPONENTS = [1.0, 1.3, 2.0, 4.0, 10.0]
 

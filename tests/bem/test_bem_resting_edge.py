@@ -14,11 +14,10 @@ from support.paper_scenes import ZONE, scene
 from bem_solver import Options, solve
 from bem_solver.creep import Chain
 from bem_solver.edge_energy import closure_of_departure
+from bem_solver.history import NodalVariables
 from bem_solver.motion import Motion, SurfacePoints
-from bem_solver.nodal_variables import NodalVariables
-from bem_solver.points_by_passage import advanced
 from bem_solver.root_search import rising_root
-from bem_solver.surface_points import load_inside, pressed
+from bem_solver.surface_points import advanced, load_inside, pressed
 from contact_scene import (
     Adhesion,
     Branch,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bem_solver.retardation import creep_spectrum
+from bem_solver.creep import creep_spectrum
 
 
 def decades(count, span=15.0, ratio=9.0):

@@ -15,12 +15,10 @@ from support.paper_scenes import cycle
 
 from bem_solver import Options, solve
 from bem_solver.annuli import Annuli
-from bem_solver.bent_path import BentPath, BentShare
+from bem_solver.control import AcceptedRow, AcceptedSteps
 from bem_solver.creep import Chain
-from bem_solver.outer_fall import OuterFall
-from bem_solver.recent_change import RecentChange
+from bem_solver.motion import BentPath, BentShare, OuterFall, RecentChange
 from bem_solver.size_estimates import edge_step, graded_annuli
-from bem_solver.step_control import AcceptedRow, AcceptedSteps
 from bem_solver.surface import ContactSurface
 from contact_scene import (
     Adhesion,
@@ -329,10 +327,10 @@ def test_outer_fall_of_a_sphere():
 
 def test_outer_fall_between_its_readings():
     """Closer than straight lines between them by an order: what it misses is an uneven speed of the edge."""
-    readings = np.geomspace(1e-6, 1.0, 6 * 32 + 1)
+    readings = np.geomspace(1e-6, 1.0, 6 * 128 + 1)
     between = np.geomspace(1e-5, 0.1, 3000)
     first, last = (lambda x: 1.0 + np.sin(np.log(x))), (lambda x: np.cos(np.log(x)))
-    fall = OuterFall.between(readings, first(readings), last(readings))
+    fall = OuterFall(readings, first(readings), last(readings))
     for share in (0.0, 0.25, 1.0):
         exact = (1.0 - share) * first(between) + share * last(between)
         assert_allclose(fall(between, share) / np.sqrt(between), exact, atol=1e-4)

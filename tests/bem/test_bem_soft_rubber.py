@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bem_solver import Options, nodal_variables, solve
+from bem_solver import Options, history, solve
 from bem_solver import energy as energy_module
 from bem_solver.creep import Chain
-from bem_solver.nodal_variables import NodalVariables
+from bem_solver.history import NodalVariables
 from bem_solver.problem import Problem
 from contact_scene import Adhesion, Branch, Hold, Loading, Material, OutcomeKind, Ramp, Scene, Sphere
 from validation.measure.observables import observe
@@ -90,7 +90,7 @@ def test_a_tip_whose_load_goes_evenly_from_one_end_of_a_step_to_the_other_is_see
 def test_what_holds_the_edge_is_seen(monkeypatch):
     """A fall outside the edge that knows no layer, and cubics as steep as the interval beside theirs."""
     monkeypatch.setattr(Problem, "nearest", property(lambda self: 1e-3 * self.zone))
-    monkeypatch.setattr(nodal_variables, "_LONG", np.inf)
+    monkeypatch.setattr(history, "_LONG", np.inf)
     assert off("slow-press", 8)[:3].max() > 1e-2
 
 

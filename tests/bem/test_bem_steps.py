@@ -10,8 +10,7 @@ from support.bem_runs import bem
 from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
-from bem_solver.loading_intervals import LoadingInterval
-from bem_solver.step_control import SHARE_OF_WAY, AcceptedRow, AcceptedSteps
+from bem_solver.control import SHARE_OF_WAY, AcceptedRow, AcceptedSteps, departure_from_chord, span
 from contact_scene import (
     Adhesion,
     Branch,
@@ -30,6 +29,7 @@ from contact_scene import (
     Sweep,
     Table,
 )
+from contact_scene.run_control import LoadingInterval
 from validation.solvers import solver
 
 COARSE, COARSEST = Options(resolution=6), Options(resolution=4)
@@ -146,7 +146,7 @@ def test_a_chord_is_missed_by_no_more_than_roundings():
     values = {0: lambda t: 1.9e-3 + round(t) * last_place, 40: lambda t: 1.9e-3 + 160.0 * t * t * last_place}
     for least, value in values.items():
         interval = LoadingInterval("force", 0.0, 1.0, value, lambda _: 0.0, jump=False, after_kink=True)
-        departure = interval.departure_from_chord(0.0, 1.0) * interval.span / last_place
+        departure = departure_from_chord(interval, 0.0, 1.0) * span(interval) / last_place
         assert (departure == 0.0) if not least else (30.0 < departure < 40.0)
 
 

@@ -8,8 +8,8 @@ from support.paper_scenes import SPHERE, THREE
 
 from bem_solver.creep import Chain
 from bem_solver.motion import Motion, Passage, SurfacePoints
-from bem_solver.points_by_passage import advanced
 from bem_solver.surface_points import (
+    advanced,
     covered,
     displacement_outside,
     free,

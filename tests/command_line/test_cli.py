@@ -8,19 +8,18 @@ import os
 import re
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.spring_solver import SCENE, FunctionSolver, fake, named, small_scene
+from support.commands import code_of, refusal, stand_in
+from support.spring_solver import SCENE, FunctionSolver, fake, small_scene
 
 import crosscontact
 from contact_scene import COLUMNS, OutcomeKind, UnsupportedScene, read_scene
-from crosscontact import arguments
-from crosscontact.cli import main
 from crosscontact.commands import parser
 from crosscontact.result import SCALES_IN_WORDS
-from validation import solvers
 from validation.runs import folder as files
 from validation.scenes import names
 
@@ -39,32 +38,9 @@ def scene_file(tmp_path):
 
 @pytest.fixture
 def fakes(monkeypatch):
-    """Both solvers replaced; ``fakes(bem=..., reference=...)`` replaces them again."""
-
-    def put(**factories):
-        for name in arguments.names():
-            monkeypatch.setitem(solvers.SOLVERS, name, named(name, factories.get(name, fake())))
-
-    put()
-    return put
-
-
-def code_of(*arguments: str) -> int:
-    try:
-        return main(list(arguments))
-    except SystemExit as leave:
-        return int(leave.code or 0)
-
-
-def refused(capsys, *arguments: str) -> str:
-    """The single line on stderr of a command refused with exit code 2."""
-    assert code_of(*arguments) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.endswith("\n")
-    assert err.count("\n") == 1, err
-    assert "Traceback" not in err
-    return err
+    """All solvers replaced; ``fakes(bem=..., reference=...)`` replaces them again."""
+    stand_in(monkeypatch)
+    return partial(stand_in, monkeypatch)
 
 
 def test_scenes(capsys):
@@ -103,23 +79,23 @@ def test_scenes(capsys):
     ],
 )
 def test_bad_input_is_one_line(capsys, arguments, said):
-    assert said in refused(capsys, *arguments)
+    assert said in refusal(capsys, *arguments)
 
 
 @pytest.mark.parametrize("content", ["", "not toml [", "x = 1", SCENE.replace("0.75", "-1"), "\x00\x01"])
 def test_bad_scene_is_one_line(capsys, tmp_path, content):
     file = tmp_path / "bad.toml"
     file.write_text(content)
-    assert "bad.toml" in refused(capsys, "solve", str(file), "--solver", "bem")
+    assert "bad.toml" in refusal(capsys, "solve", str(file), "--solver", "bem")
 
 
 def test_out_must_be_a_folder(capsys, tmp_path, scene_file, fakes):
     file = tmp_path / "taken"
     file.write_text("")
     for out in (str(file), str(file / "below"), "/proc/nothing/here", "a\0b"):
-        assert "--out" in refused(capsys, "solve", scene_file, "--solver", "bem", "--out", out)
-        assert "--out" in refused(capsys, "report", "--out", out)
-        assert "--out" in refused(capsys, "compare", scene_file, "--out", out)
+        assert "--out" in refusal(capsys, "solve", scene_file, "--solver", "bem", "--out", out)
+        assert "--out" in refusal(capsys, "report", "--out", out)
+        assert "--out" in refusal(capsys, "compare", scene_file, "--out", out)
 
 
 def test_solve_writes_the_contract(capsys, tmp_path, scene_file, fakes):
@@ -161,7 +137,7 @@ def test_refused_scene_is_bad_input(capsys, tmp_path, scene_file, fakes):
         raise UnsupportedScene("material.bulk", "not with this solver", "--solver fem")
 
     fakes(bem=FunctionSolver(refuse))
-    assert "not with this solver" in refused(
+    assert "not with this solver" in refusal(
         capsys, "solve", scene_file, "--solver", "bem", "--out", str(tmp_path)
     )
     assert not (tmp_path / "summary.json").exists()

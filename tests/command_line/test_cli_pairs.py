@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.commands import stand_in
 from support.scene_pairs import (
     ADHESIONS,
     COMMANDS,
@@ -27,7 +28,7 @@ from support.scene_pairs import (
     pairs_of,
     table,
 )
-from support.spring_solver import SCENE, StudiedSolver, named, spring, stoppable
+from support.spring_solver import SCENE, StudiedSolver, spring, stoppable
 from support.table_rows import sampled
 
 import crosscontact as cc
@@ -36,7 +37,6 @@ from contact_scene.indenter import SHAPES
 from contact_scene.loading import STEPS
 from contact_scene.material import MODELS
 from crosscontact.cli import main
-from validation import solvers
 from validation.drawing import export
 from validation.fields import files
 from validation.report import document
@@ -80,11 +80,10 @@ def by_modulus(scene, *given, **options):
 
 @pytest.fixture
 def _stand_ins(monkeypatch):
-    stand_in = StudiedSolver(stoppable(by_modulus))
-    for name in tuple(solvers.SOLVERS):
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, stand_in))
+    method = StudiedSolver(stoppable(by_modulus))
+    stand_in(monkeypatch, method)
     for name, scheme in schemes.SCHEMES.items():
-        monkeypatch.setitem(schemes.SCHEMES, name, dataclasses.replace(scheme, solver=stand_in))
+        monkeypatch.setitem(schemes.SCHEMES, name, dataclasses.replace(scheme, solver=method))
     monkeypatch.setattr("crosscontact.commands.study.processes", lambda *given, **more: nullcontext())
 
 
@@ -181,7 +180,7 @@ def same_in_python(row: Row, tmp_path) -> bool:
     result = cc.solve(scene, solver, 4, estimate_errors=row.option == "estimate")
     assert solver in repr(result)
     if row.option == "plot":
-        assert len(result.figure().axes) == 2
+        assert len(result.figure().axes) == 3
     result.save(tmp_path / "saved")
     again = cc.load(tmp_path / "saved")
     columns = result.trace.columns()

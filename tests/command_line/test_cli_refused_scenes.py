@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from functools import partial
 
 import pytest
-from support.spring_solver import SCENE, FunctionSolver, StudiedSolver, named, small_scene, spring
+from support.commands import refusal, stand_in
+from support.spring_solver import SCENE, FunctionSolver, StudiedSolver, small_scene, spring
 
 from contact_scene import SceneError, UnsupportedScene, read_scene
 from crosscontact.cli import main
-from crosscontact.commands.fields import METHOD
 from validation import solvers
 from validation.solvers.finite_elements import FiniteElements
 from validation.studies import ladders as schemes
@@ -36,6 +37,7 @@ LARGE = (beginning_with('kind = "force"\nvalue = 1e12\nduration = 1.0'), "grows 
 CYCLES = (beginning_with(OSCILLATE), "cycles")
 MESH = (SCENE.replace("[indenter]", BRANCH + "[indenter]"), "no mesh for this scene")
 FOLLOWING = (MESH[0].replace("0.013", "0.0013"), MESH[1])
+LAYER = (SCENE.replace("[indenter]", '[body]\nthickness = 1.0\nbase = "bonded"\n\n[indenter]'), "half-space")
 FINE = "--resolution 1000000"
 REFUSED = [
     *((command, LOST) for command in ("compare", "study", "study --poisson 10", "study --zones 0.01")),
@@ -47,6 +49,7 @@ REFUSED = [
     *((f"{command} {FINE}", MESH) for command in ("solve --solver fem", "fields --pull-off")),
     *((f"{command} {FINE}", FOLLOWING) for command in ("solve --solver fem", "fields --pull-off")),
     ("solve --solver bem --resolution 1000000", (SCENE, "resolution")),
+    ("study --poisson 10", LAYER),
 ]
 """Commands, and the scene and reason that no solver, or not this one, takes."""
 
@@ -59,7 +62,7 @@ def test_a_scene_that_is_not_taken_is_one_line_before_anything_is_said_or_made(
     name, *more = command.split()
     (tmp_path / "refused.toml").write_text(text)
     monkeypatch.setattr(solvers, "scene_warnings", lambda scene: ("doubtful",))
-    line = one_line(capsys, name, str(tmp_path / "refused.toml"), *more, "--out", str(tmp_path / "out"))
+    line = refusal(capsys, name, str(tmp_path / "refused.toml"), *more, "--out", str(tmp_path / "out"))
     assert line.startswith(f"crosscontact: error: {tmp_path / 'refused.toml'}: ")
     assert reason in line
     assert "allowed: " in line
@@ -67,36 +70,25 @@ def test_a_scene_that_is_not_taken_is_one_line_before_anything_is_said_or_made(
 
 
 @pytest.fixture
-def _stand_ins(monkeypatch):
-    for name in solvers.SOLVERS:
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
+def fakes(monkeypatch):
+    """All solvers replaced, by springs where nothing is said."""
+    return partial(stand_in, monkeypatch)
 
 
-def one_line(capsys, *given: str) -> str:
-    assert main([*given]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    (line,) = err.splitlines()
-    return line
-
-
-@pytest.mark.usefixtures("_stand_ins")
-def test_different_reasons_are_told_with_their_solvers(capsys, tmp_path, monkeypatch):
+def test_different_reasons_are_told_with_their_solvers(capsys, tmp_path, fakes):
     class Pickier(FunctionSolver):
         def refusal(self, scene):
             return UnsupportedScene("material", "is too soft", "another one")
 
-    monkeypatch.setitem(solvers.SOLVERS, "bem", Picky(spring(), "bem"))
-    monkeypatch.setitem(solvers.SOLVERS, "reference", Pickier(spring(), "reference"))
-    line = one_line(capsys, "compare", small_scene(tmp_path), "--solvers", "bem,reference", "--jobs", "1")
+    fakes(bem=Picky(spring()), reference=Pickier(spring()))
+    line = refusal(capsys, "compare", small_scene(tmp_path), "--solvers", "bem,reference", "--jobs", "1")
     assert "small.toml: no solver takes it" in line
     assert "bem: indenter: is too round" in line
     assert "reference: material: is too soft" in line
 
 
-@pytest.mark.usefixtures("_stand_ins")
-def test_a_solver_that_refuses_costs_the_others_nothing(capsys, tmp_path, monkeypatch):
-    monkeypatch.setitem(solvers.SOLVERS, "fem", Picky(spring(), "fem"))
+def test_a_solver_that_refuses_costs_the_others_nothing(capsys, tmp_path, fakes):
+    fakes(fem=Picky(spring()))
     assert main(["compare", small_scene(tmp_path), "--jobs", "1"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
     (row,) = [row for row in rows if row[:1] == ["fem"]]
@@ -105,22 +97,19 @@ def test_a_solver_that_refuses_costs_the_others_nothing(capsys, tmp_path, monkey
     assert any(row[:2] == ["bem", "dissipated"] for row in rows)
 
 
-@pytest.mark.usefixtures("_stand_ins")
-def test_without_the_reference_nothing_is_compared(capsys, tmp_path, monkeypatch):
-    monkeypatch.setitem(solvers.SOLVERS, "reference", Picky(spring(), "reference"))
+def test_without_the_reference_nothing_is_compared(capsys, tmp_path, fakes):
+    fakes(reference=Picky(spring()))
     assert main(["compare", small_scene(tmp_path), "--jobs", "1"]) == 1
     err = capsys.readouterr().err
     assert "reference: outcome: found refused" in err
     assert "no reference run" in err
 
 
-@pytest.mark.usefixtures("_stand_ins")
-def test_a_refusal_that_only_the_run_tells_is_exit_code_2(capsys, tmp_path, monkeypatch):
+def test_a_refusal_that_only_the_run_tells_is_exit_code_2(capsys, tmp_path, fakes):
     def refuse(scene, resolution=None, **options):
         raise SceneError("adhesion.zone", "too long", "a shorter one")
 
-    for name in solvers.SOLVERS:
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(refuse)))
+    fakes(FunctionSolver(refuse))
     out = tmp_path / "out"
     assert main(["compare", small_scene(tmp_path), "--jobs", "1", "--out", str(out)]) == 2
     last = capsys.readouterr().err.splitlines()[-1]
@@ -128,7 +117,6 @@ def test_a_refusal_that_only_the_run_tells_is_exit_code_2(capsys, tmp_path, monk
     assert not (out / "index.html").exists()
 
 
-@pytest.mark.usefixtures("_stand_ins")
 def test_a_study_leaves_out_what_does_not_take_the_scene(capsys, tmp_path, monkeypatch):
     for name in schemes.SCHEMES:
         stand_in = StudiedSolver(spring(), schemes.SCHEMES[name].solver.name)
@@ -144,18 +132,16 @@ def test_a_study_leaves_out_what_does_not_take_the_scene(capsys, tmp_path, monke
     assert "0 failed" in out
 
 
-@pytest.mark.parametrize(
-    ("command", "gigabytes"), [("fields --at 0 --no-figures", 1.0), ("solve --solver fem", 0.15)]
-)
+@pytest.mark.parametrize("command", ["fields --at 0 --no-figures", "solve --solver fem"])
 def test_what_the_memory_does_not_hold_is_refused_before_a_mesh_is_made(
-    capsys, tmp_path, monkeypatch, command, gigabytes
+    capsys, tmp_path, monkeypatch, command
 ):
     """With the finest resolution that it holds, which is taken; or it is said that there is none."""
     file = tmp_path / "fine.toml"
     file.write_text(SCENE.replace("0.013", "0.0013"))
     name, *more = command.split()
     given = [name, str(file), *more, "--out", str(tmp_path / "out")]
-    method = METHOD if name == "fields" else FiniteElements()
+    method, gigabytes = FiniteElements(), 0.15
 
     def no_mesh(*arguments):
         raise AssertionError("a mesh is made")
@@ -163,7 +149,7 @@ def test_what_the_memory_does_not_hold_is_refused_before_a_mesh_is_made(
     monkeypatch.setattr(FiniteElements, "mesh", no_mesh)
     page = os.sysconf("SC_PAGE_SIZE")
     monkeypatch.setattr(os, "sysconf", lambda key: int(1e9 * gigabytes) // page if "PHYS" in key else page)
-    line = one_line(capsys, *given)
+    line = refusal(capsys, *given)
     assert line.startswith(f"crosscontact: error: {file}: at resolution 10 it takes about ")
     assert f"{gigabytes:.3g} GB are installed" in line
     finest = int(line.split("at most ")[1])
@@ -172,6 +158,6 @@ def test_what_the_memory_does_not_hold_is_refused_before_a_mesh_is_made(
     with pytest.raises(SceneError, match=f"at resolution {2 * finest} "):
         method.check(scene, 2 * finest)
     gigabytes *= 0.2
-    assert one_line(capsys, *given).endswith(
+    assert refusal(capsys, *given).endswith(
         "allowed: a longer process zone, a smaller contact, or another solver"
     )

@@ -10,16 +10,16 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.spring_solver import fake, named, small_scene
+from support.commands import stand_in
+from support.spring_solver import small_scene
 
 from crosscontact.cli import main
-from validation import solvers
 from validation.runs import progress
 
 
 @pytest.fixture
 def scene_file(tmp_path, monkeypatch):
-    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", fake()))
+    stand_in(monkeypatch)
     return small_scene(tmp_path)
 
 
@@ -84,8 +84,7 @@ def test_titles_and_names_do_not_steer_a_terminal(tmp_path, monkeypatch, termina
     text = Path(small_scene(tmp_path)).read_text()
     scene = tmp_path / "\x1b[31mred\x9b2J.toml"
     scene.write_text(text.replace("A small scene", "\\u001b]0;owned\\u0007\\u009b2J\\rgone\\u202e"))
-    monkeypatch.setitem(solvers.SOLVERS, "bem", named("bem", fake()))
-    monkeypatch.setitem(solvers.SOLVERS, "reference", named("reference", fake()))
+    stand_in(monkeypatch)
     main(["compare", str(scene), "--jobs", "1", "--solvers", "reference,bem"])
     out, err = (stream.getvalue() for stream in written)
     assert "]0;owned" in out

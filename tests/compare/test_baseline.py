@@ -8,11 +8,11 @@ import os
 import xml.etree.ElementTree as tree
 
 import pytest
-from support.spring_solver import fake, named
+from support.commands import refusal, stand_in
+from support.spring_solver import fake
 
 from crosscontact import arguments
 from crosscontact.cli import main
-from validation import solvers
 from validation.cases import load
 from validation.compare import regression
 from validation.report.document import Figures
@@ -29,8 +29,7 @@ def report_writer(monkeypatch, tmp_path):
     monkeypatch.setattr("validation.compare.scene_page.figures", lambda scene: Figures(()))  # drawn elsewhere
 
     def report(name: str, *more: str, **factories):
-        for solver in arguments.names():
-            monkeypatch.setitem(solvers.SOLVERS, solver, named(solver, factories.get(solver, fake())))
+        stand_in(monkeypatch, **factories)
         folder = tmp_path / name
         # without estimates: a fake is the same at any resolution, hence says it is exact
         return main(["report", "--jobs", "1", "--no-estimates", "--out", str(folder), *more]), folder
@@ -168,7 +167,5 @@ def test_a_file_that_is_no_report_is_bad_input(tmp_path, capsys, monkeypatch):
         if isinstance(content, bytes):
             file.write_bytes(content)
             given = file
-        assert main(["report", "--baseline", str(given), "--out", str(tmp_path / "out")]) == 2
-        (said,) = capsys.readouterr().err.splitlines()
-        assert "--baseline" in said
+        assert "--baseline" in refusal(capsys, "report", "--baseline", given, "--out", tmp_path / "out")
         assert not (tmp_path / "out").exists()

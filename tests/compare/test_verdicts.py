@@ -12,26 +12,17 @@ import numpy as np
 import pytest
 from support.synthetic_traces import by_hand, work_of
 
-from contact_scene import (
-    Adhesion,
-    Loading,
-    Material,
-    OutcomeKind,
-    Ramp,
-    Scene,
-    Sphere,
-    Trace,
-)
+import contact_scene as cs
 from validation.cases import Case, Expected
 from validation.compare.checks import SCALARS, against_reference, check_case, check_run
-from validation.measure.difference import agreement_limit, disagreement
+from validation.measure.difference import Difference, agreement_limit
 from validation.runs.run import Run
 
-SCENE = Scene(
-    Material(0.75, 0.5),
-    Sphere(2.0),
-    Loading("relaxed", 0.0, (Ramp(0.03, 0.06), Ramp(-0.05, 0.16))),
-    Adhesion(1e-3, 0.01),
+SCENE = cs.Scene(
+    cs.Material(0.75, 0.5),
+    cs.Sphere(2.0),
+    cs.Loading("relaxed", 0.0, (cs.Ramp(0.03, 0.06), cs.Ramp(-0.05, 0.16))),
+    cs.Adhesion(1e-3, 0.01),
 )
 TOLERANCES = {name: {"values": 0.01, "curves": 0.01, "movement": 0.02} for name in ("bem", "fem")}
 CASE = Case("by hand", SCENE, tolerances=TOLERANCES)
@@ -39,7 +30,9 @@ FINAL = {name for name in SCALARS if name.startswith("final")}
 CURVES = {"F(t), RMS", "F(t), movement", "a(t), RMS", "a(t), movement"}
 
 
-def trace(factor: float = 1.0, kind: OutcomeKind = OutcomeKind.DETACHED, solver: str = "bem") -> Trace:
+def trace(
+    factor: float = 1.0, kind: cs.OutcomeKind = cs.OutcomeKind.DETACHED, solver: str = "bem"
+) -> cs.Trace:
     """Pressed in by a spring and pulled until tension has passed its maximum; 201 rows."""
     t = np.linspace(0.0, 1.0, 201)
     d = np.where(t < 0.5, 0.06 * t, 0.03 - 0.16 * (t - 0.5))
@@ -74,11 +67,11 @@ def failed(*args, **kwargs) -> set[str]:
     return {name for name, check in verdicts(*args, **kwargs).items() if not check.passed}
 
 
-@pytest.mark.parametrize("kind", [OutcomeKind.DETACHED, OutcomeKind.COMPLETED])
+@pytest.mark.parametrize("kind", [cs.OutcomeKind.DETACHED, cs.OutcomeKind.COMPLETED])
 def test_all_that_is_measured_is_compared_and_a_difference_of_either_sign_fails(kind):
     """Relative to 2 for the approach force, 0.5 and more for the others; final states of contacts kept."""
     runs = {"run": trace(kind=kind), "base": trace(kind=kind)}
-    names = set(SCALARS) - (FINAL if kind is OutcomeKind.DETACHED else set())
+    names = set(SCALARS) - (FINAL if kind is cs.OutcomeKind.DETACHED else set())
     found = verdicts(**runs)
     assert all(check.passed for check in found.values())
     assert set(found) == names | {"outcome"} | CURVES
@@ -109,7 +102,7 @@ def test_a_value_that_only_one_of_the_runs_gives_fails(name):
     assert failed({name: None}, base_change={name: None}) == set()
 
 
-@pytest.mark.parametrize("kind", [OutcomeKind.COMPLETED, OutcomeKind.BELOW_ZONE])
+@pytest.mark.parametrize("kind", [cs.OutcomeKind.COMPLETED, cs.OutcomeKind.BELOW_ZONE])
 def test_a_run_that_ends_in_another_way_or_not_at_all_fails(kind):
     assert failed(run=trace(kind=kind)) == {"outcome"}
     assert "outcome" in failed(base=trace(kind=kind))
@@ -121,9 +114,9 @@ def test_a_run_that_ends_in_another_way_or_not_at_all_fails(kind):
 
 def test_where_two_solvers_agree_and_the_reference_does_not_the_reference_fails():
     def wrong(**factors):
-        kinds = {0.5: OutcomeKind.COMPLETED}
+        kinds = {0.5: cs.OutcomeKind.COMPLETED}
         runs = {
-            name: Run("by hand", name, trace(size, kinds.get(size, OutcomeKind.DETACHED)),
+            name: Run("by hand", name, trace(size, kinds.get(size, cs.OutcomeKind.DETACHED)),
                       measures={"approach_force": size})
             for name, size in factors.items()
         }  # fmt: skip
@@ -168,7 +161,7 @@ ESTIMATES = [
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("difference", "mine", "theirs", "agrees"), ESTIMATES)
 def test_agreement_is_within_both_estimates(difference, mine, theirs, agrees, sign):
-    assert (disagreement(sign * difference, 0.01, mine, theirs) == "") is agrees
+    assert (Difference("a number", sign * difference, mine, theirs).disagreement(0.01) == "") is agrees
     if math.isfinite(difference):
         name = "approach_force"
         errors = [{} if error is None else {name: error} for error in (mine, theirs)]
@@ -228,12 +221,12 @@ def test_a_check_value_holds_for_the_solvers_it_names():
 @pytest.mark.parametrize(
     ("expected", "kind", "passes"),
     [
-        ("", OutcomeKind.COMPLETED, True),
-        ("", OutcomeKind.DETACHED, True),
-        ("", OutcomeKind.BELOW_ZONE, False),
-        ("", OutcomeKind.STEP_BUDGET, False),
-        ("detached", OutcomeKind.DETACHED, True),
-        ("detached", OutcomeKind.COMPLETED, False),
+        ("", cs.OutcomeKind.COMPLETED, True),
+        ("", cs.OutcomeKind.DETACHED, True),
+        ("", cs.OutcomeKind.BELOW_ZONE, False),
+        ("", cs.OutcomeKind.STEP_BUDGET, False),
+        ("detached", cs.OutcomeKind.DETACHED, True),
+        ("detached", cs.OutcomeKind.COMPLETED, False),
     ],
 )
 def test_the_ending_is_the_one_expected(expected, kind, passes):

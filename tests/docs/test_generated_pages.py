@@ -20,7 +20,7 @@ from fem_solver.recorder import EXTRA
 from validation import scenes
 from validation.cases import load
 from validation.claims.claim import Finding, Part, Verdict
-from validation.fits.errors import Estimate
+from validation.fits.result import Estimate
 from validation.reference.path.recorder import EXTRA_COLUMNS
 
 ROOT = Path(__file__).parents[2]

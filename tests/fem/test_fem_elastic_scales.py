@@ -9,17 +9,15 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from support.fitted_meshes import edge_meshes
 from support.paper_scenes import ONE, SPHERE, WORK
 
 from contact_scene import Adhesion, Loading, PowerLaw, Ramp, Scene, Sphere
-from fem_solver.following.components import Components
-from fem_solver.following.elastic_scales import punch_closure
-from fem_solver.following.placement import Placement, Surfaces
-from fem_solver.following.problem import FollowingProblem
-from fem_solver.following.state import undeformed
+from fem_solver.components import Components
+from fem_solver.contact_problem import ContactProblem
 from fem_solver.moduli import moduli
+from fem_solver.placement import Placement, Surfaces, punch_closure
 from fem_solver.prony import Prony
+from fem_solver.state import undeformed
 from validation.solvers.finite_elements import FiniteElements
 
 SCENE = Scene(ONE, SPHERE, Loading("relaxed", 0.032, (Ramp(-0.5, 0.002),)), Adhesion(WORK, 1e-4))
@@ -32,14 +30,16 @@ RADIUS, MOVED = 0.1, 6e-4
 @cache
 def surfaces(indenter: Sphere | PowerLaw = SPHERE) -> Surfaces:
     ratio = moduli(ONE).instantaneous_ratio
-    return Surfaces(replace(SCENE, indenter=indenter), edge_meshes(SCENE, 5), ratio, UNIT, "mixed", True)
+    return Surfaces(
+        replace(SCENE, indenter=indenter), FiniteElements().mesh(SCENE, 5), ratio, UNIT, "mixed", True
+    )
 
 
-def punch(placement: Placement) -> FollowingProblem:
+def punch(placement: Placement) -> ContactProblem:
     """A flat punch of any radius, pulled by a unit."""
     flat = np.zeros(len(placement.radii))
     placement = replace(placement, height=flat, profile=flat)
-    return FollowingProblem(placement, ELASTIC, undeformed(placement, 0), 0.0, "penetration", -1.0)
+    return ContactProblem(placement, ELASTIC, undeformed(placement, 0), 0.0, "penetration", -1.0)
 
 
 def test_closure_of_a_punch_is_the_integral_over_its_zone():
@@ -93,4 +93,5 @@ def test_an_edge_about_to_run_away_does_not_leap_where_the_mesh_moves_on():
     trace = FiniteElements().solve(short)
     assert trace.outcome.kind == "detached"
     assert len(trace) < 300
-    assert np.diff(trace.contact_radius).max() < 0.1 * SCENE.adhesion.zone  # at some rates a hair is left
+    before = trace.time < trace.time[-1] - 1e-5  # then the loss itself: a load known to 1e-7
+    assert np.diff(trace.contact_radius[before]).max() < 0.1 * SCENE.adhesion.zone

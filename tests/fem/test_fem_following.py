@@ -11,7 +11,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support.fitted_meshes import edge_meshes
 from support.paper_scenes import ONE, WORK
 
 import fem_solver
@@ -26,20 +25,19 @@ from contact_scene import (
     Sphere,
     Trace,
 )
-from fem_solver.following import history, state
-from fem_solver.following.borders import NodeBorders
-from fem_solver.following.components import Components
-from fem_solver.following.node_parts import NodeParts
-from fem_solver.following.passage import NodePassage, PartlyReleased
-from fem_solver.following.path import EdgePolynomial, missed_by_extrapolation
-from fem_solver.following.problem import FollowingProblem
-from fem_solver.process_zone import ZoneShift
+from fem_solver import state
+from fem_solver.closure import ZoneShift
+from fem_solver.components import Components
+from fem_solver.contact_problem import ContactProblem
+from fem_solver.node_parts import NodeBorders, NodeParts
+from fem_solver.passage import NodePassage, PartlyReleased
+from fem_solver.path import EdgePolynomial, missed_by_extrapolation
 from fem_solver.prony import Prony, phi
 from meshes import EdgeMeshes
 from validation.cases import load
 from validation.measure.observables import observe
 from validation.reference.finite_zone import FiniteZone
-from validation.solvers.finite_elements import FOLLOWED_BEYOND, FiniteElements
+from validation.solvers.finite_elements import FiniteElements
 
 SHEAR = Prony(0.3, np.array([1.0, 2.0, 0.5]), np.array([1e-3, 0.7, 40.0]))
 STEPS = 4000
@@ -215,7 +213,7 @@ def test_energy_and_heat_after_a_jump_by_less_than_a_node():
     material = Material(1.0, 0.45, (Branch(6.89, 87.7), Branch(9.49, 1.45e-3)))
     loading = Loading("relaxed", 0.036214812, (Force(0.009881057657680253, 0.015),))
     scene = Scene(material, Sphere(1.0), loading, Adhesion(0.009838366300041592, 0.0112407))
-    trace = FiniteElements(followed_beyond=0.0).solve(scene, 4)
+    trace = FiniteElements().solve(scene, 4)
     jumped = np.flatnonzero(trace.time == 0.0)[-1]
     assert trace.stored_energy[jumped] - trace.stored_energy[0] == pytest.approx(6.0746e-5, rel=5e-3)
     assert trace.extra["branch_dissipation"][-1] == pytest.approx(1.4563e-4, rel=5e-3)
@@ -349,13 +347,6 @@ def test_short_zones_are_passed_over_with_little_error():
     assert np.abs(residual).max() < 2e-3 * trace.external_work[-1]
 
 
-def test_the_mesh_follows_only_where_it_can():
-    solver = FiniteElements()
-    assert solver.follows_edge(SHORT)
-    assert not solver.follows_edge(replace(SHORT, adhesion=Adhesion(WORK, 0.26 / FOLLOWED_BEYOND)))
-    assert not solver.follows_edge(replace(SHORT, adhesion=None))
-
-
 def straight(true):
     return classmethod(lambda cls, start, end, dt, before: cls(start, end - start))
 
@@ -413,7 +404,7 @@ def test_an_edge_that_creeps_under_a_dead_load_detaches_in_time(monkeypatch):
     early = replace(scene, loading=replace(loading, steps=(Force(-0.006, 20.0),)))
     true = pytest.approx(np.interp(20.0, trace.time, trace.penetration), rel=2.0 * COARSE)
     assert FiniteElements().solve(early, 4).penetration[-1] == true
-    monkeypatch.setattr(history, "transferred", forgetful(history.transferred))
+    monkeypatch.setattr(state, "transferred", forgetful(state.transferred))
     assert FiniteElements().solve(early, 4).penetration[-1] != true
 
 
@@ -431,7 +422,7 @@ def test_a_dead_load_on_a_micrometre_contact_detaches_in_time(rows, monkeypatch)
 @pytest.mark.slow
 def test_an_edge_jump_without_a_place_to_rest_loses_contact():
     """The sharp edge, which needs no fine mesh, tells that nothing inside holds the contact."""
-    meshes = edge_meshes(SHORT, 4)
+    meshes = FiniteElements().mesh(SHORT, 4)
     solved = fem_solver.solve(
         replace(SHORT, loading=Loading("relaxed", 0.032, (Force(-1.0, 1.0),))), meshes, fem_solver.Options()
     )
@@ -441,13 +432,13 @@ def test_an_edge_jump_without_a_place_to_rest_loses_contact():
 
 def test_penetration_under_a_force_near_the_axis_of_a_flat_profile(monkeypatch):
     """Heights there are below a rounding error of the penetration."""
-    problem = object.__new__(FollowingProblem)
+    problem = object.__new__(ContactProblem)
     problem.control, problem.value = "force", 2.0
     problem.state = SimpleNamespace(penetration=1e-3)
     problem.placement, problem._passage = SimpleNamespace(height=np.array([0.0, 1e-26, 1e-25, 1e-24])), None
     nodes = SimpleNamespace(towards=lambda *_: None)
-    monkeypatch.setattr(FollowingProblem, "_passages", lambda self, s: lambda *_: nodes)
-    monkeypatch.setattr(FollowingProblem, "_force_of", lambda self, s, depth, _: 1.0 + 500.0 * depth)
+    monkeypatch.setattr(ContactProblem, "_passages", lambda self, s: lambda *_: nodes)
+    monkeypatch.setattr(ContactProblem, "_force_of", lambda self, s, depth, _: 1.0 + 500.0 * depth)
     assert problem.penetration(2.0) == pytest.approx(2e-3, rel=1e-9)
 
 
@@ -456,7 +447,7 @@ def test_an_elastic_contact_over_short_zones_is_lost_at_its_limit_point():
     """Sought from a sharp edge alone it was lost 1.5 % of its radius before, at every resolution."""
     work, zone = 2.0, 5e-7
     exact = FiniteZone(1e-3, 1e6 / 0.75, work, zone).pull_off_penetration_control()
-    assert exact.contact_radius > FOLLOWED_BEYOND * zone
+    assert exact.contact_radius > 48.0 * zone
     loading = Loading("relaxed", 0.95 * exact.penetration, (Ramp(2.0 * exact.penetration, 5e-4),))
     scene = Scene(Material(1e6, 0.5), Sphere(1e-3), loading, Adhesion(work, zone))
     trace = FiniteElements().solve(scene)

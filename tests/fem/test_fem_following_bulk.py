@@ -10,24 +10,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from support.closed_forms.separate_bulk import equivalent_material
-from support.fitted_meshes import edge_meshes, mesh_for
 from support.paper_scenes import WORK
 
 import fem_solver
 from contact_scene import Adhesion, Branch, BulkRelaxation, Loading, Material, Ramp, Scene, Sphere
-from contact_scene.errors import UnsupportedScene
-from fem_solver.moduli import moduli
+from fem_solver.moduli import OneModulus, moduli
 from fem_solver.prony import Prony, RelaxingField
-from fem_solver.series_modulus import OneModulus, SeriesModulus
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.front_tracking import FrontTracking
 
 BULK = BulkRelaxation(2.0, (Branch(5.0, 0.7), Branch(1.0, 40.0)))
 APART = Material(0.75, 0.2, (Branch(4.0, 0.3), Branch(2.0, 3.0)), "elastic")
 PULLED = Scene(APART, Sphere(1.0), Loading("relaxed", 0.02, (Ramp(0.015, 0.02),)), Adhesion(WORK, 2e-6))
-
-LIKE_IN_THE_BODY = {"force": 3e-4, "contact_radius": 3e-4, "stored_energy": 3e-4, "branch_dissipation": 2e-3}
-"""Largest differences over the largest value, at four elements in a zone."""
 
 
 def relaxing():
@@ -59,25 +53,36 @@ def test_compliances_of_moduli_in_series_add_up(one, other):
     assert (found.times > 0.0).all()
 
 
+def stored(part):
+    springs = np.sum(part.branches**2 / part.modulus.moduli[:, None], axis=0)
+    return 0.5 * (part.modulus.relaxed * part.x**2 + springs)
+
+
 def test_energies_of_moduli_in_series_are_those_of_both():
     """Through jumps and ramps of the strain, the stored energy and with it the loss."""
     one, other = (
         Prony(1.0, np.array([2.0, 3.0]), np.array([0.1, 1.0])),
         Prony(0.5, np.array([4.0, 1.0]), np.array([0.1, 7.0])),
     )
-    series, combined = SeriesModulus((one, other), (1.0, 1.0)), OneModulus(one, other)
+    combined = OneModulus(one, other)
     joined = combined.modulus
-    parts, whole = series.at_rest(), RelaxingField.at_rest(joined, 1)
+    parts, whole = (
+        [RelaxingField.at_rest(modulus, 1) for modulus in (one, other)],
+        RelaxingField.at_rest(joined, 1),
+    )
     depth, rates = 0.3, (1.0, -2.0, 0.0, 0.5)
-    for dt, target in ((0.0, np.full(1, depth)), *((1e-3, None) for _ in range(800))):
+    for dt, target in ((0.0, depth), *((1e-3, None) for _ in range(800))):
         if target is None:
             depth += rates[round(10.0 * abs(depth)) % 4] * dt
-            target = np.full(1, depth)
-        parts, whole = series.step(dt).advanced(parts, target), whole.advanced(dt, target)
-        held = 0.5 * (
-            joined.relaxed * whole.x**2 + np.sum(whole.branches**2 / joined.moduli[:, None], axis=0)
+        (first, second), moduli_now = (
+            (part.memory(dt) for part in parts),
+            (m.increment(dt).modulus for m in (one, other)),
         )
-        assert_allclose(held, series.stored(parts), rtol=1e-4)
+        stiff, soft = moduli_now  # both bear the same stress, and share the depth
+        share = (soft * depth + second - first) / (stiff + soft)
+        parts = [part.advanced(dt, x) for part, x in zip(parts, (share, depth - share), strict=True)]
+        whole = whole.advanced(dt, np.full(1, depth))
+        assert_allclose(stored(whole), sum(stored(part) for part in parts), rtol=1e-4)
     strained = combined.parts(whole.x, whole.branches)
     for found, modulus, part in zip(strained, (one, other), parts, strict=True):
         assert_allclose(found.whole, part.x, rtol=1e-4)
@@ -99,8 +104,7 @@ def test_the_surface_has_one_modulus(bulk):
 @pytest.mark.slow
 def test_a_zone_of_a_hundred_thousandth_of_the_contact_is_that_of_front_tracking():
     scene = PULLED
-    assert FiniteElements().follows_edge(scene)
-    found = fem_solver.solve(scene, edge_meshes(scene, 6), fem_solver.Options(6))
+    found = fem_solver.solve(scene, FiniteElements().mesh(scene, 6), fem_solver.Options())
     exact = FrontTracking().solve(replace(scene, material=equivalent_material(APART)))
     for name, allowed in (("force", 1e-3), ("contact_radius", 5e-4), ("stored_energy", 1e-3)):
         ends = found.columns()[name][-1], exact.columns()[name][-1]
@@ -108,26 +112,3 @@ def test_a_zone_of_a_hundred_thousandth_of_the_contact_is_that_of_front_tracking
     assert found.columns()["branch_dissipation"][-1] == pytest.approx(
         exact.columns()["dissipated_energy"][-1], rel=5e-3
     )
-
-
-@pytest.mark.exhaustive
-def test_both_ways_to_carry_the_history_agree():
-    """Where the zone is long enough for one mesh, which holds the history in the body."""
-    loading = Loading("jump-in", 0.02, (Ramp(0.03, 0.02), Ramp(-0.5, 0.02)))
-    scene = replace(PULLED, loading=loading, adhesion=Adhesion(WORK, 0.01))
-    on_surface, in_body = (
-        fem_solver.solve(scene, made(scene, 4), fem_solver.Options(4)) for made in (edge_meshes, mesh_for)
-    )
-    assert on_surface.counters.volume_solves < in_body.counters.volume_solves
-    together = on_surface.time < 0.97 * in_body.outcome.time
-    for name, allowed in LIKE_IN_THE_BODY.items():
-        one, other = (trace.columns()[name] for trace in (on_surface, in_body))
-        apart = np.abs(one - np.interp(on_surface.time, in_body.time, other))[together]
-        assert apart.max() < allowed * np.abs(other).max(), name
-
-
-def test_quadrature_points_need_a_mesh_that_stays():
-    made = edge_meshes(PULLED, 4)
-    with pytest.raises(UnsupportedScene, match="quadrature points"):
-        fem_solver.solve(PULLED, made, fem_solver.Options(path="quadrature"))
-    assert not replace(FiniteElements(), path="quadrature").follows_edge(PULLED)

@@ -22,11 +22,11 @@ from contact_scene import (
     Scene,
     Sphere,
 )
-from fem_solver.following.components import Components
-from fem_solver.following.surface_record import EdgePassage, SurfaceRecord, interpolated
+from fem_solver.components import Components
 from fem_solver.prony import Prony
+from fem_solver.surface_record import EdgePassage, SurfaceRecord, interpolated
 from validation.reference import path as reference
-from validation.solvers.finite_elements import FiniteElements, peels
+from validation.solvers.finite_elements import FiniteElements
 
 TWO = Material(0.3, 0.49, (Branch(2.0, 0.05), Branch(1.0, 5.0)))
 PRESSED = Loading("jump-in", 10.0, (Ramp(20.0, 1.0), Ramp(-200.0, 20.0)))
@@ -147,14 +147,6 @@ def test_elements_of_a_billionth_of_the_radius():
     assert trace.force[-1] == pytest.approx(other.force[-1], rel=1e-3)
     assert trace.contact_radius[-1] == pytest.approx(other.contact_radius[-1], rel=1e-3)
     assert trace.external_work[-1] == pytest.approx(other.external_work[-1], rel=3e-3)
-
-
-def test_the_mesh_follows_an_edge_that_peels_from_the_rim():
-    solver, elastic = FiniteElements(), replace(PUNCH, material=Material(1.0, 0.49))
-    assert peels(PUNCH)
-    assert solver.follows_edge(PUNCH)
-    assert not peels(elastic)
-    assert not solver.follows_edge(elastic)
 
 
 @pytest.mark.parametrize("control", [pytest.param("penetration", marks=pytest.mark.slow), "force"])

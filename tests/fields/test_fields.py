@@ -10,11 +10,24 @@ import pytest
 from support.paper_scenes import STICKY as ADHESION
 
 from benchmarks import fields_accuracy
-from contact_scene import Branch, Force, Hold, Loading, Material, Ramp, Scene, Sphere
+from contact_scene import (
+    Branch,
+    BulkRelaxation,
+    FlatPunch,
+    Force,
+    Hold,
+    Layer,
+    Loading,
+    Material,
+    Ramp,
+    Scene,
+    Sphere,
+)
 from fem_solver import Options, field_states, record
-from meshes import fit, structured_half_space
+from fem_solver.replay import volume
 from validation.fields.moments import balance
 from validation.reference import subsurface
+from validation.solvers.finite_elements import FiniteElements
 
 TWO = (Branch(2.0, 0.3), Branch(3.0, 5.0))
 STEPS = (Ramp(0.02, 0.05), Hold(0.3), Ramp(0.004, 0.05))
@@ -22,33 +35,24 @@ TURN, END = 0.1, 0.72
 
 
 @cache
-def mesh():
-    return structured_half_space(fit(0.0, 0.22, 0.013, 2, domain_ratio=200.0))
-
-
-@cache
-def recorded(path="condensed", poisson=0.3, form="mixed"):
+def recorded(poisson=0.3, form="mixed"):
     scene = Scene(Material(0.75, poisson, TWO), Sphere(1.0), Loading("jump-in", 0.015, STEPS), ADHESION)
-    options = Options(tolerance=3e-2, path=path, form=form, record_times=(TURN, END), record_pull_off=True)
-    return record(scene, mesh(), options)
+    return record(
+        scene, FiniteElements().mesh(scene, 4), Options(tolerance=1.5e-3, form=form, record_times=(TURN, END))
+    )
 
 
 @cache
-def states(path="condensed", poisson=0.3, form="mixed"):
-    recording = recorded(path, poisson, form)
+def states(poisson=0.3, form="mixed"):
+    recording = recorded(poisson, form)
     return list(field_states(recording, {recording.rows[time]: f"t = {time}" for time in (TURN, END)}))
 
 
 @pytest.mark.parametrize(("name", "poisson"), [("flat punch", 0.3), ("Hertz", 0.3), ("JKR", 0.5)])
 def test_stress_under_static_contacts_is_that_of_the_closed_forms(name, poisson):
-    indenter, adhesion = fields_accuracy.CONTACTS[name]
-    scene = Scene(Material(1.0, poisson), indenter, Loading("relaxed", 0.01), adhesion)
-    edge = indenter.edge if np.isfinite(indenter.edge) else None
-    fitted = structured_half_space(fit(0.0, 0.15, 0.004, 4, edge=edge, grading=0.15))
-    (state,) = field_states(record(scene, fitted, Options(record_times=(0.0,))), {0: ""})
-    found = fields_accuracy.deviation(state, scene)
+    state, found = fields_accuracy.static(name, poisson, 10 if name == "JKR" else 4)
     assert found.worst < 1e-2
-    assert found.traction < 3e-3, found
+    assert found.traction < (3e-2 if name == "JKR" else 3e-3), found  # wide elements below the middle
     assert abs(found.force) < 2e-2  # over the edge, where the recovered stress overshoots
     if name == "Hertz":
         depth, shear = fields_accuracy.deepest_shear(state)
@@ -60,8 +64,7 @@ def test_stress_under_static_contacts_is_that_of_the_closed_forms(name, poisson)
 
 def test_displacement_and_strain_belong_to_the_stress():
     scene = Scene(Material(1.0, 0.3), Sphere(1.0), Loading("relaxed", 0.01), None)
-    recording = record(scene, structured_half_space(fit(0.0, 0.13, 0.004, 2)), Options(record_times=(0.0,)))
-    (state,) = field_states(recording, {0: ""})
+    (state,) = field_states(record(scene, FiniteElements().mesh(scene, 4), Options(record=True)), {0: ""})
     r, z = state.points.T
     near = np.hypot(r, z) < 0.3
     a = state.contact_radius
@@ -73,26 +76,34 @@ def test_displacement_and_strain_belong_to_the_stress():
 
 
 @pytest.mark.parametrize(
-    ("poisson", "form"),
+    ("poisson", "bulk", "form"),
     [
-        pytest.param(0.3, "mixed", marks=pytest.mark.slow),
-        (0.5, "mixed"),
-        pytest.param(0.3, "displacement", marks=pytest.mark.slow),
+        (0.5, None, "mixed"),
+        (0.3, BulkRelaxation(2.0, (Branch(5.0, 0.1),)), "mixed"),
+        pytest.param(0.3, None, "mixed", marks=pytest.mark.slow),
+        pytest.param(0.3, None, "displacement", marks=pytest.mark.slow),
     ],
-    ids=str,
+    ids=["incompressible", "apart", "alike", "displacement"],
 )
-def test_back_substitution_gives_what_internal_variables_in_the_body_give(poisson, form):
-    pairs = zip(states("condensed", poisson, form), states("quadrature", poisson, form), strict=True)
-    for one, other in pairs:
-        assert one.row == other.row
-        for name in ("stress", "strain", "displacement", "element_stored"):
-            a, b = getattr(one, name), getattr(other, name)
-            assert np.abs(a - b).max() < 1e-6 * np.abs(b).max(), name
-        assert len(other.branches) == (2 if poisson == 0.5 else 4)  # nothing is lost in volume at 0.5
-        for name, allowed in (("element_rate", 1e-6), ("element_dissipated", 1e-5)):
-            apart = getattr(other, name)
-            together = apart.reshape(-1, 2, apart.shape[1]).sum(axis=0)  # in shear and in volume
-            assert np.abs(getattr(one, name) - together).max() < allowed * together.max(), name
+def test_back_substitution_gives_what_internal_variables_in_the_body_give(poisson, bulk, form):
+    """The edge rests, and forces are straight from row to row; of bulk apart the meshes know two solids."""
+    loading = Loading("relaxed", 0.01, (Ramp(0.02, 0.05), Ramp(0.01, 0.05)))
+    scene = Scene(Material(0.75, poisson, TWO, bulk=bulk), FlatPunch(0.2), loading)
+    recording = record(
+        scene, FiniteElements().mesh(scene, 2), Options(form=form, record=True, tolerance=1e-2)
+    )
+    history, scale = volume(recording), 0.0
+    for step, row in zip(recording.steps, recording.surfaces, strict=True):
+        scale = recording.setup.surfaces.at(step.end.place).scale
+        history.commit(step.dt, row.forces / scale)
+    (state,) = field_states(recording, {len(recording.steps) - 1: ""})
+    basis = history.space.basis
+    displacement = history.state.unknowns[: basis.N][np.hstack([basis.nodal_dofs, basis.facet_dofs])].T
+    allowed = 1e-5 if bulk is None else 3e-4
+    assert np.abs(state.displacement - displacement).max() < allowed * np.abs(displacement).max()
+    sums = balance(state, recording.trace)
+    assert sums.stored == pytest.approx(scale * history.stored_energy, rel=5e-3)  # of the mesh, of all
+    assert sums.dissipated == pytest.approx(scale * history.state.dissipated, rel=5e-3)
 
 
 def test_densities_add_up_to_the_energies_of_the_trace():
@@ -112,7 +123,7 @@ def test_densities_add_up_to_the_energies_of_the_trace():
 def test_dissipation_rate_is_the_slope_of_the_loss():
     recording = recorded()
     state, trace = states()[0], recording.trace
-    k, lost = state.row, trace.extra["volume_dissipation"]
+    k, lost = state.row, trace.extra["branch_dissipation"]
     slopes = [(lost[k] - lost[k - 1]) / (trace.time[k] - trace.time[k - 1])]
     slopes.append((lost[k + 1] - lost[k]) / (trace.time[k + 1] - trace.time[k]))
     rate = float((state.element_rate @ state.element_volumes).sum())
@@ -146,9 +157,6 @@ def test_surface_is_that_of_the_run():
 
 
 def test_rows_not_recorded_are_named():
-    recording = recorded("quadrature", 0.5)
-    with pytest.raises(KeyError, match=r"rows not recorded: \[1, 2\]"):
-        next(field_states(recording, {recording.rows[TURN]: "", 2: "", 1: ""}))
     with pytest.raises(KeyError, match="rows not recorded"):
         next(field_states(recorded(), {len(recorded().trace): ""}))
 
@@ -156,7 +164,7 @@ def test_rows_not_recorded_are_named():
 def test_where_the_load_jumps_a_time_means_the_state_before():
     loading = Loading("relaxed", 0.01, (Hold(0.1), Force(0.01, 0.1)))
     scene = Scene(Material(0.75, 0.5, TWO), Sphere(1.0), loading, ADHESION)
-    recording = record(scene, mesh(), Options(tolerance=3e-2, record_times=(0.1,)))
+    recording = record(scene, FiniteElements().mesh(scene, 4), Options(record_times=(0.1,)))
     rows = np.flatnonzero(recording.trace.time == 0.1)
     assert len(rows) >= 2
     before, after = field_states(recording, {int(rows[0]): "", int(rows[-1]): ""})
@@ -164,6 +172,52 @@ def test_where_the_load_jumps_a_time_means_the_state_before():
     assert before.penetration == pytest.approx(0.01)
     assert after.force == pytest.approx(0.01)
     assert np.array_equal(before.element_dissipated, after.element_dissipated)  # a jump loses nothing
+
+
+def test_stress_in_a_layer_is_that_of_the_closed_form():
+    _, found = fields_accuracy.static("Hertz", 0.5, 2, Layer(0.03, "bonded"))
+    assert found.worst < 1e-2
+    assert found.traction < 3e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "base", "poisson", "thickness"),
+    [
+        ("flat punch", "bonded", 0.0, 0.1),
+        ("Hertz", "bonded", 0.3, 0.03),
+        ("JKR", "bonded", 0.5, 0.1),
+        ("Hertz", "frictionless", 0.3, 0.1),
+    ],
+)
+def test_usual_meshes_of_layers_keep_within_it(name, base, poisson, thickness):
+    state, found = fields_accuracy.static(name, poisson, None, Layer(thickness, base))
+    assert found.worst < 1e-2
+    assert state.points[:, 1].min() == pytest.approx(-thickness, rel=1e-12)
+    below = state.points[:, 1] < -(1.0 - 1e-9) * thickness
+    assert not state.displacement[below, 1].any()
+    assert state.displacement[below, 0].any() == (base == "frictionless")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("zone", "to", "places"), [(ADHESION.zone, 0.004, 1), (4e-3, 0.0095, 2)], ids=["stays", "follows"]
+)
+def test_densities_in_a_layer_add_up_wherever_the_mesh_was(zone, to, places):
+    """On the half-space those of this scene miss 5e-2 of the loss on so coarse a mesh."""
+    loading = Loading("relaxed", 0.012, (Ramp(0.02, 0.05), Ramp(to, 0.05)))
+    law, body = replace(ADHESION, zone=zone), Layer(0.1, "frictionless")
+    scene = Scene(Material(0.75, 0.3, TWO), Sphere(1.0), loading, law, body=body)
+    recording = record(scene, FiniteElements().mesh(scene, 4), Options(record=True))
+    assert len({step.end.place for step in recording.steps}) >= places
+    row = len(recording.steps) - 1
+    (state,) = field_states(recording, {row: ""})
+    sums, held = balance(state, recording.trace), recording.surfaces[row].interface
+    assert sums.dissipated == pytest.approx(sums.branch_dissipation, rel=3e-2)
+    assert sums.stored == pytest.approx(sums.stored_in_trace - held, rel=1e-2)
+    radius, sinking = fields_accuracy.on_surface(state, -state.displacement[:, 1])
+    apart = np.interp(state.surface.radius, radius, sinking) - state.surface.displacement
+    assert np.sqrt(np.mean(apart**2)) < 1e-3 * 0.02
 
 
 @pytest.mark.slow

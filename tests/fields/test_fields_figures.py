@@ -359,6 +359,7 @@ def test_a_report_holds_strips_edge_body_film_and_fig3(tmp_path, monkeypatch, bl
     assert '<p class="fail">No pictures of fields: PyVista cannot &lt;draw&gt;</p>' in text
 
 
+@pytest.mark.slow
 def test_fig3_of_a_report_needs_both_solvers():
     case = dataclasses.replace(load(chapter.SCENE), scene=SCENE)
     run = dataclasses.replace(trace(), profiles=tuple(surfaces((1.0, 2.0, 3.0, 4.0, 5.0, 6.0))))

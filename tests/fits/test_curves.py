@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from support.recorded import MODULUS, elastic_scene, hertz_curve, settings_of
 
-from contact_scene import SceneError
+from contact_scene import Layer, SceneError
 from contact_scene.scene import with_values
-from validation.fits.data_checks import check
-from validation.fits.instruments import write_afm
+from validation.fits.data_checks import check, thickness_needed
 from validation.fits.model import CurveModel
-from validation.fits.moments import moments
+from validation.fits.moments import moments, straight_lines
 from validation.fits.parameters import unknowns
-from validation.fits.path import straight_lines
-from validation.fits.readers import read_file
+from validation.fits.readers import read_file, write_afm
 from validation.fits.record import MeasuredCurve
 from validation.fits.tables import write_csv
+from validation.reference import sneddon
+from validation.reference.elastic_layer import ElasticLayer
 
 
 def test_a_curve_comes_back_from_csv_bit_for_bit(tmp_path):
@@ -65,36 +65,6 @@ def test_a_curve_comes_back_from_a_file_for_afm_programs(tmp_path, ending, stiff
     assert back.stiffness == stiffness
     for column in ("time", "force", "motion"):  # the text format has eight digits or so
         assert np.allclose(getattr(back, column), getattr(curve, column), rtol=1e-6, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("lines", "words"),
-    [
-        ("time,force\n", "needs penetration or stage"),
-        ("penetration,force\n", "no rows of numbers"),
-        ("time,penetration,force\n0,0,nan\n", "force, line 2: got nan"),
-        ("time,penetration,force\n0,0\n", "line 1: 3 names, 'time,pene...', over 2 columns"),
-        ("time,penetration,force\n0,0,x\n", "force, line 2: got 'x'"),
-        ("time,stage,force\n" + "\n".join(f"{k},{k},{k}" for k in range(30)), "stiffness: is missing"),
-        (
-            "time,penetration,force\n" + "\n".join(f"{k},{k},{k}" for k in range(5)),
-            "5 rows; allowed: at least",
-        ),
-        ("force,penetration,time\n" + "\n".join(f"{k},{k},{(k - 9) ** 2}" for k in range(30)), "swapped?"),
-        ("time,time,force\n1,2,3\n", "stands twice"),
-        ("# noise = 1\ntime [s];stage [m];force [N]\n0,1;0;0\n", "line 3: numbers have decimal commas"),
-        ("time [s]\n0\n", "columns: got 'time'; allowed: a header: time, penetration or stage, force"),
-    ],
-)
-def test_a_file_that_is_no_record_is_said_in_one_line(tmp_path, lines, words):
-    if lines.count("\n") == 1 and "needs" in words:
-        lines += "\n".join(f"{k},{k}" for k in range(30))
-    (tmp_path / "bad.csv").write_text(lines)
-    with pytest.raises(SceneError) as caught:
-        read_file(tmp_path / "bad.csv")
-    assert words in str(caught.value)
-    assert str(caught.value).startswith(str(tmp_path / "bad.csv"))
-    assert "\n" not in str(caught.value)
 
 
 def test_noise_and_baseline_are_those_that_were_put_in():
@@ -155,30 +125,6 @@ def exchanged(curve):
     return replace(curve, **{column: curve.force}, force=curve.position)
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda c: {"force": -c.force}, "wrong sign"),
-        (lambda c: {"penetration": -c.motion}, "wrong sign"),
-        (lambda c: {"penetration": -c.motion, "force": -c.force}, "smallest: the wrong sign"),
-        (lambda c: {"force": 1e9 * c.force}, "other units?"),
-        (lambda c: {"force": 1e300 * c.force}, "at most 1e+60"),
-        (lambda c: {"force": 1e-300 * c.force}, "at least 1e-60"),
-        (lambda c: {"penetration": 0.0 * c.motion}, "does not move"),
-        (lambda c: {"force": 1e-4 * np.random.default_rng(0).standard_normal(c.time.size)}, "no contact"),
-        (lambda c: {"force": 0.0 * c.force}, "no contact"),
-        (lambda c: {"penetration": c.motion - 0.05}, "never comes to 0"),
-    ],
-)
-def test_a_record_that_cannot_be_this_contact_is_said_in_one_line(change, words):
-    good = hertz_curve()
-    columns = {"time": good.time, "force": good.force, "penetration": good.motion} | change(good)
-    with pytest.raises(SceneError) as caught:
-        checked(MeasuredCurve(**columns))
-    assert words in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
 def test_columns_that_were_swapped_are_known_by_the_size_of_the_contact():
     good = hertz_curve()
     scene = with_values(elastic_scene(), {"material.modulus": 1e3, "indenter.radius": 1e-5})
@@ -235,6 +181,29 @@ def test_a_weak_record_has_warnings_and_a_good_one_none():
     assert any("too coarse" in text for text in checked(hertz_curve(rows=30)))
     loud = replace(hertz_curve(), noise=1e-3)
     assert any("noise is 1" in text for text in checked(loud))
+
+
+def test_a_fit_without_a_body_says_how_thick_a_half_space_has_to_be():
+    """The force of the thickness that is told is 10 % above Hertz's at the depth of the record."""
+    curve, scene = afm_curve()
+    [said] = thickness_needed([CurveModel.of(curve, scene)], scene)
+    thickness = float(said.split("thickness ")[1].split()[0])
+    seen = CurveModel.of(curve, scene).moments
+    depth = float(np.ptp(curve.motion[seen.first : seen.last]))
+    layer = ElasticLayer(Layer(thickness, "bonded"), scene.material.poisson, scene.indenter)
+    force = layer.state(layer.radius_at(depth)).force
+    radius = sneddon.contact_radius(scene.indenter, depth)
+    assert force / float(sneddon.force(scene.indenter, radius, 1.0)) == pytest.approx(1.1, abs=0.01)
+    assert list(thickness_needed([], replace(scene, body=Layer(thickness, "bonded")))) == []
+
+
+def test_the_force_of_a_thin_layer_is_not_taken_for_another_unit():
+    """Some forty times that of a half-space at a contact of four thicknesses."""
+    curve, scene = afm_curve()
+    film = replace(scene, body=Layer(float(np.ptp(curve.motion)), "bonded"))
+    stiff = MeasuredCurve(curve.time, 300.0 * curve.force, curve.motion)
+    assert any("other units" in text for text in checked(stiff, scene))
+    assert not any("other units" in text for text in checked(stiff, film))
 
 
 @pytest.mark.parametrize("factor", [1e3, 1e-3])

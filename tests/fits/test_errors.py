@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from validation.fits.errors import (
+from validation.fits.parameters import Unknown
+from validation.fits.result import (
     Goodness,
     combinations,
     confused,
@@ -16,7 +17,6 @@ from validation.fits.errors import (
     misfitting_stretch,
     runs_test,
 )
-from validation.fits.parameters import Unknown
 
 
 def test_the_runs_test_is_fair_and_sees_a_bend():
@@ -69,7 +69,7 @@ def test_the_covariance_of_a_straight_line_is_the_textbooks():
 
 def goodness(probability, signs, share=0.1, within=None):
     tests = (runs_test("one", signs),)
-    return Goodness(1.0, 1, np.inf, probability, tests, share, within, 1.0)
+    return Goodness(1.0, 1, np.inf, probability, tests, 1.0, share, within, 1.0)
 
 
 def test_what_explains_data_is_their_noise_or_the_share_that_was_asked_for():
@@ -87,11 +87,12 @@ def test_what_is_only_seen_as_a_product_is_named():
     generator = np.random.default_rng(4)
     slope = generator.standard_normal(50)
     jacobian = np.column_stack([slope, 0.5 * slope, generator.standard_normal(50)])
-    spread, deviations, directions = covariance(jacobian, 1.0)
+    spread = covariance(jacobian, 1.0)[0]
     assert np.isinf(spread[0, 0])
     assert np.isinf(spread[1, 1])
     assert spread[2, 2] == pytest.approx(1.0 / np.sum(jacobian[:, 2] ** 2), rel=0.1)
-    unknown, *known = combinations(["work", "zone", "modulus"], deviations, directions)
+    names, positive = ["work", "zone", "modulus"], np.ones(3, bool)
+    unknown, *known = combinations(names, jacobian, positive, 1.0)
     assert not np.isfinite(unknown.deviation)
     assert set(unknown.powers) == {"work", "zone"}
     assert unknown.powers["work"] / unknown.powers["zone"] == pytest.approx(-0.5, rel=1e-6)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ import crosscontact as cc
 from contact_scene import (
     Adhesion,
     Branch,
+    Layer,
     Loading,
     Material,
     Ramp,
@@ -22,17 +24,21 @@ from contact_scene import (
     Sphere,
     Table,
     read_scene,
+    write_scene,
 )
+from crosscontact.cli import main
 from crosscontact.fitting import each_and_write, fit_and_write
 from validation.fits.fit import fit_curves
 from validation.fits.model import CurveModel
-from validation.fits.page import document, drawings, statements
-from validation.fits.parameters import FitSettings, unknowns
+from validation.fits.page import document, draw_curves, statements
+from validation.fits.parameters import FitSettings, question, unknowns
 from validation.fits.problem import FitProblem
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import InterruptedFit
 from validation.fits.synthetic import synthetic
+from validation.fits.tables import write_csv
 from validation.reference.ting import Ting
+from validation.runs.folder import claim
 from validation.runs.store import Store
 
 pytestmark = pytest.mark.usefixtures("closed_form")
@@ -169,13 +175,21 @@ def test_a_value_that_no_scene_takes_is_a_residual_too():
     assert not prediction.touching.any()
 
 
+def test_a_fit_says_that_it_moves_from_its_first_run_on():
+    said = []
+    settings = settings_of("material.modulus")
+    fit_curves([hertz_curve(noise=2e-4)], elastic_scene(GUESS), settings, progress=said.append)
+    assert said[0].endswith("run 1")
+    assert any("misfit" in text for text in said)
+
+
 def test_an_interrupted_fit_has_its_best_point_and_goes_on_from_its_runs(tmp_path):
     curve, settings = hertz_curve(noise=2e-4), settings_of("material.modulus")
     said = []
 
     def stop(text):
         said.append(text)
-        if len(said) == 3:
+        if len(said) == 6:
             raise KeyboardInterrupt
 
     with pytest.raises(InterruptedFit) as caught, without_layout():
@@ -239,6 +253,7 @@ def test_one_branch_is_found_and_explains_its_own_curve():
     assert any(f"after {2.6:.3g}" in text for text in statements(found))  # how long the record is
 
 
+@pytest.mark.slow
 def test_two_branches_fitted_with_one_are_seen_and_explain_the_share_that_is_asked_for():
     """Residuals of a wrong model are correlated, and deviations larger by the root of that length."""
     curve = triangle(visco((20.0, 0.03), (2.0, 1.0)).material, 0.003)
@@ -247,10 +262,10 @@ def test_two_branches_fitted_with_one_are_seen_and_explain_the_share_that_is_ask
     assert not found.goodness.explained
     assert any("misses the shape" in text for text in statements(found))
     assert any("missed most from time" in text for text in statements(found))
-    assert found.curves[0].correlated > 3.0
+    assert found.curves[0].rows_correlated > 3.0
     within = fit_curves([curve], visco((3.0, 0.3)), replace(settings, within=0.03))
     assert within.goodness.explained
-    assert within.goodness.share < 0.03
+    assert within.goodness.rms_over_range < 0.03
     strict = fit_curves([curve], visco((3.0, 0.3)), replace(settings, within=0.001))
     assert not strict.goodness.explained
 
@@ -268,7 +283,7 @@ def test_adhesion_hysteresis_that_is_ignored_is_seen():
     guess = replace(scene, material=Material(3.0, 0.5))
     found = fit_curves([curve], guess, settings_of("adhesion.work", "material.modulus", starts=1))
     assert not found.goodness.explained
-    assert found.goodness.runs[0].probability < 1e-6
+    assert found.goodness.runs_tests[0].probability < 1e-6
 
 
 @pytest.mark.slow
@@ -279,7 +294,7 @@ def test_weights_on_a_fixed_grid_are_fitted_and_their_regularisation_is_stated()
     weights = [one.value for one in found.estimates[1:]]
     assert max(weights) == weights[1]
     assert found.goodness.explained
-    page = document(found, drawings(found))
+    page = document(found, draw_curves(found))
     assert "squared second differences of their logarithms, times 0.1" in str(page)
 
 
@@ -325,6 +340,48 @@ def test_a_second_speed_fixes_the_zone_that_one_speed_leaves_open():
     assert two.estimates[0].low < 0.013 < two.estimates[0].high
 
 
+def test_a_file_is_read_with_the_options_of_the_reader(tmp_path, capsys):
+    """Columns that nothing names, of millimetres and millinewtons."""
+    curve = hertz_curve(noise=2e-4)
+    rows = zip(1e3 * curve.force, 1e3 * curve.motion, curve.time, strict=True)
+    (tmp_path / "a.txt").write_text("\n".join(",".join(map(repr, map(float, row))) for row in rows))
+    write_scene(elastic_scene(GUESS), tmp_path / "scene.toml")
+    asked = ["fit", str(tmp_path / "a.txt"), str(tmp_path / "scene.toml"), "--solver", "closed-form"]
+    asked += ["--vary", "material.modulus", "--check-solver", "none", "--jobs", "1"]
+    columns = "time=3,penetration=2:1e-3,force=1:1e-3"
+    assert main([*asked, "--columns", columns]) == 0
+    assert "material.modulus" in capsys.readouterr().out
+    assert main([*asked, "--columns", columns, "--segment", "pause"]) == 2
+    assert "has no pause" in capsys.readouterr().err
+
+
+def test_a_folder_of_another_fit_is_refused_and_that_of_the_same_is_not(tmp_path, capsys):
+    write_csv(hertz_curve(), tmp_path / "a.csv")
+    write_scene(elastic_scene(), tmp_path / "scene.toml")
+    [curve], out = cc.read_curves(tmp_path / "a.csv"), tmp_path / "out"
+    out.mkdir()
+    claim(out, "a fit", question([curve], elastic_scene(), settings_of("material.modulus")))
+    (out / "fit.json").write_text("{}")
+    renamed = question([replace(curve, name="b")], elastic_scene(), settings_of("material.modulus"))
+    claim(out, "a fit", renamed)
+    arguments = ["fit", str(tmp_path / "a.csv"), str(tmp_path / "scene.toml"), "--out", str(out)]
+    assert main([*arguments, "--vary", "indenter.radius"]) == 2
+    assert "holds a fit (other parameters)" in capsys.readouterr().err
+    with pytest.raises(
+        SceneError, match=r"out: .* holds a fit \(other parameters\); allowed: another folder$"
+    ):
+        cc.fit(curve, elastic_scene(), ["indenter.radius"], solver="closed-form", check_solver=None, out=out)
+    assert main([*arguments, "--vary", "material.modulos", "--fresh"]) == 2
+    assert "material has no modulos" in capsys.readouterr().err
+
+
+def test_means_of_rows_stand_in_the_report(monkeypatch):
+    monkeypatch.setattr("validation.fits.fit.MOST_ROWS", 60)
+    found = fit_curves([hertz_curve(noise=2e-4)], elastic_scene(GUESS), settings_of("material.modulus"))
+    assert "hertz: fitted are means of 2 rows" in statements(found)
+    assert found.curves[0].curve.time.size == 60
+
+
 @pytest.mark.exhaustive
 def test_stated_intervals_hold_the_truth_about_as_often_as_they_say():
     inside = []
@@ -341,3 +398,37 @@ def test_stated_intervals_hold_the_truth_about_as_often_as_they_say():
         both = zip(found.estimates, (work, modulus), strict=False)
         inside += [one.low <= at <= one.high for one, at in both]
     assert 0.90 <= np.mean(inside) <= 0.99
+
+
+def bead_on_gel(radius, depth, adhesion=None):
+    loading = Loading("relaxed", 0.0, (Ramp(depth, 1.0), Ramp(-3.0 * depth, 1.0)))
+    return Scene(Material(1e-3, 0.5), Sphere(radius), loading, adhesion, body=Layer(5.0, "bonded"))
+
+
+def fitted_on_gel(truth, curves, *more):
+    """From a modulus and a thickness that are a tenth too large."""
+    guess = replace(truth, material=Material(1.1e-3, 0.5), body=Layer(5.5, "bonded"))
+    asked = FitSettings(vary=("material.modulus", "body.thickness", *more), check_solver=None, starts=1)
+    found = fit_curves(curves, guess, asked)
+    for one, value in zip(found.estimates, (1e-3, 5.0, 1e-4), strict=False):
+        assert abs(math.log(one.value / value)) < 4.0 * one.deviation
+    return [one.deviation for one in found.estimates], found.correlations[0, 1]
+
+
+@pytest.mark.slow
+def test_modulus_thickness_and_work_from_one_record_of_a_bead_that_adheres():
+    truth = bead_on_gel(5.0, 1.0, Adhesion(1e-4, 0.06))
+    deviations, together = fitted_on_gel(truth, [synthetic(truth, 0.01, 0.02)], "adhesion.work")
+    assert max(deviations) < 0.02
+    assert together > 0.9
+
+
+@pytest.mark.slow
+def test_a_small_bead_beside_the_large_one_tells_modulus_from_thickness():
+    truth = bead_on_gel(5.0, 1.0)
+    large, small = synthetic(truth, 0.01, 0.04), synthetic(bead_on_gel(0.5, 0.2), 0.01, 0.008)
+    alone, together = fitted_on_gel(truth, [large])
+    both, apart = fitted_on_gel(truth, [large, replace(small, name="small", indenter_radius=0.5)])
+    assert together > 0.98 > 0.9 > apart
+    assert alone[0] > 4.0 * both[0]
+    assert alone[1] > 3.0 * both[1]

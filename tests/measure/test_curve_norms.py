@@ -9,54 +9,39 @@ import numpy as np
 import pytest
 from support.synthetic_traces import by_hand
 
-from contact_scene import (
-    Force,
-    ForceRamp,
-    Hold,
-    Loading,
-    Oscillate,
-    Ramp,
-    Sweep,
-    Trace,
-)
-from validation.measure.curves import (
-    LEAST_EXCURSION,
-    POINTS,
-    WEIGHTS,
-    RowCurve,
-    distance,
-    interpolation_error,
-    movement_bound,
-    movement_distance,
-    parting_time,
-)
+import contact_scene as cs
+from validation.measure import curves
 from validation.measure.windows import corners, windows
 
 
-def run(time, force, radius=1.0, penetration=0.0) -> Trace:
+def run(time, force, radius=1.0, penetration=0.0) -> cs.Trace:
     return by_hand(time, force=force, contact_radius=radius, penetration=penetration)
 
 
 def test_points_and_weights_integrate_the_square_of_a_cubic():
     for power in range(7):
-        assert WEIGHTS @ POINTS**power == pytest.approx(1.0 / (power + 1.0))
+        assert curves.WEIGHTS @ curves.POINTS**power == pytest.approx(1.0 / (power + 1.0))
 
 
 def test_a_parabola_is_followed_between_sparse_rows():
     """Straight lines through nine rows would miss it by h^2/8 = 0.2 % of 2."""
     sparse, dense = np.linspace(0.0, 1.0, 9), np.linspace(0.0, 1.0, 801)
-    apart = distance(run(sparse, sparse + sparse**2), run(dense, dense + dense**2))
+    apart = curves.distance(run(sparse, sparse + sparse**2), run(dense, dense + dense**2))
     assert apart.largest < 2.5e-4
-    assert interpolation_error(run(sparse, sparse + sparse**2), "force") == pytest.approx(apart.rms, rel=1e-6)
-    assert RowCurve(sparse, sparse + sparse**2).at(0.5625) == pytest.approx(0.5625 + 0.5625**2, abs=4e-4)
+    assert curves.interpolation_error(run(sparse, sparse + sparse**2), "force") == pytest.approx(
+        apart.rms, rel=1e-6
+    )
+    assert curves.RowCurve(sparse, sparse + sparse**2).at(0.5625) == pytest.approx(
+        0.5625 + 0.5625**2, abs=4e-4
+    )
 
 
 @pytest.mark.parametrize("rows", [13, 25, 49])
 def test_the_interpolation_error_is_of_the_size_of_the_true_one(rows):
     sparse, dense = np.linspace(0.0, 3.0, rows) ** 1.25, np.linspace(0.0, 3.0**1.25, 4001)
     shown = run(sparse, np.sin(2.0 * sparse))
-    apart = distance(shown, run(dense, np.sin(2.0 * dense)))
-    assert 0.3 * apart.rms < interpolation_error(shown, "force") < 10.0 * apart.rms
+    apart = curves.distance(shown, run(dense, np.sin(2.0 * dense)))
+    assert 0.3 * apart.rms < curves.interpolation_error(shown, "force") < 10.0 * apart.rms
 
 
 @pytest.mark.parametrize("exponent", [2.0, 3.0, 10.0])
@@ -67,36 +52,36 @@ def test_a_radius_that_begins_as_any_root_of_the_time_is_uncertain_by_more_than_
     times, exact = (1.0 - t[::-1], 1.0 - fine[::-1]) if ends else (t, fine)
     radius = [(1.0 - one if ends else one) ** (1.0 / exponent) for one in (times, exact)]
     rough, right = (run(one, 0.0 * one, a) for one, a in zip((times, exact), radius, strict=True))
-    missed = distance(rough, right, "contact_radius").rms
-    assert missed <= interpolation_error(rough, "contact_radius") <= 6.0 * missed
+    missed = curves.distance(rough, right, "contact_radius").rms
+    assert missed <= curves.interpolation_error(rough, "contact_radius") <= 6.0 * missed
 
 
 def test_jumps_and_corners_are_not_rounded_and_no_curve_leaves_its_rows():
     t = np.array([0.0, 1.0, 2.0, 3.0, 3.0, 4.0, 5.0, 6.0])
     force = np.array([0.0, 1.0, 2.0, 3.0, 7.0, 5.0, 3.0, 1.0])
-    assert np.allclose(RowCurve(t, force).within(np.arange(4.0))[2], [0.5, 1.5, 2.5])
-    assert np.allclose(RowCurve(t, force).within(np.arange(3.0, 7.0))[2], [6.0, 4.0, 2.0])
+    assert np.allclose(curves.RowCurve(t, force).within(np.arange(4.0))[2], [0.5, 1.5, 2.5])
+    assert np.allclose(curves.RowCurve(t, force).within(np.arange(3.0, 7.0))[2], [6.0, 4.0, 2.0])
     short = 0.01 * np.cumsum(1.3 ** np.arange(12.0))  # beyond long steps, on a scale they know nothing of
     t = np.concatenate((np.arange(4.0), 3.0 + short))
     force = np.minimum(t, 3.0) - 0.4 * (1.0 - np.exp(-np.maximum(t - 3.0, 0.0) / 0.2))
-    assert RowCurve(t, force).at(2.5) == pytest.approx(2.5, abs=1e-12)
-    assert RowCurve(t[-1] - t[::-1], force[::-1]).at(t[-1] - 2.5) == pytest.approx(2.5, abs=1e-12)
+    assert curves.RowCurve(t, force).at(2.5) == pytest.approx(2.5, abs=1e-12)
+    assert curves.RowCurve(t[-1] - t[::-1], force[::-1]).at(t[-1] - 2.5) == pytest.approx(2.5, abs=1e-12)
     rng = np.random.default_rng(5)
     for _ in range(50):
         t = np.cumsum(10.0 ** rng.uniform(-9, 0, 12))
         x = np.cumsum(rng.normal(size=12) * 10.0 ** rng.uniform(-6, 3, 12))
-        at, slack = RowCurve(t, x).within(t), 1e-12 * np.abs(x).max()
+        at, slack = curves.RowCurve(t, x).within(t), 1e-12 * np.abs(x).max()
         assert np.all(at >= np.minimum(x[1:], x[:-1]) - slack)
         assert np.all(at <= np.maximum(x[1:], x[:-1]) + slack)
 
 
-@pytest.mark.parametrize("kind", [distance, movement_distance])
+@pytest.mark.parametrize("kind", [curves.distance, curves.movement_distance])
 def test_a_curve_has_a_corner_where_an_edge_at_rest_sets_off(kind):
     """The slope changes there no more than over the short steps after it: no corner by itself."""
     time = np.concatenate((np.arange(6.0), 5.0 + 1e-3 * np.arange(1.0, 8.0)))
     force = np.where(time < 5.0, time, 5.0 + 1e3 * ((time - 5.0) ** 2 - 2e-3 * (time - 5.0)))
     radius = np.where(time <= 5.0, 1.0, 6.0 - time)
-    spans = () if kind is distance else (np.array([[0.0, time[-1]]]),)
+    spans = () if kind is curves.distance else (np.array([[0.0, time[-1]]]),)
     dense = np.union1d(time, np.linspace(0.0, 5.0, 501))
     line = run(dense, np.interp(dense, time, force), np.interp(dense, time, radius))
     assert kind(run(time, force, radius), line, *spans).rms < 1e-12
@@ -114,8 +99,13 @@ def test_curves_have_corners_where_load_steps_end():
     one, two = run(rows, force(rows)), run(dense, force(dense))
     end = np.nextafter(0.5, 0.0)  # of the step, to round-off
     spans = np.array([[0.0, 1.0], [0.0, end], [end, 1.0]])
-    assert distance(one, two, spans=spans).rms < 4e-4 < 4e-3 < distance(one, two).rms
-    assert interpolation_error(one, "force", spans) < 3e-4 < 4e-3 < interpolation_error(one, "force")
+    assert curves.distance(one, two, spans=spans).rms < 4e-4 < 4e-3 < curves.distance(one, two).rms
+    assert (
+        curves.interpolation_error(one, "force", spans)
+        < 3e-4
+        < 4e-3
+        < curves.interpolation_error(one, "force")
+    )
 
 
 @pytest.mark.parametrize(
@@ -129,7 +119,7 @@ def test_curves_have_corners_where_load_steps_end():
     ],
 )
 def test_norms_by_hand(one, two, expected):
-    apart = distance(run(*one), run(*two))
+    apart = curves.distance(run(*one), run(*two))
     found = apart.mean, apart.rms, apart.largest, apart.at
     assert found == pytest.approx(expected)
 
@@ -137,43 +127,43 @@ def test_norms_by_hand(one, two, expected):
 def test_jumps_that_rounding_holds_apart_are_one_and_others_part():
     jump, spans = np.nextafter(0.5, 1.0), np.array([[0.0, 1.0], [0.5, 1.0]])
     one, two = (run([0.0, at, at, 1.0], [0.0, 0.0, 1.0, 1.0]) for at in (0.5, jump))
-    apart = distance(one, two)
+    apart = curves.distance(one, two)
     assert (apart.rms, apart.mean, apart.largest) == (0.0, 0.0, 0.0)
-    assert movement_distance(one, two, spans).rms == 0.0
-    assert parting_time(one, two, 1e-3) is None
+    assert curves.movement_distance(one, two, spans).rms == 0.0
+    assert curves.parting_time(one, two, 1e-3) is None
     later = run([0.0, 0.51, 0.51, 1.0], [0.0, 0.0, 1.0, 1.0])
-    assert parting_time(one, later, 1e-3) == 0.5
-    assert distance(run([0], [1]), one) is None
+    assert curves.parting_time(one, later, 1e-3) == 0.5
+    assert curves.distance(run([0], [1]), one) is None
 
 
-RAMP, SHAKE = Ramp(1.0, 1.0), Oscillate(0.01, 2.0 * np.pi, 4.0)
-LOADING = Loading("relaxed", 0.0, (RAMP, SHAKE))
+RAMP, SHAKE = cs.Ramp(1.0, 1.0), cs.Oscillate(0.01, 2.0 * np.pi, 4.0)
+LOADING = cs.Loading("relaxed", 0.0, (RAMP, SHAKE))
 TIME = np.linspace(0.0, 5.0, 2001)
 EDGE = np.minimum(TIME, 1.0) + np.where(TIME > 1.0, 0.005 * np.sin(2.0 * np.pi * (TIME - 1.0)), 0.0)
 
 
 def moved(other, base=EDGE):
     right = run(TIME, TIME, base, np.minimum(TIME, 1.0))
-    return movement_distance(run(TIME, TIME, other), right, windows(LOADING, right), "contact_radius")
+    return curves.movement_distance(run(TIME, TIME, other), right, windows(LOADING, right), "contact_radius")
 
 
 def test_movement_is_relative_to_the_excursion_in_the_worst_window():
     """A swing travels by 1 % of the radius; frozen in the last cycle it is 0.1 % of the whole off."""
     frozen = np.where(TIME > 4.0, 1.0, EDGE)
     right, spans = run(TIME, TIME, EDGE), windows(LOADING, run(TIME, TIME, EDGE, np.minimum(TIME, 1.0)))
-    size = distance(run(TIME, TIME, frozen), right, "contact_radius").rms
+    size = curves.distance(run(TIME, TIME, frozen), right, "contact_radius").rms
     found = moved(frozen)
     assert size < 2e-3
     assert found.rms == pytest.approx(np.sqrt(0.5) / 2.0, rel=1e-3)
     assert (found.begin, found.end) == pytest.approx((4.0, 5.0))
-    assert found.rms <= size * movement_bound(right, spans, "contact_radius")
+    assert found.rms <= size * curves.movement_bound(right, spans, "contact_radius")
     assert moved(EDGE + 0.003).rms < 1e-6  # a contact too large by a constant moves as it should
     assert moved(np.where(TIME > 1.0, EDGE + 0.003, EDGE)).rms < 0.1
     flat = np.ones_like(TIME)  # what hardly moves is divided by no less than the tolerance of curves
-    assert moved(flat + 1e-6 * np.sin(TIME), flat).rms <= 1e-6 / LEAST_EXCURSION
+    assert moved(flat + 1e-6 * np.sin(TIME), flat).rms <= 1e-6 / curves.LEAST_EXCURSION
 
 
-STEPS = Ramp(1.0, 0.1, until_force=4.0), Hold(1.0), Oscillate(0.1, 2.0 * np.pi, 2.0)
+STEPS = cs.Ramp(1.0, 0.1, until_force=4.0), cs.Hold(1.0), cs.Oscillate(0.1, 2.0 * np.pi, 2.0)
 LEVEL = run([0.0, 1.0, 2.0, 3.0, 5.0], [0.0, 1.0, 4.0, 3.5, 3.0], penetration=[0.0, 0.1, 0.2, 0.2, 0.2])
 
 
@@ -186,12 +176,12 @@ LEVEL = run([0.0, 1.0, 2.0, 3.0, 5.0], [0.0, 1.0, 4.0, 3.5, 3.0], penetration=[0
             [(0.0, 4.5), (0.0, 1.0), (1.0, 4.5), (1.0, 2.0), (2.0, 3.0), (3.0, 4.0)],
         ),
         (
-            (Sweep(0.1, 4.0 * np.pi, 2.0), Hold(1.0)),
+            (cs.Sweep(0.1, 4.0 * np.pi, 2.0), cs.Hold(1.0)),
             run([0.0, 3.0], [0, 0]),
             [(0.0, 3.0), (0.0, 2.0), *pairwise([0.0, 1.0, 2.0**0.5, 3.0**0.5, 2.0]), (2.0, 3.0)],
         ),
         (  # under a force the penetration is found by the run: 0.5 when the ramp to 2 begins
-            (Force(1.0, 1.0), ForceRamp(3.0, 2.0), Ramp(2.0, 1.0), Hold(1.0)),
+            (cs.Force(1.0, 1.0), cs.ForceRamp(3.0, 2.0), cs.Ramp(2.0, 1.0), cs.Hold(1.0)),
             run([0, 1, 2, 3.5, 4.5], [1.0, 1.0, 3.0, 9.0, 8.0], penetration=[0.0, 0.25, 0.5, 2.0, 2.0]),
             [(0.0, 4.5), (0.0, 1.0), (1.0, 2.0), (2.0, 3.5), (3.5, 4.5)],
         ),
@@ -200,6 +190,6 @@ LEVEL = run([0.0, 1.0, 2.0, 3.0, 5.0], [0.0, 1.0, 4.0, 3.5, 3.0], penetration=[0
     ],
 )
 def test_windows_are_the_run_its_load_steps_as_it_went_and_its_whole_cycles(steps, base, spans):
-    assert windows(Loading("relaxed", 0.0, steps), base) == pytest.approx(np.array(spans))
+    assert windows(cs.Loading("relaxed", 0.0, steps), base) == pytest.approx(np.array(spans))
     if steps is STEPS:
-        assert corners(Loading("relaxed", 0.0, steps), base) == pytest.approx([0.0, 2.0, 3.0, 5.0])
+        assert corners(cs.Loading("relaxed", 0.0, steps), base) == pytest.approx([0.0, 2.0, 3.0, 5.0])

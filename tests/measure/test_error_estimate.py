@@ -40,20 +40,11 @@ def estimates(run: Trace, other: Trace, ratio: float = 2.0, loading: Loading | N
 
 
 @pytest.mark.parametrize("ratio", [2.0, 2.25, 1.75, 0.5])
-@pytest.mark.parametrize(("solver", "order"), [("fem", 2), ("bem", 1)])
-def test_an_estimate_is_three_times_the_error_at_the_known_order(solver, order, ratio):
-    run, other = spring(1.0 + 1e-3, solver), spring(1.0 + 1e-3 * ratio**order, solver)
+def test_an_estimate_is_three_times_the_error_at_first_order(ratio):
+    run, other = spring(1.0 + 1e-3), spring(1.0 + 1e-3 * ratio)
     found = estimates(run, other, ratio)
     assert found["approach_force"] == pytest.approx(SAFETY * 1e-3, rel=4e-3)
     assert found["force"] == pytest.approx(SAFETY * 1e-3 * 0.4, rel=0.5)
-
-
-@pytest.mark.parametrize("name", ["pull_off_force", "pull_off_radius", "branch_dissipation"])
-def test_corners_and_layers_are_of_first_order(name):
-    """Three times the difference, of finite elements too: 3/(2^1 - 1); other scalars 3/(2^2 - 1)."""
-    run = pulled(np.arange(11.0), np.arange(11.0))
-    found = from_two_runs(run, run, {name: 10.0, "start_radius": 10.0}, {name: 10.1, "start_radius": 10.1})
-    assert found[name] / found["start_radius"] == pytest.approx(3.0)
 
 
 def test_what_agrees_by_accident_is_no_better_than_the_curves():
@@ -62,13 +53,13 @@ def test_what_agrees_by_accident_is_no_better_than_the_curves():
     wave = np.sin(2 * np.pi * fine.time)
     bent = dataclasses.replace(fine, force=fine.force * (1.0 + 0.1 * wave))
     found, apart = estimates(fine, bent), distance(bent, fine, "force")
-    assert found["force"] == pytest.approx(apart.rms, abs=2e-5)  # second order: factor 3 of 3
-    assert found["force"] > found["approach_force"] == pytest.approx(apart.mean, abs=2e-5)
+    assert found["force"] == pytest.approx(SAFETY * apart.rms, abs=2e-5)
+    assert found["force"] > found["approach_force"] == pytest.approx(SAFETY * apart.mean, abs=2e-5)
     deeper = dataclasses.replace(fine, penetration=fine.penetration + 1e-3 * wave)
     alike = {"detachment_penetration": -0.01, "detachment_time": 1.0}
     found, apart = from_two_runs(fine, deeper, alike, alike), distance(deeper, fine, "penetration")
     assert found["force"] == found["detachment_time"] == 0.0
-    assert found["detachment_penetration"] == pytest.approx(apart.mean, rel=1e-6)
+    assert found["detachment_penetration"] == pytest.approx(SAFETY * apart.mean, rel=1e-6)
     alike = {"branch_dissipation": 3.0, "detachment_radius": 0.2}
     found = from_two_runs(fine, spring(1.01), alike, alike)
     assert found["branch_dissipation"] == pytest.approx(2.0 * found["detachment_radius"]) != 0.0
@@ -84,9 +75,9 @@ def test_losses_that_agree_at_the_end_by_accident_were_apart_on_the_way(relaxes)
     other = dataclasses.replace(run, dissipated_energy=t + apart, extra={"branch_dissipation": heat + apart})
     alike = {"dissipated_energy": 1.0, "branch_dissipation": 1.0, "loop_energy": 1.0, "pull_off_force": 1.0}
     found = from_two_runs(run, other, alike, alike)
-    expected = SAFETY * 0.1 / np.sqrt(2.0) if relaxes else 0.0
-    for name, times in (("dissipated_energy", 1.0), ("loop_energy", 1.0), ("branch_dissipation", 2.0)):
-        assert found[name] == pytest.approx(times * expected, rel=1e-3)
+    expected = 2.0 * SAFETY * 0.1 / np.sqrt(2.0) if relaxes else 0.0
+    for name in ("dissipated_energy", "loop_energy", "branch_dissipation"):
+        assert found[name] == pytest.approx(expected, rel=1e-3)
     assert found["pull_off_force"] == 0.0
 
 
@@ -213,7 +204,7 @@ def test_corners_and_holds_of_the_loading_are_located():
     assert max(found["approach_time"], found["approach_force"]) <= 1e-2
 
 
-@pytest.mark.parametrize(("drift", "least", "most"), [(0.0, 0.0, 1e-12), (2e-2, 0.2, 2.0)])
+@pytest.mark.parametrize(("drift", "least", "most"), [(0.0, 0.0, 1e-12), (2e-2, 0.2, 4.0)])
 def test_where_a_creeping_penetration_turns_is_as_uncertain_as_its_error_changes(drift, least, most):
     """An error that is the same all along does not move the turn at t = 0.5; one that grows does."""
     t, loading = spring(1.0).time, Loading("jump-in", 0.0, (Force(1.0, 0.5), ForceRamp(0.0, 2.0)))
@@ -271,8 +262,8 @@ def test_the_run_that_errors_are_estimated_from_is_never_the_same():
     assert other("bem", CASE.scene, 9) == (4, None, 2.25)
     for least in (4, 5, 6, 7):
         assert other("bem", CASE.scene, least) == (2 * least, None, 0.5)
-    assert other("fem", CASE.scene, None) == (5, 4e-3, 2.0)
-    assert other("fem", CASE.scene, 1) == (2, 0.25e-3, 0.5)
+    assert other("fem", CASE.scene, None) == (5, None, 2.0)
+    assert other("fem", CASE.scene, 1) == (2, None, 0.5)
     assert other("fem", load("adhesionless-cycle").scene, None)[0] == 2
 
 

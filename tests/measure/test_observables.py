@@ -8,24 +8,14 @@ import numpy as np
 import pytest
 from support.synthetic_traces import by_hand, work_of
 
-from contact_scene import (
-    Event,
-    Force,
-    ForceRamp,
-    Hold,
-    Loading,
-    Oscillate,
-    OutcomeKind,
-    Ramp,
-    Table,
-)
+import contact_scene as cs
 from contact_scene.run_control import below_zone_outcome
 from validation.cases import load
 from validation.measure.events import end_of_approach, is_located
 from validation.measure.observables import at_last_contact, cycle_losses, measure, observe
 from validation.measure.scaling import SYMBOLS, kind_of, unit_sizes
 
-DETACHED, COMPLETED = OutcomeKind.DETACHED, OutcomeKind.COMPLETED
+DETACHED, COMPLETED = cs.OutcomeKind.DETACHED, cs.OutcomeKind.COMPLETED
 
 
 def trace(time, penetration, force, radius=1.0, loss=0.0, kind=COMPLETED, events=(), past=False):
@@ -77,11 +67,11 @@ def test_the_largest_force_may_come_before_the_largest_penetration():
     creeping = ([0, 1, 1.5, 2, 3], [0, 1, 1.1, 1.2, 0], [0, 5, 5, 3, -1])
     seen = observe(trace(*creeping))
     assert (seen.peak_force, seen.peak_time, seen.approach_force) == (5, 1, 3)
-    stopped = observe(trace(*(column[:3] for column in creeping), kind=OutcomeKind.STEP_BUDGET))
+    stopped = observe(trace(*(column[:3] for column in creeping), kind=cs.OutcomeKind.STEP_BUDGET))
     assert stopped.peak_force is stopped.peak_time is None
 
 
-FREE = (Event("pull-off", 2.0, 0.0, 0.0, 0.0),)
+FREE = (cs.Event("pull-off", 2.0, 0.0, 0.0, 0.0),)
 IN_A_POINT = [0, 1, 1.9, 2], [2, 1, 0.1, 0], [2, 1, 0.1, 0], [1, 0.7, 0.3, 0]
 FORCED = [0, 1, 2, 2], [2, 1, 0.1, 0], [2, 1, 1e-9, 0], [1, 0.7, 1e-2, 0]
 
@@ -89,16 +79,16 @@ FORCED = [0, 1, 2, 2], [2, 1, 0.1, 0], [2, 1, 1e-9, 0], [1, 0.7, 1e-2, 0]
 @pytest.mark.parametrize(
     ("columns", "events", "zone", "in_a_point", "time", "radius"),
     [
-        (([0, 1, 2], [1, 0, -1], [1, -1, 0]), (Event("snap-in", 0.0, 0.0, -1.0, 0.5),
-         Event("pull-off", 1.5, -0.25, -0.5, 0.125)), 0.0, False, 1.5, 0.125),  # as the solver locates it
+        (([0, 1, 2], [1, 0, -1], [1, -1, 0]), (cs.Event("snap-in", 0.0, 0.0, -1.0, 0.5),
+         cs.Event("pull-off", 1.5, -0.25, -0.5, 0.125)), 0.0, False, 1.5, 0.125),  # as the solver locates it
         (([0, 1, 2, 2], [2, 1, 0, 0], [2, 1, 0, 0], [1, 1, 1, 0]), FREE, 0.0, False, 2.0, 1.0),  # a punch
         (IN_A_POINT, FREE, 0.0, False, 2.0, 0.0),
         (FORCED, FREE, 0.0, True, 2.0, 0.0),  # under a force that much may be left within rounding
         (([0, 1, 2, 3], [1, 0, -1, -2], [1, -3, -2, -1], [1, 0.5, 0.25, 0.1]), (), 0.25, False, 2.0, 0.25),
         (([0, 1, 2, 3], [1, 0, -1, -2], [1, -3, -2, -1], [1, 0.5, 0.25, 0.1]),
-         (Event("pull-off", 3.5, -2.5, -0.25, 0.05),), 0.25, False, 2.0, 0.25),  # out of the model
+         (cs.Event("pull-off", 3.5, -2.5, -0.25, 0.05),), 0.25, False, 2.0, 0.25),  # out of the model
         (([0, 1, 2, 3], [1, 0, -1, -2], [1, -3, -2, -1], [1, 0.5, 0.25, 0.1]),
-         (Event("pull-off", 3.5, -2.5, -0.25, 0.05),), 0.04, False, 3.5, 0.05),
+         (cs.Event("pull-off", 3.5, -2.5, -0.25, 0.05),), 0.04, False, 3.5, 0.05),
     ],
 )  # fmt: skip
 def test_the_last_state_in_contact(columns, events, zone, in_a_point, time, radius):
@@ -124,7 +114,7 @@ RISING = [0, 1, 2, 3], [0, 2, 1, 0], [-2, 3, -1, -4]
 PASSED = [0, 1, 2, 3, 4], [0, 2, 1, 0, -1], [-2, 3, -1, -1.5, -1.25]
 PLATEAU = [0, 0, 1, 2], [3, 1, 0, -4], [1, -2, -2, -2 + 1e-12]
 HELD = [0, 1, 2, 2], [-1, -1, -1, -1], [-2, -2.5, -2.25, 0], [1, 0.75, 0.5, 0]
-STOPPED = (OutcomeKind.INTERRUPTED, OutcomeKind.STEP_BUDGET, OutcomeKind.NOT_FINITE, COMPLETED)
+STOPPED = (cs.OutcomeKind.INTERRUPTED, cs.OutcomeKind.STEP_BUDGET, cs.OutcomeKind.NOT_FINITE, COMPLETED)
 
 
 @pytest.mark.parametrize(
@@ -133,9 +123,9 @@ STOPPED = (OutcomeKind.INTERRUPTED, OutcomeKind.STEP_BUDGET, OutcomeKind.NOT_FIN
         *((UNDER_TENSION, kind, False, None, None) for kind in STOPPED),
         *((RISING, kind, False, None, None) for kind in STOPPED),  # no extremum yet
         *((PASSED, kind, False, 1.5, 3) for kind in STOPPED),  # less than at the start, which is none
-        (RISING, OutcomeKind.BELOW_ZONE, False, None, None),
-        (PASSED, OutcomeKind.BELOW_ZONE, True, 1.5, 3),
-        (PASSED, OutcomeKind.BELOW_ZONE, False, None, None),  # only its outcome knows
+        (RISING, cs.OutcomeKind.BELOW_ZONE, False, None, None),
+        (PASSED, cs.OutcomeKind.BELOW_ZONE, True, 1.5, 3),
+        (PASSED, cs.OutcomeKind.BELOW_ZONE, False, None, None),  # only its outcome knows
         (([0, 1, 2], [0, 1, 0], [0, 1, -1e-15]), COMPLETED, False, None, None),  # round-off
         (([0, 1, 1 + 1e-9, 2], [0, 1, 1 - 1e-8, 2], [-3, -2, -2, -1]), COMPLETED, False, None, None),
         (([0, 1, 2, 3, 4], [0, 0, 0, 2, 1], [-2, -2.5, -2.25, 3, -1]), COMPLETED, False, None, None),
@@ -167,7 +157,7 @@ def test_the_pull_off_is_an_extremum_of_tension_that_the_run_has_passed(columns,
 )
 def test_the_extremum_before_the_process_zone_is_reached(tension, past):
     outcome = below_zone_outcome(-np.array(tension), 3.0)
-    assert (outcome.kind, outcome.time) == (OutcomeKind.BELOW_ZONE, 3.0)
+    assert (outcome.kind, outcome.time) == (cs.OutcomeKind.BELOW_ZONE, 3.0)
     assert outcome.past_extremum is outcome.finished is past
     if len(tension) > 1:
         depth = -np.arange(len(tension), dtype=float)
@@ -203,13 +193,13 @@ def test_the_highest_crest_ends_the_approach(time, depth, row):
 
 
 T = np.linspace(0.0, 2.0, 201)
-PRESSED = Loading("jump-in", 0.0, (Ramp(1.0, 1.0), Ramp(-1.0, 1.0)))
-TO_A_LEVEL = Loading("jump-in", 0.0, (Ramp(1.0, 1.0, until_force=1.0),))
+PRESSED = cs.Loading("jump-in", 0.0, (cs.Ramp(1.0, 1.0), cs.Ramp(-1.0, 1.0)))
+TO_A_LEVEL = cs.Loading("jump-in", 0.0, (cs.Ramp(1.0, 1.0, until_force=1.0),))
 LOADED, TURNED = (
-    Loading("jump-in", 0.0, steps)
-    for steps in ((Force(1.0, 1.0),), (ForceRamp(1.0, 1.0), ForceRamp(0.0, 1.0)))
+    cs.Loading("jump-in", 0.0, steps)
+    for steps in ((cs.Force(1.0, 1.0),), (cs.ForceRamp(1.0, 1.0), cs.ForceRamp(0.0, 1.0)))
 )
-SWUNG = Loading("jump-in", 0.0, (Oscillate(0.1, 6.0, 2.0),))
+SWUNG = cs.Loading("jump-in", 0.0, (cs.Oscillate(0.1, 6.0, 2.0),))
 TWO = trace([0, 1, 2, 3, 4], [0, 1, 0, 0.9999, 0], [0, 1, 0, 0.9, 0])
 SLOW, RESTING = (
     trace(T, np.where(T < 1.0, 1.0 - np.exp(-rate * T), 2.0 - T), np.ones_like(T)) for rate in (1.0, 20.0)
@@ -238,30 +228,30 @@ def test_what_is_the_same_in_all_right_runs(run, loading, located, not_located):
     assert not any(is_located(name, run, loading) for name in not_located.split())
 
 
-DOWN = Ramp(2.0, 1.0)
+DOWN = cs.Ramp(2.0, 1.0)
 
 
 @pytest.mark.parametrize(
     ("columns", "steps", "time"),
     [
         (UNDER_TENSION, (DOWN,), None),
-        (RISING, (DOWN, Ramp(-1.0, 1.0)), 1),
-        (([0, 2, 3], [0, 2, 2], [0, 3, 2]), (DOWN, Hold(9)), 2),
-        (([0, 2, 2.5], [0, 2, 1.5], [0, 3, 2]), (DOWN, Ramp(-1.0, 1.0)), 2),
+        (RISING, (DOWN, cs.Ramp(-1.0, 1.0)), 1),
+        (([0, 2, 3], [0, 2, 2], [0, 3, 2]), (DOWN, cs.Hold(9)), 2),
+        (([0, 2, 2.5], [0, 2, 1.5], [0, 3, 2]), (DOWN, cs.Ramp(-1.0, 1.0)), 2),
         *(
-            (([0, 2, 2.5], [0, 2, 1.5], [0, 3, 2]), (DOWN, Ramp(1.0, 1.0), ahead), None)
+            (([0, 2, 2.5], [0, 2, 1.5], [0, 3, 2]), (DOWN, cs.Ramp(1.0, 1.0), ahead), None)
             for ahead in (
-                Ramp(2.5, 1.0),
-                Force(4.0, 1.0),
-                Oscillate(1.5, 1.0, 9.0),
-                Table((0.0, 1.0, 2.0), (1.0, 2.5, 0.0), interpolation="cubic"),
+                cs.Ramp(2.5, 1.0),
+                cs.Force(4.0, 1.0),
+                cs.Oscillate(1.5, 1.0, 9.0),
+                cs.Table((0.0, 1.0, 2.0), (1.0, 2.5, 0.0), interpolation="cubic"),
             )
         ),
     ],
 )
 def test_the_approach_of_a_stopped_run_is_known_once_it_has_ended(columns, steps, time):
-    loading = Loading("relaxed", 0.0, steps)
-    assert observe(trace(*columns, kind=OutcomeKind.INTERRUPTED), loading=loading).approach_time == time
+    loading = cs.Loading("relaxed", 0.0, steps)
+    assert observe(trace(*columns, kind=cs.OutcomeKind.INTERRUPTED), loading=loading).approach_time == time
     assert observe(trace(*columns)).approach_force == 3
 
 

@@ -6,10 +6,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from support.fitted_meshes import mesh_for
 from support.paper_scenes import ONE, STICKY, WORK, ZONE
 
-import meshes
 from contact_scene import (
     Adhesion,
     Cone,
@@ -17,6 +15,7 @@ from contact_scene import (
     Force,
     ForceRamp,
     Hold,
+    Layer,
     Loading,
     Machine,
     Material,
@@ -28,6 +27,7 @@ from contact_scene import (
     Table,
     TabulatedProfile,
 )
+from validation.reference.elastic_layer import ElasticLayer
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
 from validation.solvers.contact_range import SPARE, largest_contact_radius
@@ -56,6 +56,21 @@ CLOSED_FORMS = {
     "rising": (scene(Oscillate(0.01, 3.0, 100.0, 1e-4), depth=0.03), 0.2),
     "punch": (scene(indenter=FlatPunch(0.7), depth=0.1), 0.7 / SPARE),
 }
+
+
+@pytest.mark.parametrize("base", ["bonded", "frictionless"])
+def test_the_largest_contact_on_a_layer(base):
+    """At a penetration it is larger than on a half-space, under a force smaller."""
+    film = Layer(0.1, base)
+    deep, pressed = scene(depth=0.03, adhesion=STICKY), scene(Force(0.05, 1.0), depth=1e-3, adhesion=STICKY)
+    closed = ElasticLayer(film, 0.5, Sphere(1.0))
+    for asked, value in ((deep, ("penetration", 0.03)), (pressed, ("force", 0.05))):
+        found = largest_contact_radius(dataclasses.replace(asked, body=film))
+        state = closed.state(found / SPARE, WORK)
+        assert getattr(state, value[0]) == pytest.approx(value[1], rel=1e-9)
+        assert (found > largest_contact_radius(asked)) == (asked is deep)
+        thick = largest_contact_radius(dataclasses.replace(asked, body=Layer(1e7, base)))
+        assert thick == largest_contact_radius(asked)
 
 
 @pytest.mark.parametrize("name", CLOSED_FORMS)
@@ -140,46 +155,33 @@ def test_no_contact_is_said():
         largest_contact_radius(scene(depth=-0.1))
 
 
-def test_mesh_resolves_the_zone_and_refuses_the_absurd():
-    sticky = scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 0.02))
-    mesh = mesh_for(sticky, 4)
-    assert mesh.parameters.fine_size == pytest.approx(0.005)
-    assert mesh.parameters.fine_to > largest_contact_radius(sticky)
-    with pytest.raises(SceneError, match="allowed: a longer process zone"):
-        mesh_for(scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, 1e-9)), None)
+def fine_size(asked, resolution):
+    fem = FiniteElements()
+    return fem.parameters(asked, resolution or fem.default_resolution(asked)).fine_size
 
 
-@pytest.mark.parametrize("zone", [1e-4, 2e-4])
+@pytest.mark.parametrize("zone", [1e-4, 0.02])
 def test_a_refused_mesh_advises_the_finest_one_that_is_not(zone, monkeypatch):
     sticky = scene(Ramp(0.03, 1.0), adhesion=Adhesion(5e-4, zone))
     monkeypatch.setattr("validation.solvers.finite_elements.installed_memory", lambda: None)
     with pytest.raises(SceneError, match="coarser resolution, at most") as refused:
-        mesh_for(sticky, 1000)
+        FiniteElements().check(sticky, 10_000)
     advised = int(refused.value.allowed.split()[-1])
-    monkeypatch.setattr(meshes, "cached", lambda parameters: parameters)
-    assert mesh_for(sticky, advised).fine_size == pytest.approx(zone / advised)
+    assert fine_size(sticky, advised) == pytest.approx(1.0 / advised)  # in zones
+    FiniteElements().check(sticky, advised)
     with pytest.raises(SceneError):
-        mesh_for(sticky, advised + 1)
+        FiniteElements().check(sticky, advised + 1)
 
 
-def test_the_mesh_of_a_punch_is_fine_wherever_its_contact_may_peel(monkeypatch):
-    monkeypatch.setattr(meshes, "cached", lambda parameters: parameters)
-    sticky = dataclasses.replace(scene(adhesion=STICKY), indenter=FlatPunch(0.7))
-    assert mesh_for(sticky, 4).fine_from == 0.0
-    elastic = dataclasses.replace(sticky, material=Material(1.0, 0.5))
-    assert mesh_for(elastic, 4).fine_from > 0.6
-
-
-def test_resolutions_mean_finer_meshes_from_the_coarsest_offered_on(monkeypatch):
+def test_resolutions_mean_finer_meshes_from_the_coarsest_offered_on():
     """With and without adhesion; the default is among those a user may choose."""
-    monkeypatch.setattr(meshes, "cached", lambda parameters: parameters)
     for adhesion in (None, Adhesion(5e-4, 0.013)):
         asked = scene(Ramp(0.03, 1.0), adhesion=adhesion)
-        sizes = [mesh_for(asked, resolution).fine_size for resolution in range(LEAST_DIVISIONS, 40)]
+        sizes = [fine_size(asked, resolution) for resolution in range(LEAST_DIVISIONS, 40)]
         assert np.all(np.diff(sizes) < 0.0)
         default = FiniteElements().default_resolution(asked)
         assert default >= LEAST_DIVISIONS
-        assert mesh_for(asked, None).fine_size == sizes[default - LEAST_DIVISIONS]
+        assert fine_size(asked, None) == sizes[default - LEAST_DIVISIONS]
 
 
 def test_a_process_zone_holds_on_where_a_sharp_edge_has_let_go():

@@ -5,21 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import meshes
 from meshes.mesh import areas
-from meshes.surface import surface_radii
 
 CASES = {
-    "default": meshes.fit(0.126, 0.244, 0.013, 10),
-    "from the axis": meshes.fit(0.0, 0.2, 0.01, 4),
-    "punch": meshes.fit(1.0, 1.0, 0.01, 10, edge=1.0),
+    "default": meshes.MeshParameters(0.0013, 0.0988, 0.2704, 97.6),
+    "from the axis": meshes.MeshParameters(0.0025, 0.0, 0.22, 80.0),
     "one interval": meshes.MeshParameters(0.1, 0.5, 0.6, 50.0),
     "coarse": meshes.MeshParameters(0.1, 0.35, 1.1, 100.0, grading=0.5),
     "narrow start": meshes.MeshParameters(0.1, 0.03, 1.1, 100.0),
-    "metres": meshes.fit(1.26e-7, 2.44e-7, 1.3e-8, 5),
+    "metres": meshes.MeshParameters(2.6e-9, 9.88e-8, 2.704e-7, 9.76e-5),
 }
 FAMILIES = pytest.mark.parametrize("family", meshes.FAMILIES)
 
@@ -95,24 +93,10 @@ def test_strip_is_equispaced_to_rounding(family):
     assert 1200 < mesh.points.shape[1] < 1800
 
 
-@FAMILIES
-def test_punch_edge_is_a_vertex_approached_by_halves(family):
-    mesh = build("punch", family)
-    radii = mesh.points[0, mesh.surface_nodes]
-    tip = int(np.argmin(np.abs(radii - 1.0)))
-    assert radii[tip] == 1.0
-    steps = np.diff(radii[tip : tip + 7])
-    halves = mesh.parameters.fine_size * 0.5 ** np.array([6, 6, 5, 4, 3, 2])
-    np.testing.assert_allclose(steps, halves, rtol=1e-9)
-    np.testing.assert_allclose(np.diff(radii[tip - 6 : tip + 1]), steps[::-1], rtol=1e-9)
-    strip = np.arange(-19, 20) * mesh.parameters.fine_size + 1.0
-    assert np.abs(radii[:, None] - strip).min(axis=0).max() < 1e-12
-
-
 @pytest.mark.parametrize("unit", [1e-12, 1e-9, 1e9])
 def test_the_mesh_is_the_same_in_other_units(unit):
-    plain = meshes.half_space(meshes.fit(0.0, 0.2, 0.013, 4))
-    other = meshes.half_space(meshes.fit(0.0, 0.2 * unit, 0.013 * unit, 4))
+    sizes = np.array([0.00325, 0.0, 0.22, 80.0])
+    plain, other = (meshes.half_space(meshes.MeshParameters(*sizes * one)) for one in (1.0, unit))
     assert np.array_equal(other.triangles, plain.triangles)
     assert np.abs(other.points / unit - plain.points).max() < 1e-12 * plain.points.max()
 
@@ -124,28 +108,21 @@ def test_the_mesh_is_the_same_in_other_units(unit):
     length=st.floats(0.3, 100.0),
     ratio=st.floats(4.1, 1e4),
     grading=st.floats(0.1, 0.5),
-    edge=st.one_of(st.none(), st.floats(0.0, 1.0)),
 )
-def test_structured_mesh_is_sound_for_any_parameters(size, start, length, ratio, grading, edge):
+def test_structured_mesh_is_sound_for_any_parameters(size, start, length, ratio, grading):
     """Lengths of strip and gap in units of the element size."""
     fine_from, fine_to = start * size, (start + length) * size
-    radius = None if edge is None else fine_from + edge * length * size
-    assume(radius is None or radius >= max(size, fine_from))
-    sizes = size, fine_from, fine_to, ratio * (fine_to + size), grading, "structured", radius
-    mesh = meshes.structured_half_space(meshes.MeshParameters(*sizes))
-    check_geometry(mesh, least_angle=8.0)
-    radii = mesh.points[0, mesh.surface_nodes]
-    assert radius is None or np.abs(radii - radius).min() < 1e-9 * radius
+    sizes = size, fine_from, fine_to, ratio * (fine_to + size), grading
+    check_geometry(meshes.structured_half_space(meshes.MeshParameters(*sizes)), least_angle=8.0)
 
 
 def test_a_mesh_is_made_once():
-    asked = meshes.fit(0.126, 0.244, 0.013, 3, family="structured")
+    asked = meshes.MeshParameters(0.004, 0.1, 0.27, 98.0, family="structured")
     assert meshes.cached(replace(asked)) is meshes.cached(asked)
     assert meshes.cached(replace(asked, grading=0.3)).parameters.grading == 0.3
 
 
 GOOD = {"fine_size": 0.01, "fine_from": 0.1, "fine_to": 0.3, "domain_radius": 10.0}
-FITTED = {"contact_from": 0.126, "contact_to": 0.244, "zone": 0.013, "divisions": 10}
 
 
 @pytest.mark.parametrize(
@@ -158,37 +135,11 @@ FITTED = {"contact_from": 0.126, "contact_to": 0.244, "zone": 0.013, "divisions"
         ({"domain_radius": 0.5}, "domain_radius = 0.5: must be a radius >= 1.24"),
         ({"grading": 0.6}, r"grading = 0\.6: must be a number in \(0, 0\.5\]"),
         ({"family": "hexagons"}, "family = 'hexagons': must be 'gmsh' or 'structured'"),
-        ({"extra_fine_radius": 0.5}, "extra_fine_radius = 0.5: must be a radius on the fine strip"),
-        ({"extra_fine_size": 0.001}, "extra_fine_size: needs extra_fine_radius"),
-        ({"contact_from": -1.0}, "contact_from = -1.0: must be a radius >= 0"),
-        ({"contact_to": 0.1}, "contact_to = 0.1: must be a radius >= contact_from"),
-        ({"zone": 0.0}, "zone = 0.0: must be a length > 0"),
-        ({"divisions": 2.5}, "divisions = 2.5: must be a whole number"),
     ],
 )
 def test_refuses_in_words(change, message):
     with pytest.raises(ValueError, match=message):
-        meshes.fit(**FITTED | change) if change.keys() <= FITTED.keys() else meshes.MeshParameters(
-            **GOOD | change
-        )
-
-
-def test_fit_covers_the_path_of_the_edge_with_its_margins():
-    asked = meshes.fit(**FITTED)
-    assert asked.fine_size == pytest.approx(0.0013)
-    assert 0.1 - 0.0013 <= asked.fine_from <= 0.1 + 1e-12
-    assert 0.27 - 1e-12 <= asked.fine_to <= 0.27 + 0.0013
-    assert asked.domain_radius == pytest.approx(400 * 0.244)
-    for radius in (asked.fine_from, asked.fine_to):
-        assert radius / asked.fine_size == pytest.approx(round(radius / asked.fine_size), abs=1e-9)
-    wide = meshes.fit(0.0, 0.01, 0.05, 4)
-    assert wide.fine_from == 0.0
-    assert wide.domain_radius >= 4 * wide.fine_to >= 0.44
-    rim = meshes.fit(0.3, 1 / 3, 0.01, 7, edge=1 / 3)
-    radii = surface_radii(rim)
-    assert rim.extra_fine_radius == 1 / 3
-    assert np.abs(radii - 1 / 3).min() < 1e-15
-    assert radii[(radii > 0.28) & (radii < 0.35)].size >= 49
+        meshes.MeshParameters(**GOOD | change)
 
 
 TRIANGLE = {
@@ -218,3 +169,9 @@ def test_mesh_refuses_what_is_no_half_space(change, message):
         meshes.HalfSpaceMesh(**TRIANGLE, parameters=asked).points[0, 0] = 1.0
     with pytest.raises(ValueError, match=message):
         meshes.HalfSpaceMesh(**{**TRIANGLE, **change}, parameters=asked)
+
+
+def test_one_mesh_serves_as_far_as_an_edge_may_come_without_adhesion():
+    """24 lengths; rounded, they were more in 13 of 100 cases."""
+    for largest in np.random.default_rng(1).uniform(0.01, 10.0, 100):
+        assert meshes.EdgeMeshes(largest / 20.0, 4, largest).place(1.2 * largest).level == 0

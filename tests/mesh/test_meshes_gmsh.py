@@ -14,7 +14,7 @@ import pytest
 import meshes
 from meshes import gmsh_session
 
-ASKED = meshes.fit(0.126, 0.244, 0.013, 3)
+ASKED = meshes.MeshParameters(0.004, 0.1, 0.27, 98.0)
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def test_without_gmsh_one_line_says_what_is_missing(monkeypatch, caplog, error, 
 def test_a_process_without_the_library_prints_one_line(tmp_path):
     """As a user sees it: a gmsh package whose shared library does not load."""
     (tmp_path / "gmsh.py").write_text("raise OSError('libGLU.so.1: cannot open shared object file')\n")
-    code = "import meshes; p = meshes.fit(.1, .2, .01, 4); print(meshes.cached(p).parameters.family)"
+    code = "import meshes as m; print(m.cached(m.MeshParameters(.01, .1, .2, 80)).parameters.family)"
     path = os.pathsep.join([str(tmp_path), os.getcwd()])
     environment = {**os.environ, "PYTHONPATH": path}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
@@ -126,7 +126,7 @@ def test_a_broken_pipe_is_still_an_exception_afterwards(gmsh):
     """gmsh makes it end the process: a worker that dies would take the whole command along."""
     program = """
 import os, threading, meshes
-other = threading.Thread(target=meshes.half_space, args=(meshes.fit(0.126, 0.244, 0.013, 3),))
+other = threading.Thread(target=meshes.half_space, args=(meshes.MeshParameters(0.004, 0.1, 0.27, 98.0),))
 other.start()
 other.join()
 read, write = os.pipe()

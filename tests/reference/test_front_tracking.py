@@ -52,12 +52,12 @@ def _with_branch_power(material: str) -> tuple[Trace, list[tuple[float, float]]]
     power: list[tuple[float, float]] = []
     accepted = solver.PathRun._accepted
 
-    def add_power(run, trial, arrival, state, s):  # type: ignore[no-untyped-def]
+    def add_power(run, arrival, state, s):  # type: ignore[no-untyped-def]
         rheology = run.recorder.body.rheology
         held = state.held_squares / (rheology.moduli * rheology.times)
         free = state.free_squares / (rheology.compliances * rheology.retardation)
         power.append((state.time, 2.0 * float(held.sum() + free.sum())))
-        accepted(run, trial, arrival, state, s)
+        accepted(run, arrival, state, s)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(solver.PathRun, "_accepted", add_power)

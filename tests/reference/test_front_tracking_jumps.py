@@ -125,6 +125,21 @@ def test_a_steep_profile_lifts_off() -> None:
     assert trace.penetration[-1] == pytest.approx(1.31574e-4, rel=1e-4)
 
 
+def test_rows_keep_their_order_towards_a_point() -> None:
+    """The last steps of a steep profile end hardly later than they begin."""
+    spectrum = (
+        (1550.0, 2.31),
+        (11700.0, 0.92),
+        (4.02, 10.5),
+        (4.59, 0.378),
+        (6470.0, 2020.0),
+        (9280.0, 28.2),
+    )
+    material = Material(3870.0, 0.49, tuple(Branch(*one) for one in spectrum))
+    scene = _scene((Ramp(-2.67e-6, 8.73e-9),), 6.67e-7, "relaxed", PowerLaw(3.38, 2.19e11), material)
+    assert (np.diff(solve(scene).time) >= 0.0).all()
+
+
 def test_the_outermost_of_several_equilibria_is_the_start() -> None:
     """A dome and, a little higher, a terrace: the contact may end on either."""
     radii = (0.0, 0.05, 0.1, 0.12, 0.14, 0.2, 0.26, 0.3, 0.6)

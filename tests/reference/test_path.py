@@ -20,6 +20,7 @@ from contact_scene import (
     Ramp,
     Scene,
     Table,
+    TabulatedProfile,
 )
 from validation.cases import load
 from validation.reference.path.fields import NODES, WEIGHTS
@@ -31,24 +32,28 @@ from validation.reference.path.trial import Trial
 
 @pytest.mark.parametrize(
     ("name", "near"),
-    [("cycle-v0.02", 1e-6), ("force-4", 1e-6), ("pdms-retraction-10nm", 1e-6), ("instruments:310", 1e-4)],
+    [
+        ("cycle-v0.02", 1e-6),
+        ("force-4", 1e-6),
+        ("pdms-retraction-10nm", 1e-6),
+        pytest.param("instruments:310", 1e-4, marks=pytest.mark.slow),
+    ],
 )
 def test_an_accepted_row_satisfies_the_next_step(name, near, monkeypatch):
     """The residual does not change when fields come from the table: else it is noise that steps shrink by."""
     run, worst, record = PathRun(scene_of(name), DEFAULT_TOLERANCE), [], PathRun._accepted
 
-    def checked(run, trial, arrival, state, s):
-        record(run, trial, arrival, state, s)
-        tracker = run.tracker
+    def checked(run, arrival, state, s):
+        record(run, arrival, state, s)
+        trial, tracker = arrival.trial, run.tracker
         if not trial.direction:
             return
         way, basis = np.zeros(5), np.zeros(5)
         travel = trial.direction * 1e-9 * tracker.law.zone
         way[1], basis[1] = travel, 1.0
         segment = PathSegment(travel, way, 0.0 * way, 0.0 * way, basis)
-        again = Trial(tracker.body, state, tracker.leg, segment, tracker.law.zone)
-        before = tracker.law.residual(trial, arrival, False)
-        worst.append(tracker.law.residual(again, again.arrive(0.0), False) - before)
+        again = Trial(tracker.body, tracker.law, state, tracker.leg, segment)
+        worst.append(again.arrive(0.0).residual - arrival.residual)
 
     monkeypatch.setattr(PathRun, "_accepted", checked)
     run.run()
@@ -70,8 +75,6 @@ DRAWN = {
     "usual:604": (OutcomeKind.DETACHED, 8.201314858e-3, 233.7079552366, 0.2, 1.080082523e-4),
     # a start between pressed and pulled edges of which both release much more than the work of adhesion
     "instruments:664": (OutcomeKind.TRIGGER_NOT_REACHED, 0.0, 106.1974790, 2.287498098e-5, 8.014870924e-7),
-    # the load turns while an edge closes by what no rounding of the closure tells
-    "instruments:663": (OutcomeKind.DETACHED, 1.5550699e-3, 7268.45088, 0.2728256261, -1.155160e-4),
     # a blunt indenter is let go in the rounding of its load
     "plain:606": (OutcomeKind.DETACHED, 0.0, 0.2, 1.088365502e-3, 0.0),
     # a closing edge with a rate law sets off
@@ -81,15 +84,22 @@ DRAWN = {
     # the pull-off is a ten-thousandth of the force at the start
     "usual:679": (OutcomeKind.DETACHED, 0.001347929578, 5.825900951, 0.0006621861703, -0.000544867142),
 }
+LATER = {
+    # the load turns while an edge closes by what no rounding of the closure tells
+    "instruments:663": (OutcomeKind.DETACHED, 1.5550699e-3, 7268.45088, 0.2728256261, -1.155160e-4),
+    # an edge that has rested departs in the step that ends there
+    "hysteresis-si": (OutcomeKind.DETACHED, 0.002419754313, 54.46031391, 0.000188761614, 4.14381494e-08),
+}
 """Random scenes: outcome, pull-off, time at which contact is lost, largest radius, work until then.
 
-From front tracking with nodes at the places the edge had been, the reference before.
+From front tracking with nodes at the places the edge had been, the reference before; later ones from this
+one at four times the resolution.
 """
 
 
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.parametrize("name", [*DRAWN, *(pytest.param(name, marks=pytest.mark.slow) for name in LATER)])
 def test_random_scenes_end_as_known(name):
-    outcome, pull_off, time, largest, work = DRAWN[name]
+    outcome, pull_off, time, largest, work = (DRAWN | LATER)[name]
     trace = solve(scene_of(name))
     found = measures(of_trace(trace))
     assert trace.outcome.kind is outcome
@@ -130,8 +140,9 @@ def test_the_force_is_that_of_the_surface(scene, near, monkeypatch):
     """Sums over the contact, step by step, against the table of passages, also where entries are joined."""
     worst, record = [], PathRun._accepted
 
-    def checked(run, trial, arrival, state, s):
-        record(run, trial, arrival, state, s)
+    def checked(run, arrival, state, s):
+        record(run, arrival, state, s)
+        trial = arrival.trial
         if trial.direction <= 0.0:
             return
         near = -state.radius * np.geomspace(1e-12, 1.0, 200)[::-1]
@@ -213,8 +224,35 @@ def test_rows_of_a_table_on_a_smooth_curve_are_no_kinks():
     depths = 0.015 * (1.0 - np.cos(2.0 * np.pi * times / 3.0))
     table = Table(tuple(times.tolist()), tuple(depths.tolist()))
     trace = solve(replace(scene, loading=replace(scene.loading, steps=(table,))))
-    assert trace.counters.steps < len(times)
+    assert trace.counters.steps < 250  # by straight lines 390
     assert -trace.force.min() == pytest.approx(8.967144e-3, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_step_that_ends_beyond_a_limit_point_is_none():
+    """A short contact on the facets of a profile: nothing foresees that its edge runs away."""
+    times = (
+        (488e3, 0.0809),
+        (93.9e6, 444e-6),
+        (123e6, 2.84),
+        (54.7e6, 34.1e-6),
+        (42.8e6, 29.3e-6),
+        (323e6, 0.0408),
+    )
+    radii = (0.0, 144e-9, 288e-9, 433e-9, 577e-9, 721e-9, 865e-9)
+    heights = (0.0, 7.94e-9, 40.4e-9, 90.1e-9, 171e-9, 234e-9, 355e-9)
+    loading = Loading("relaxed", 0.973e-9, (Ramp(21.6e-9, 162e-6), Ramp(-86.5e-9, 17e-9)))
+    material = Material(79e6, 0.49, tuple(Branch(*each) for each in times))
+    scene = Scene(material, TabulatedProfile(radii, heights), loading, Adhesion(3.33e-3, 12.8e-9))
+    trace = solve(scene)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.contact_radius[-2] == pytest.approx(3.1855e-8, rel=3e-5)
+
+
+def test_no_row_lies_next_to_a_limit_point():
+    """The radius of the loss would be told by what rounding leaves of that row."""
+    trace = solve(load("cycle-v0.1").scene)
+    assert trace.contact_radius[-2] == pytest.approx(0.03763316354, rel=2e-6)
 
 
 def test_what_earlier_turns_leave_costs_no_more_from_cycle_to_cycle():
@@ -229,7 +267,8 @@ def test_what_earlier_turns_leave_costs_no_more_from_cycle_to_cycle():
     ("name", "end", "work"),
     [
         ("instruments:608", 6.1706e-3, 3.8614e-15),  # a hold right after a step that was cut at a level
-        ("instruments:405", 35.70681, 4.640604e-15),  # turns on what earlier turns have left
+        # turns on what earlier turns have left
+        pytest.param("instruments:405", 35.70681, 4.640604e-15, marks=pytest.mark.slow),
         ("usual:803", 50.29868, -6.718641e-05),  # a flat face, with nothing ahead of its edge
     ],
 )

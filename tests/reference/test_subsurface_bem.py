@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.special import j0, j1
-from support.fitted_meshes import mesh_for
 
 import bem_solver
 import fem_solver
-from bem_solver.disc_potentials import disc_load, punch_load
-from bem_solver.subsurface import subsurface_stress
+from bem_solver.subsurface import disc_load, punch_load, subsurface_stress
 from contact_scene import (
     Adhesion,
     Branch,
@@ -27,6 +25,7 @@ from fem_solver.fields.states import field_states
 from fem_solver.solver import record
 from validation import cases
 from validation.reference import subsurface
+from validation.solvers.finite_elements import FiniteElements
 
 MODULUS, POISSON, WORK = 3.0, 0.3, 2e-3
 PLANE = MODULUS / (1.0 - POISSON**2)
@@ -113,8 +112,8 @@ def field_differences(times, resolution=8):
     poisson = 0.4
     young = scene.material.modulus / 0.75 * (1.0 - poisson**2)  # the same plane modulus
     scene = replace(scene, material=Material(young, poisson, (Branch(9.0 * young, 1.0),)))
-    options = fem_solver.Options(resolution, record_times=times)
-    recording = record(scene, mesh_for(scene, resolution), options)
+    options = fem_solver.Options(record_times=times)
+    recording = record(scene, FiniteElements().mesh(scene, resolution), options)
     boundary = bem_solver.solve(scene, bem_solver.Options(resolution, profile_times=times))
     profiles = {profile.time: profile for profile in boundary.profiles}
     rows = {int(np.flatnonzero(recording.trace.time == time)[-1]): "" for time in times}

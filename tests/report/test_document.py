@@ -4,45 +4,38 @@ from __future__ import annotations
 
 import re
 
+from validation.report import document as doc
 from validation.report import html, markdown, terminal
-from validation.report.document import (
-    Bullets,
-    DataTable,
-    Document,
-    Figure,
-    Figures,
-    Fold,
-    LinkCell,
-    Paragraph,
-    Section,
-    VerdictCell,
-    figures_of,
-)
 
-TABLE = DataTable.of(
+TABLE = doc.DataTable.of(
     [
-        {"run": LinkCell("first", "runs"), "force": "1.5e-3", "verdict": VerdictCell("pass", True)},
-        {"run": "a | b <c>", "force": "–", "verdict": VerdictCell("FAIL", False)},
-        {"run": "third", "force": "≤ 12", "verdict": VerdictCell("holds in part", None)},
+        {"run": doc.LinkCell("first", "runs"), "force": "1.5e-3", "verdict": doc.VerdictCell("pass", True)},
+        {"run": "a | b <c>", "force": "–", "verdict": doc.VerdictCell("FAIL", False)},
+        {"run": "third", "force": "≤ 12", "verdict": doc.VerdictCell("holds in part", None)},
     ],
     "Forces & radii",
 )
-IMAGE = Figure("f", "A curve", b"\x89PNG", files={"curve.png": b"\x89PNG"})
+IMAGE = doc.Figure("f", "A curve", b"\x89PNG", files={"curve.png": b"\x89PNG"})
 PARTS = (
-    Section("Runs", (TABLE, Fold("More", (Bullets(("one", "two")),))), "runs", VerdictCell("FAIL", False)),
-    Figures((IMAGE, Figure("g", "Another", missing="No run."))),
+    doc.Section(
+        "Runs",
+        (TABLE, doc.Fold("More", (doc.Bullets(("one", "two")),))),
+        "runs",
+        doc.VerdictCell("FAIL", False),
+    ),
+    doc.Figures((IMAGE, doc.Figure("g", "Another", missing="No run."))),
 )
-DOCUMENT = Document("Title & more", (Paragraph("1 not passed.", False),), PARTS)
+DOCUMENT = doc.Document("Title & more", (doc.Paragraph("1 not passed.", False),), PARTS)
 
 
 def test_columns_of_numbers_are_recognised():
     assert TABLE.columns == ("text", "number", "text")
-    assert DataTable(("t",), (("1.0",),), unbroken=("t",)).columns == ("unbroken",)
-    assert DataTable(("t",), (("1.0",),), numeric=False).columns == ("text",)
+    assert doc.DataTable(("t",), (("1.0",),), unbroken=("t",)).columns == ("unbroken",)
+    assert doc.DataTable(("t",), (("1.0",),), numeric=False).columns == ("text",)
     for text in ("1", "-2.5", "+3.1e-05", "≥ 4", "2.5 s", "12 %", "inf"):
-        assert DataTable(("t",), ((text,),)).columns == ("number",), text
+        assert doc.DataTable(("t",), ((text,),)).columns == ("number",), text
     for text in ("1.2 1.3", "7.1e-04 + 0.0e+00", "e5", "fig2a"):
-        assert DataTable(("t",), ((text,),)).columns == ("text",), text
+        assert doc.DataTable(("t",), ((text,),)).columns == ("text",), text
 
 
 def test_page_escapes_links_and_marks():
@@ -77,15 +70,15 @@ def test_terminal_aligns_columns():
 
 def test_contents_lead_to_every_section_and_fold():
     parts = (
-        Section(
+        doc.Section(
             "Same",
-            (Section("Inner", (TABLE,)), Fold("More", (Paragraph("x"),))),
-            verdict=VerdictCell("FAIL", False),
+            (doc.Section("Inner", (TABLE,)), doc.Fold("More", (doc.Paragraph("x"),))),
+            verdict=doc.VerdictCell("FAIL", False),
         ),
-        Section("Same", (Paragraph("y"),), folded=True),
-        Section("Named", (), "named"),
+        doc.Section("Same", (doc.Paragraph("y"),), folded=True),
+        doc.Section("Named", (), "named"),
     )
-    page = html.text(Document("T", (), parts, contents_depth=2))
+    page = html.text(doc.Document("T", (), parts, contents_depth=2))
     contents = page.partition("</nav>")[0]
     anchors = re.findall(r'<li><a href="#([^"]+)">', contents)
     assert anchors == ["part-Same", "part-Inner", "part-More", "part-Same-", "named"]
@@ -95,11 +88,15 @@ def test_contents_lead_to_every_section_and_fold():
 
 
 def test_folded_sections_of_a_large_document_have_pages_of_their_own(monkeypatch):
-    overview = Section("Overview", (DataTable.of([{"scene": LinkCell("first", "scene-first")}]),), "overview")
-    runs = (Section("Runs", (TABLE,)),)
-    passed = Section("First <scene>", runs, "scene-first", VerdictCell("pass", True), folded=True)
-    failed = Section("Second", (Paragraph("open " * 300),), "scene-second", VerdictCell("FAIL", False))
-    document = Document("All", (), (overview, passed, failed))
+    overview = doc.Section(
+        "Overview", (doc.DataTable.of([{"scene": doc.LinkCell("first", "scene-first")}]),), "overview"
+    )
+    runs = (doc.Section("Runs", (TABLE,)),)
+    passed = doc.Section("First <scene>", runs, "scene-first", doc.VerdictCell("pass", True), folded=True)
+    failed = doc.Section(
+        "Second", (doc.Paragraph("open " * 300),), "scene-second", doc.VerdictCell("FAIL", False)
+    )
+    document = doc.Document("All", (), (overview, passed, failed))
     assert list(html.pages(document)) == ["index.html"]
     monkeypatch.setattr(html, "MOST_BYTES", len(html.text(document)) - 1)
     pages = html.pages(document)
@@ -115,10 +112,12 @@ def test_folded_sections_of_a_large_document_have_pages_of_their_own(monkeypatch
 
 
 def test_pictures_are_found_at_any_depth_and_their_rules_stated_once():
-    nested = (Section("a", (Fold("b", (Figures((IMAGE,)),)),)),)
-    assert list(figures_of(nested)) == [IMAGE]
+    nested = (doc.Section("a", (doc.Fold("b", (doc.Figures((IMAGE,)),)),)),)
+    assert list(doc.figures_of(nested)) == [IMAGE]
     picture = '<svg><defs><style type="text/css">.a{fill: none}.b{fill: red}</style></defs></svg>'
     other = '<svg><defs><style type="text/css">.a{fill: none}</style></defs></svg>'
-    page = html.text(Document("T", (), (Figures((Figure("f", "", picture), Figure("g", "", other))),)))
+    page = html.text(
+        doc.Document("T", (), (doc.Figures((doc.Figure("f", "", picture), doc.Figure("g", "", other))),))
+    )
     assert page.count(".a{fill: none}") == page.count(".b{fill: red}") == 1
     assert page.count('<style type="text/css">') == 1

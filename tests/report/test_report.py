@@ -10,13 +10,13 @@ from html.parser import HTMLParser
 
 import pytest
 from support.browser import CHROMIUM, measure_page, measure_pages
-from support.spring_solver import SCENE, FunctionSolver, fake, named
+from support.commands import stand_in
+from support.spring_solver import SCENE, FunctionSolver, fake
 from support.unlaid_figures import without_layout
 
 from contact_scene import OutcomeKind
 from crosscontact import arguments
 from crosscontact.cli import main
-from validation import solvers
 from validation.cases import load
 from validation.compare import scene_page
 from validation.compare.page import write
@@ -37,9 +37,7 @@ def refuse(*arguments, **options):
 
 def compared(monkeypatch, names=("cycle-v0.1",), estimate=True, **factories):
     """Scenes compared with fakes in place of the solvers, ten per cent too stiff where nothing is said."""
-    for name in arguments.names():
-        method = factories.get(name, fake(1.0 if name == "reference" else 1.1))
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, method))
+    stand_in(monkeypatch, fake(1.1), **{"reference": fake(), **factories})
     return compare_scenes("quick", [load(name) for name in names], None, Progress("test"), estimate=estimate)
 
 

@@ -9,14 +9,15 @@ import signal
 from pathlib import Path
 
 import pytest
+from support.commands import refusal, stand_in
 from support.recorded import elastic_scene, hertz_curve
 from support.report_commands import WORK
-from support.spring_solver import FunctionSolver, named, small_scene, spring
+from support.spring_solver import small_scene, spring
 
 import crosscontact as cc
 from contact_scene import SceneError, read_columns
 from crosscontact.cli import main
-from validation import cases, solvers
+from validation import cases
 from validation.runs import folder
 from validation.runs.folder import CLAIM, LOCK_FILE, claim, locked_folder
 from validation.runs.progress import Progress
@@ -55,9 +56,7 @@ def begun(given: list[str]) -> bool:
 
 def refused(capsys, given: list[str]) -> str:
     """The line with which a command is refused."""
-    capsys.readouterr()
-    assert main(given) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    line = refusal(capsys, *given)
     assert line.startswith("crosscontact: error: --out: ")
     assert line.endswith("; allowed: another folder, or --fresh to replace what it holds")
     return line
@@ -122,8 +121,7 @@ def test_a_run_and_fields_share_a_folder_by_scene_and_solver(capsys, tmp_path, m
         raise WorkBegan
 
     monkeypatch.setattr("crosscontact.commands.fields.record_fields", work)
-    for name in ("bem", "fem"):
-        monkeypatch.setitem(solvers.SOLVERS, name, named(name, FunctionSolver(spring())))
+    stand_in(monkeypatch)
     file, out = small_scene(tmp_path), str(tmp_path / "out")
     solve, fields = ["solve", file, "--out", out, "--solver"], ["fields", file, "--at", "0.1", "--out", out]
     assert main([*solve, "bem"]) == 0

@@ -8,10 +8,12 @@ import pytest
 from support.spring_solver import SCENE, StudiedSolver, spring
 
 from validation.cases import load
+from validation.runs.pool import Task, run_tasks
 from validation.runs.progress import Progress
 from validation.runs.store import Store
 from validation.studies import ladders as schemes
 from validation.studies import study
+from validation.studies.ladders import Level, Settings
 
 
 @pytest.fixture
@@ -65,3 +67,17 @@ def test_a_study_does_what_is_missing(tmp_path, levels, monkeypatch):
     assert [ladder.runs for ladder in third.scenes[0].ladders] == [
         ladder.runs for ladder in again.scenes[0].ladders
     ]
+
+
+def test_a_level_that_breaks_down_is_tried_again(tmp_path, levels, monkeypatch):
+    def fall(*given, **options):
+        raise FloatingPointError("overflow")
+
+    (tmp_path / "small.toml").write_text(SCENE)
+    asked = load(str(tmp_path / "small.toml")), "bem", Level(0.25, "4", Settings(4))
+    task, bem = Task("level", "", study.run_level, asked, study.TimedRun), schemes.SCHEMES["bem"]
+    for solver, kept in ((StudiedSolver(fall), False), (bem.solver, True)):
+        monkeypatch.setitem(schemes.SCHEMES, "bem", dataclasses.replace(bem, solver=solver))
+        run_tasks([task], store=Store(tmp_path))
+        assert (Store(tmp_path).get("level", study.TimedRun) is not None) is kept
+    assert len(levels) == 2

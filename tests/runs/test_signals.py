@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from validation.runs.pool import LOCAL_CLUSTER, own_engine
+from validation.runs.pool import LOCAL_CLUSTER, Engine, Task, completed_tasks, own_engine
 from validation.runs.process import deferred, interrupting, interrupts_blocked
 
 DASK = "the optional extra `dask` is not installed"
@@ -37,6 +38,29 @@ def test_a_deferred_signal_is_not_lost_by_an_error():
 
     with pytest.raises(KeyboardInterrupt):
         interrupted()
+
+
+class Interrupted:
+    """Its destructor is running when the signal comes, as Dask's futures' may be: Python goes on after it."""
+
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("threads", [0, 1])
+def test_a_signal_in_a_destructor_interrupts_before_the_next_task(threads):
+    def interrupted():
+        with ThreadPoolExecutor(1) as pool, interrupting():
+            for number, _ in completed_tasks(tasks, Engine(pool if threads else None, 1)):
+                ended.append(number)
+                if number == 3:
+                    Interrupted()
+
+    tasks, ended = enumerate(Task(str(i), "", int) for i in range(9)), []
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert ended == [0, 1, 2, 3]
 
 
 def test_without_a_signal_a_block_only_runs():

@@ -30,9 +30,7 @@ from validation.fits.model import FitRun
 from validation.runs import provenance, store
 from validation.runs.run import Run, read_run, write_run
 from validation.runs.store import UNFINISHED, Store, dumps
-from validation.stability.matrix import CaseAnswer
-from validation.studies.ladders import Level, Settings
-from validation.studies.study import FinestReference, LevelRun
+from validation.studies.study import FinestReference, TimedRun
 
 EXECUTED = b"cposix\nsystem\n(S'touch executed'\ntR."
 """A pickle: a reader that takes it for one makes the file ``executed``."""
@@ -110,13 +108,11 @@ TRACE = dataclasses.replace(
 )
 MEASURES = {"loop_energy": 0.1 + 0.2, "pull_off_force": None, "wall_seconds": 0.0}
 RUN = Run(CASE.name, "bem", TRACE, measures=MEASURES, errors={"force": 1e-3}, warnings=("a",))
-LEVEL = LevelRun(Level(0.5, "8", Settings(8)), {"a": None}, {"b": np.float64(0.1)}, {"steps": 3})
 STORED = {
     "run": (RUN, Run),
     "failed run": (Run("s", "bem", failure="no memory", details="line\nline"), Run),
-    "level": (LEVEL, LevelRun),
+    "level": (TimedRun(RUN, 3), TimedRun),
     "finest reference": ((RUN, 30, "words"), FinestReference),
-    "answer of a case": (CaseAnswer(TRACE, seconds=0.5), CaseAnswer),
     "run of a fit": (FitRun(*np.arange(12.0).reshape(4, 3), None, "why"), FitRun),
 }
 """What is stored of every command, and its kind."""

@@ -7,7 +7,7 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 
 import pytest
-from support.wrong_values import WRONG, refused
+from support.wrong_values import WRONG, refusal
 
 import contact_scene
 from contact_scene import SceneError
@@ -90,13 +90,8 @@ def test_what_a_field_cannot_be_is_one_line(kind, name):
     table = to_table(made(kind))
     for wrong in WRONG.values():
         if not takes(kind, name, wrong):
-            with pytest.raises(SceneError) as caught:
-                kind(**values(kind) | {name: wrong})
-            refused(caught.value)
-            assert caught.value.key.startswith((name, column or name))
-            with pytest.raises(SceneError) as caught:
-                from_table([kind], table | {name: wrong}, Path())
-            refused(caught.value)
+            assert refusal(kind, **values(kind) | {name: wrong}).key.startswith((name, column or name))
+            refusal(from_table, [kind], table | {name: wrong}, Path())
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.polynomial.legendre import leggauss
 from scipy.special import gamma
 
-from bem_solver import retardation
+from bem_solver.creep import creep_spectrum
 from contact_scene import Branch, BulkRelaxation, Material, PowerLawRelaxation, SceneError, scene_from_dict
 from contact_scene.material import spacing_error, spacing_of
 from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature
@@ -23,7 +23,7 @@ OTHERS = {"indenter": {"shape": "sphere", "radius": 1.0}, "loading": {"start": "
 
 def by_roots(material):
     """The boundary elements' derivation."""
-    spectrum = retardation.creep_spectrum(material.modulus, *material.spectrum)
+    spectrum = creep_spectrum(material.modulus, *material.spectrum)
     return CreepCompliance(1.0 / material.glassy_modulus, *spectrum)
 
 

@@ -8,24 +8,7 @@ import numpy as np
 import pytest
 from support.closed_forms.separate_bulk import equivalent_material
 
-from contact_scene import (
-    Branch,
-    Cone,
-    FlatPunch,
-    Force,
-    ForceRamp,
-    Hold,
-    Loading,
-    Material,
-    Oscillate,
-    PowerLaw,
-    Ramp,
-    Scene,
-    Sphere,
-    Sweep,
-    Table,
-    TabulatedProfile,
-)
+import contact_scene as cs
 from contact_scene.adhesion import Adhesion
 from validation.measure.observables import observe
 from validation.measure.scaling import unit_sizes
@@ -33,7 +16,7 @@ from validation.measure.windows import cycle_times
 from validation.solvers import SOLVERS
 
 E = math.e
-THREE = Material(1.0, 0.25, (Branch(3.0, 2.0), Branch(4.0, 4.0)))
+THREE = cs.Material(1.0, 0.25, (cs.Branch(3.0, 2.0), cs.Branch(4.0, 4.0)))
 
 
 def test_relaxation_modulus():
@@ -46,10 +29,10 @@ def test_relaxation_modulus():
 
 @pytest.mark.parametrize("apart", [1e-13, 1e-6, 1e-3, 0.05, 0.3])
 def test_relaxation_times_close_together_are_not_joined(apart):
-    moduli, times = Material(1.0, 0.5, (Branch(2.0, 1.0 + apart), Branch(3.0, 1.0))).spectrum
+    moduli, times = cs.Material(1.0, 0.5, (cs.Branch(2.0, 1.0 + apart), cs.Branch(3.0, 1.0))).spectrum
     assert times.tolist() == [1.0, 1.0 + apart]
     assert moduli.tolist() == [3.0, 2.0]
-    same = Material(1.0, 0.5, (Branch(2.0, 1.0), Branch(3.0, 1.0))).spectrum
+    same = cs.Material(1.0, 0.5, (cs.Branch(2.0, 1.0), cs.Branch(3.0, 1.0))).spectrum
     assert [part.tolist() for part in same] == [[5.0], [1.0]]
 
 
@@ -58,15 +41,15 @@ def test_bulk_apart_from_shear():
 
     nu = 0.25, E0 = 2.5: G0 = 1, K = 2.5/(3 * 0.5) = 5/3, hence 4 * 6/9 = 8/3 relaxed, 4 * 4 * 9/21 glassy.
     """
-    shear = (Branch(7.5, 1.0),)
-    elastic = equivalent_material(Material(2.5, 0.25, shear, "elastic"))
+    shear = (cs.Branch(7.5, 1.0),)
+    elastic = equivalent_material(cs.Material(2.5, 0.25, shear, "elastic"))
     assert elastic.relaxed_plane_modulus == pytest.approx(8.0 / 3.0)
     assert elastic.glassy_plane_modulus == pytest.approx(48.0 / 7.0)
 
 
 def test_profiles():
     """Cotangent of 60 degrees, paraboloid, power law, at radius 3."""
-    shapes = Cone(60.0), Cone(30.0), Sphere(4.0), PowerLaw(3.0, 0.5), FlatPunch(5.0)
+    shapes = cs.Cone(60.0), cs.Cone(30.0), cs.Sphere(4.0), cs.PowerLaw(3.0, 0.5), cs.FlatPunch(5.0)
     heights = [math.sqrt(3.0), 3.0 * math.sqrt(3.0), 9.0 / 8.0, 13.5, 0.0]
     slopes = [1.0 / math.sqrt(3.0), math.sqrt(3.0), 0.75, 13.5, 0.0]
     assert [float(shape.height(3.0)) for shape in shapes] == pytest.approx(heights)
@@ -76,32 +59,32 @@ def test_profiles():
 def test_a_table_with_curved_slopes():
     """Rows of r^2 + 5 at uneven radii are followed exactly, and beyond the last row the curve is straight."""
     rows = (0.0, 1.0, 3.0, 4.0)
-    table = TabulatedProfile(rows, tuple(r**2 + 5.0 for r in rows))
+    table = cs.TabulatedProfile(rows, tuple(r**2 + 5.0 for r in rows))
     assert table.height([0.5, 2.0, 3.5, 6.0]) == pytest.approx([0.25, 4.0, 12.25, 32.0])
     assert table.slope([0.5, 2.0, 3.5, 6.0]) == pytest.approx([1.0, 4.0, 7.0, 8.0])
 
 
 def test_a_table_that_begins_flat_does_not_fall():
     """Slopes 0, 0 and 3/2 at the rows: halfway up 1/2 - 3/2 * 1/8, where the slope is 3/2 - 3/8."""
-    table = TabulatedProfile((0.0, 1.0, 2.0), (0.0, 0.0, 1.0))
+    table = cs.TabulatedProfile((0.0, 1.0, 2.0), (0.0, 0.0, 1.0))
     assert table.height([0.5, 1.5]) == pytest.approx([0.0, 0.3125])
     assert float(table.slope(1.5)) == pytest.approx(1.125)
 
 
 STEPS = (
-    Ramp(0.03, 0.002),  # 15
-    Hold(10.0),  # 25
-    Ramp(-0.01, 0.01),  # 29
-    Oscillate(0.02, math.pi, 1.5, drift=0.04),  # 30.5
-    Sweep(0.02, math.pi, 2.0),  # 32.5
-    Table((5.0, 6.0, 8.0), (0.5, 0.1, 0.3)),  # 35.5
-    Hold(0.5),  # 36
+    cs.Ramp(0.03, 0.002),  # 15
+    cs.Hold(10.0),  # 25
+    cs.Ramp(-0.01, 0.01),  # 29
+    cs.Oscillate(0.02, math.pi, 1.5, drift=0.04),  # 30.5
+    cs.Sweep(0.02, math.pi, 2.0),  # 32.5
+    cs.Table((5.0, 6.0, 8.0), (0.5, 0.1, 0.3)),  # 35.5
+    cs.Hold(0.5),  # 36
 )
 
 
 def test_times_and_penetrations_of_load_steps():
     """The oscillation ends at -0.01 + 0.02 sin(1.5 pi) - 0.06 = -0.09; the sweep at sin(2 pi)."""
-    segments = [segment for _, segment in Loading("relaxed", 0.0, STEPS).segments()]
+    segments = [segment for _, segment in cs.Loading("relaxed", 0.0, STEPS).segments()]
     assert [segment.end for segment in segments] == pytest.approx([15.0, 25.0, 29.0, 30.5, 32.5, 35.5, 36.0])
     assert [segment.start for segment in segments] == pytest.approx([0.0, 15.0, 25.0, 29.0, 30.5, 32.5, 35.5])
     halfway = [0.015, 0.03, 0.01, -0.01 + 0.02 * math.sin(0.75 * math.pi) - 0.03, -0.07, 0.15, 0.3]
@@ -115,24 +98,24 @@ def test_times_and_penetrations_of_load_steps():
 
 def test_force_steps_begin_at_the_force_that_is_there():
     """From a force of 4 to 1 at 0.5 takes 6; a prescribed force is there at once."""
-    ramp = ForceRamp(1.0, 0.5).segment(2.0, 0.1, 4.0)
+    ramp = cs.ForceRamp(1.0, 0.5).segment(2.0, 0.1, 4.0)
     assert (ramp.control, ramp.end, ramp.value(4.0), ramp.rate(4.0)) == ("force", 8.0, 3.0, -0.5)
-    dead = Force(-2.0, 3.0).segment(2.0, 0.1, 4.0)
+    dead = cs.Force(-2.0, 3.0).segment(2.0, 0.1, 4.0)
     assert (dead.control, dead.end, dead.value(2.0), dead.rate(2.0)) == ("force", 5.0, -2.0, 0.0)
 
 
 def test_cycles_begin_with_their_load_step():
     """Period 2 from t = 4 on, two and a half of them; a sweep reaches phase 2 pi n at sqrt(4 n)."""
-    shaken = Loading("relaxed", 0.0, (Ramp(0.04, 0.01), Oscillate(0.01, math.pi, 5.0)))
+    shaken = cs.Loading("relaxed", 0.0, (cs.Ramp(0.04, 0.01), cs.Oscillate(0.01, math.pi, 5.0)))
     assert cycle_times(shaken) == pytest.approx((4.0, 6.0, 8.0))
-    assert cycle_times(Loading("relaxed", 0.0, (Sweep(0.01, math.pi, 4.0),))) == pytest.approx(
+    assert cycle_times(cs.Loading("relaxed", 0.0, (cs.Sweep(0.01, math.pi, 4.0),))) == pytest.approx(
         (0.0, 2.0, math.sqrt(8.0), math.sqrt(12.0), 4.0)
     )
 
 
 def test_units():
     """E0/(1 - nu^2) = 4/3, R = 3, work 0.2: pi 4/3 9, pi 4/3 27, 1.5 pi 0.2 3."""
-    scene = Scene(Material(1.0, 0.5), Sphere(3.0), Loading("relaxed", 0.1), Adhesion(0.2, 0.1))
+    scene = cs.Scene(cs.Material(1.0, 0.5), cs.Sphere(3.0), cs.Loading("relaxed", 0.1), Adhesion(0.2, 0.1))
     units = unit_sizes(scene)
     expected = {
         "": 1.0,
@@ -144,9 +127,9 @@ def test_units():
     assert units == pytest.approx(expected)
 
 
-PUNCH = Scene(
-    Material(1.0, 0.5, (Branch(2.0, 1.0), Branch(5.0, 1.05))), FlatPunch(0.3),
-    Loading("jump-in", 0.01, (Hold(1.0), Hold(0.75), Ramp(0.02, 1e3), Hold(1.0))),
+PUNCH = cs.Scene(
+    cs.Material(1.0, 0.5, (cs.Branch(2.0, 1.0), cs.Branch(5.0, 1.05))), cs.FlatPunch(0.3),
+    cs.Loading("jump-in", 0.01, (cs.Hold(1.0), cs.Hold(0.75), cs.Ramp(0.02, 1e3), cs.Hold(1.0))),
 )  # fmt: skip
 
 
@@ -177,11 +160,11 @@ def test_holds_of_a_punch_last_as_long_as_they_say(name):
 @pytest.mark.parametrize(
     ("indenter", "radius", "force"),
     [
-        (Sphere(4.0), 0.2, 4.0 * 0.008 / 12.0),  # D = a^2/R, F = 4 E* a^3/(3 R)
-        (Cone(70.0), 0.02 / math.pi / math.tan(math.radians(20.0)), None),  # D = (pi/2) a cot, F = E* a D
-        (PowerLaw(1.0, 0.5), 0.02 / (0.5 * math.pi), None),
+        (cs.Sphere(4.0), 0.2, 4.0 * 0.008 / 12.0),  # D = a^2/R, F = 4 E* a^3/(3 R)
+        (cs.Cone(70.0), 0.02 / math.pi / math.tan(math.radians(20.0)), None),  # D = (pi/2) a cot, F = E* a D
+        (cs.PowerLaw(1.0, 0.5), 0.02 / (0.5 * math.pi), None),
         (
-            TabulatedProfile((0.0, 0.05, 0.15, 0.3), (0.0, 0.0003125, 0.0028125, 0.01125)),
+            cs.TabulatedProfile((0.0, 0.05, 0.15, 0.3), (0.0, 0.0003125, 0.0028125, 0.01125)),
             0.2,
             4.0 * 0.008 / 12.0,
         ),
@@ -189,6 +172,6 @@ def test_holds_of_a_punch_last_as_long_as_they_say(name):
 )
 def test_elastic_contacts_of_every_shape(name, indenter, radius, force):
     """Sneddon, E* = 1, D = 0.01: sphere, cone of 70 degrees, cone of slope 1/2, table of a sphere."""
-    run = SOLVERS[name].solve(Scene(Material(0.75, 0.5), indenter, Loading("relaxed", 0.01)))
+    run = SOLVERS[name].solve(cs.Scene(cs.Material(0.75, 0.5), indenter, cs.Loading("relaxed", 0.01)))
     assert run.contact_radius[0] == pytest.approx(radius, rel=1e-4)
     assert run.force[0] == pytest.approx(radius * 0.01 if force is None else force, rel=1e-4)

@@ -10,25 +10,10 @@ import tomllib
 
 import pytest
 from support.scene_text import GOOD
+from support.wrong_values import refusal
 
+import contact_scene as cs
 import crosscontact as cc
-from contact_scene import (
-    Adhesion,
-    Approach,
-    Force,
-    ForceRamp,
-    Loading,
-    Material,
-    PowerLaw,
-    Ramp,
-    Scene,
-    SceneError,
-    Sphere,
-    Table,
-    TabulatedProfile,
-    read_scene,
-    scene_from_dict,
-)
 from contact_scene.files import TOO_LARGE
 from contact_scene.material_file import FORMATS
 
@@ -52,13 +37,7 @@ def changed(changes):
 
 def line_of(call):
     """The one line in which something is refused."""
-    with pytest.raises(SceneError) as caught:
-        call()
-    line = str(caught.value)
-    assert line.isprintable(), line
-    assert len(line) < 1000
-    assert "; allowed: " in line
-    return line
+    return str(refusal(call, longest=1000))
 
 
 # Keys and values of a scene
@@ -115,6 +94,14 @@ WRONG = [
         "shorter than the contact",
     ),
     ({"adhesion.zone": None}, "adhesion.zone", "zone"),
+    ({"body": 3}, "body", "a table [body]"),
+    ({"body": {"thickness": 1.0, "base": "glued"}}, "body.base", '"bonded", "frictionless"'),
+    ({"body": {"thickness": 0.025, "base": "bonded"}}, "adhesion.zone", "0.0125"),
+    (
+        {"body": {"thickness": 1.0, "base": "bonded"}} | material(bulk="elastic", poisson=0.3),
+        "material.bulk",
+        "no [body]",
+    ),
     ({"adhesion.work_closing": 6e-4}, "adhesion.work_closing", "at most work"),
     ({"adhesion.stress": 0.2}, "adhesion.stress", "either zone or stress"),
     ({"adhesion": {"work": 5e-4, "stress": 1e30}}, "stress", "from 1e-60"),
@@ -137,7 +124,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("changes", "key", "allowed"), WRONG, ids=range(len(WRONG)))
 def test_what_a_scene_cannot_be(changes, key, allowed):
-    line = line_of(lambda: scene_from_dict(changed(changes)))
+    line = line_of(lambda: cs.scene_from_dict(changed(changes)))
     assert line.startswith(key)
     assert allowed in line.split("; allowed: ")[1]
 
@@ -149,33 +136,38 @@ def test_what_a_scene_cannot_be(changes, key, allowed):
 )  # fmt: skip
 def test_what_is_no_toml(tmp_path, old, new):
     (tmp_path / "bad.toml").write_text(GOOD.replace(old, new), "utf-8")
-    line = line_of(lambda: read_scene(tmp_path / "bad.toml"))
+    line = line_of(lambda: cs.read_scene(tmp_path / "bad.toml"))
     assert line.startswith(f"{tmp_path / 'bad.toml'}: {'not a TOML file' if new else 'the file is empty'}")
     assert "[material]" in line
 
 
 def scene_of(*entries, work=0.0, indenter=None, body=None):
-    adhesion = Adhesion(work, 0.01) if work else None
-    return Scene(
-        body or Material(0.75, 0.5), indenter or Sphere(2.0), Loading("relaxed", 0.01, entries), adhesion
+    adhesion = cs.Adhesion(work, 0.01) if work else None
+    return cs.Scene(
+        body or cs.Material(0.75, 0.5),
+        indenter or cs.Sphere(2.0),
+        cs.Loading("relaxed", 0.01, entries),
+        adhesion,
     )
 
 
 IN_PYTHON = {
-    "loading.steps[0].force": lambda: scene_of(Approach(1.0, 0.0)),
-    "loading.steps[1].to": lambda: scene_of(Force(1.0, 1.0), Approach(1.0, 1.0)),
-    "loading.steps[2].to": lambda: scene_of(Ramp(1.0, 1.0), ForceRamp(1.0, 1.0), Approach(1.0, 1.0)),
-    "loading.steps[0].to": lambda: scene_of(Approach(1.0, 1.0), body=Material(0.75, 0.3, (), "elastic")),
-    "loading.steps[0].to: is missing, and 2.46e+62": lambda: scene_of(
-        Approach(1.0, 1e60), indenter=PowerLaw(100.0, 1e300)
+    "loading.steps[0].force": lambda: scene_of(cs.Approach(1.0, 0.0)),
+    "loading.steps[1].to": lambda: scene_of(cs.Force(1.0, 1.0), cs.Approach(1.0, 1.0)),
+    "loading.steps[2].to": lambda: scene_of(cs.Ramp(1.0, 1.0), cs.ForceRamp(1.0, 1.0), cs.Approach(1.0, 1.0)),
+    "loading.steps[0].to": lambda: scene_of(
+        cs.Approach(1.0, 1.0), body=cs.Material(0.75, 0.3, (), "elastic")
     ),
-    "loading.steps[0].away": lambda: scene_of(Approach(1.0, 1.0, away=1e9)),
-    "to": lambda: Loading("relaxed", 0.0, (Approach(1.0, 1.0),)).steps[0].segment(0.0, 0.0, 0.0),
-    "times, row 3": lambda: Table((0.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
-    "times": lambda: Table((0.0,), (0.0,)),
-    "values": lambda: Table((0.0, 1.0), (0.0,)),
-    "times[1]": lambda: Table((0.0, math.nan), (0.0, 1.0)),
-    "radii[0]": lambda: TabulatedProfile((-1.0, 1.0, 2.0), (0.0, 0.0, 1.0)),
+    "loading.steps[0].to: is missing, and 2.46e+62": lambda: scene_of(
+        cs.Approach(1.0, 1e60), indenter=cs.PowerLaw(100.0, 1e300)
+    ),
+    "loading.steps[0].away": lambda: scene_of(cs.Approach(1.0, 1.0, away=1e9)),
+    "to": lambda: cs.Loading("relaxed", 0.0, (cs.Approach(1.0, 1.0),)).steps[0].segment(0.0, 0.0, 0.0),
+    "times, row 3": lambda: cs.Table((0.0, 1.0, 1.0), (0.0, 0.0, 0.0)),
+    "times": lambda: cs.Table((0.0,), (0.0,)),
+    "values": lambda: cs.Table((0.0, 1.0), (0.0,)),
+    "times[1]": lambda: cs.Table((0.0, math.nan), (0.0, 1.0)),
+    "radii[0]": lambda: cs.TabulatedProfile((-1.0, 1.0, 2.0), (0.0, 0.0, 1.0)),
 }
 
 
@@ -204,7 +196,7 @@ def refused(folder, of, text):
     """The line in which the file of a scene is refused."""
     (folder / "x.csv").write_text(text, newline="")
     read = {"curve": lambda: cc.read_curves(folder / "x.csv")}.get(of)
-    return line_of(read or (lambda: scene_from_dict(changed(NAMING[of]), folder)))
+    return line_of(read or (lambda: cs.scene_from_dict(changed(NAMING[of]), folder)))
 
 
 COMMAS = "numbers have decimal commas; allowed: points in numbers; semicolons,"
@@ -353,7 +345,7 @@ def test_what_is_no_text_file(tmp_path):
     wrong["cannot be read"] = ["missing.toml", "x" * 5000, "nul\0.toml", "file/scene.toml", "loop"]
     for said, names in wrong.items():
         for name in names:
-            assert said in line_of(lambda name=name: read_scene(tmp_path / name))
+            assert said in line_of(lambda name=name: cs.read_scene(tmp_path / name))
 
 
 @pytest.mark.parametrize("of", ["table", "profile", "relaxation"])
@@ -363,6 +355,6 @@ def test_files_named_in_a_scene_are_regular_and_end(tmp_path, of, file):
     with (tmp_path / "large.csv").open("wb") as large:
         large.truncate(TOO_LARGE + 1)
     asked = json.loads(json.dumps(changed(NAMING[of])).replace("x.csv", file))
-    said = line_of(lambda: scene_from_dict(asked, tmp_path))
+    said = line_of(lambda: cs.scene_from_dict(asked, tmp_path))
     assert said.startswith(str(tmp_path / file))
     assert ("10 MB" if file == "large.csv" else "regular file") in said

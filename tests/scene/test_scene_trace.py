@@ -12,25 +12,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from contact_scene import (
-    COLUMNS,
-    Counters,
-    Outcome,
-    OutcomeKind,
-    SceneError,
-    Trace,
-    read_columns,
-    write_trace,
-)
+import contact_scene as cs
 from contact_scene.files import write_whole
 
 
 def trace(table, **extra):
-    return Trace(
+    return cs.Trace(
         solver="by hand",
-        **dict(zip(COLUMNS, table, strict=True)),
-        outcome=Outcome(OutcomeKind.COMPLETED, "end of the loading", 1.0),
-        counters=Counters(),
+        **dict(zip(cs.COLUMNS, table, strict=True)),
+        outcome=cs.Outcome(cs.OutcomeKind.COMPLETED, "end of the loading", 1.0),
+        counters=cs.Counters(),
         extra=extra,
     )
 
@@ -44,16 +35,16 @@ def folder(tmp_path_factory):
 @given(st.integers(0, 5).flatmap(lambda n: arrays(float, (8, n), elements=st.floats(allow_nan=False))))
 def test_every_bit_comes_back(folder, table):
     run = trace(table[:7], stress_intensity=table[7])
-    write_trace(run, folder / "trace.csv")
-    back = read_columns(folder / "trace.csv")
-    assert list(back) == [*COLUMNS, "stress_intensity"]
+    cs.write_trace(run, folder / "trace.csv")
+    back = cs.read_columns(folder / "trace.csv")
+    assert list(back) == [*cs.COLUMNS, "stress_intensity"]
     for name, column in run.columns().items():
         assert back[name].tobytes() == column.tobytes(), name
     assert [path.name for path in folder.iterdir()] == ["trace.csv"]
 
 
 def test_header_and_first_row(tmp_path):
-    write_trace(trace(np.arange(14.0).reshape(7, 2) / 10), tmp_path / "trace.csv")
+    cs.write_trace(trace(np.arange(14.0).reshape(7, 2) / 10), tmp_path / "trace.csv")
     assert (tmp_path / "trace.csv").read_text().splitlines()[:2] == [
         "time,penetration,force,contact_radius,stored_energy,external_work,dissipated_energy",
         "0.0,0.2,0.4,0.6,0.8,1.0,1.2",
@@ -62,11 +53,11 @@ def test_header_and_first_row(tmp_path):
 
 def test_columns_of_unequal_length_write_nothing(tmp_path):
     run = trace(np.zeros((7, 3)))
-    with pytest.raises(SceneError, match=r"extra\['short'\]: has shape \(2,\); allowed: shape \(3,\)"):
+    with pytest.raises(cs.SceneError, match=r"extra\['short'\]: has shape \(2,\); allowed: shape \(3,\)"):
         dataclasses.replace(run, extra={"short": np.zeros(2)})
     run.extra["short"] = np.zeros(2)
     with pytest.raises(ValueError, match="shorter"):
-        write_trace(run, tmp_path / "trace.csv")
+        cs.write_trace(run, tmp_path / "trace.csv")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -75,14 +66,14 @@ def test_columns_of_unequal_length_write_nothing(tmp_path):
     [
         ("", "no column time"),
         ("time,force\n1,2\n", "no column penetration"),
-        (",".join(COLUMNS) + "\n1,2,3\n", "line 2 has 3 cells"),
-        (",".join(COLUMNS) + "\n1,2,3,4,5,6,x\n", "could not convert"),
+        (",".join(cs.COLUMNS) + "\n1,2,3\n", "line 2 has 3 cells"),
+        (",".join(cs.COLUMNS) + "\n1,2,3,4,5,6,x\n", "could not convert"),
     ],
 )
 def test_bad_files(tmp_path, text, match):
     (tmp_path / "trace.csv").write_text(text)
     with pytest.raises(ValueError, match=match):
-        read_columns(tmp_path / "trace.csv")
+        cs.read_columns(tmp_path / "trace.csv")
 
 
 def test_a_failed_write_keeps_the_old_file_and_leaves_nothing(tmp_path):

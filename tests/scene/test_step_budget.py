@@ -9,18 +9,8 @@ import pytest
 from support.recorded import hertz_curve
 from support.spring_solver import FunctionSolver, StudiedSolver, named, small_scene, spring
 
+import contact_scene as cs
 import crosscontact as cc
-from contact_scene import (
-    Adhesion,
-    Branch,
-    Loading,
-    Material,
-    Oscillate,
-    Ramp,
-    Scene,
-    Sphere,
-    Table,
-)
 from contact_scene.run_control import MAX_STEPS
 from crosscontact.cli import main
 from validation import solvers
@@ -31,11 +21,17 @@ from validation.studies import ladders as schemes
 from validation.studies import study
 from validation.studies.ladders import Ladder, Level, Settings
 
-PRESSED = Scene(Material(0.75, 0.5, (Branch(6.75, 1.0),)), Sphere(1.0), Loading("relaxed", 0.04, ()))
+PRESSED = cs.Scene(
+    cs.Material(0.75, 0.5, (cs.Branch(6.75, 1.0),)), cs.Sphere(1.0), cs.Loading("relaxed", 0.04, ())
+)
 ROWS = 10_000
-TABLE = Table(tuple(float(row) for row in range(ROWS)), tuple(0.04 + 0.01 * (row % 2) for row in range(ROWS)))
+TABLE = cs.Table(
+    tuple(float(row) for row in range(ROWS)), tuple(0.04 + 0.01 * (row % 2) for row in range(ROWS))
+)
 LONG = {
-    "2,000 cycles": replace(PRESSED, loading=replace(PRESSED.loading, steps=(Oscillate(1e-3, 6.28, 2e3),))),
+    "2,000 cycles": replace(
+        PRESSED, loading=replace(PRESSED.loading, steps=(cs.Oscillate(1e-3, 6.28, 2e3),))
+    ),
     "a table of 10,000 rows": replace(PRESSED, loading=replace(PRESSED.loading, steps=(TABLE,))),
 }
 
@@ -64,10 +60,17 @@ def test_a_solver_is_asked_with_the_budget_of_the_loading_or_the_users(monkeypat
 
 @pytest.mark.parametrize(("resolution", "megabytes"), [(4, 85.0), (40, 742.0)])
 def test_memory_of_a_mesh_that_follows_the_edge(resolution, megabytes):
-    material = Material(1e6, 0.49, (Branch(3e6, 0.01), Branch(1e6, 1.0)))
-    loading = Loading("relaxed", 2e-6, (Ramp(-5e-5, 1e-5),))
-    pull = Scene(material, Sphere(1e-3), loading, Adhesion(0.05, 1e-6))
+    material = cs.Material(1e6, 0.49, (cs.Branch(3e6, 0.01), cs.Branch(1e6, 1.0)))
+    loading = cs.Loading("relaxed", 2e-6, (cs.Ramp(-5e-5, 1e-5),))
+    pull = cs.Scene(material, cs.Sphere(1e-3), loading, cs.Adhesion(0.05, 1e-6))
     assert megabytes / 1.5 <= 1e-6 * SOLVERS["fem"].mesh_bytes(pull, resolution) <= 1.5 * megabytes
+
+
+def test_memory_of_a_mesh_whose_elements_grow_less_on_a_thin_layer():
+    material, loading = cs.Material(0.75, 0.5), cs.Loading("relaxed", 0.02, (cs.Ramp(-0.5, 0.02),))
+    law, body = cs.Adhesion(5e-4, 1e-4), cs.Layer(0.01, "bonded")
+    pull = cs.Scene(material, cs.Sphere(1.0), loading, law, body=body)
+    assert 1959.0 / 1.5 <= 1e-6 * SOLVERS["fem"].mesh_bytes(pull, 10) <= 1.5 * 1959.0
 
 
 def test_fields_have_the_same_budget(monkeypatch):

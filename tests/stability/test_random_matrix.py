@@ -8,33 +8,27 @@ import numpy as np
 import pytest
 from support.synthetic_traces import by_hand
 
+import contact_scene as cs
 from benchmarks import random_matrix
 from benchmarks.random_matrix import Answer, Finding, JudgedScene, Settings, judge
 from benchmarks.random_scenes import FAMILIES, RandomScene, random_scene, rounded
 from benchmarks.trace_invariants import broken
-from contact_scene import (
-    Adhesion,
-    Loading,
-    Material,
-    OutcomeKind,
-    Ramp,
-    Scene,
-    Sphere,
-    Trace,
-)
 from validation import solvers
 from validation.measure.observables import measure
 from validation.runs.pool import Task, TaskEnding, TaskResult
 from validation.runs.run import Run
 from validation.solvers.contact_range import largest_contact_radius
 
-SCENE = Scene(
-    Material(0.75, 0.5), Sphere(1.0), Loading("relaxed", 0.02, (Ramp(-0.1, 0.01),)), Adhesion(1e-3, 0.01)
+SCENE = cs.Scene(
+    cs.Material(0.75, 0.5),
+    cs.Sphere(1.0),
+    cs.Loading("relaxed", 0.02, (cs.Ramp(-0.1, 0.01),)),
+    cs.Adhesion(1e-3, 0.01),
 )
 CHOSEN = RandomScene(1, "retraction", SCENE)
 
 
-def answer(excursion: float = 0.1, kind: OutcomeKind = OutcomeKind.COMPLETED) -> Trace:
+def answer(excursion: float = 0.1, kind: cs.OutcomeKind = cs.OutcomeKind.COMPLETED) -> cs.Trace:
     """A small movement on a large mean, to the last penetration of the loading."""
     t = np.linspace(0.0, 1.0, 51)
     energies = {"stored_energy": 1.0, "external_work": t, "dissipated_energy": t}
@@ -42,7 +36,7 @@ def answer(excursion: float = 0.1, kind: OutcomeKind = OutcomeKind.COMPLETED) ->
     return by_hand(t, kind, "reference", force=10.0 + excursion * np.sin(6.0 * t), **rows, **energies)
 
 
-def result(solver: str, trace: Trace | None, error: float = 1e-3, **how) -> TaskResult:
+def result(solver: str, trace: cs.Trace | None, error: float = 1e-3, **how) -> TaskResult:
     task = Task("key", "label", print, (CHOSEN.case, solver))
     if trace is None:
         return TaskResult(task, how.pop("value", None), **how)
@@ -53,7 +47,7 @@ def result(solver: str, trace: Trace | None, error: float = 1e-3, **how) -> Task
 
 
 def judged(
-    mine: TaskResult, base: Trace | None = None, compared: bool = False, error: float = 1e-5
+    mine: TaskResult, base: cs.Trace | None = None, compared: bool = False, error: float = 1e-5
 ) -> Answer:
     """The boundary elements' answer beside a reference of small error."""
     reference = result("reference", base or answer(), error)
@@ -75,7 +69,7 @@ def test_a_seed_is_always_the_same_scene_and_most_seeds_have_one(family):
 def test_plain_scenes_have_round_numbers():
     found = [one.scene for one in (random_scene("plain", seed) for seed in range(20)) if one is not None]
     laws = [scene.adhesion for scene in found if scene.adhesion is not None]
-    speeds = [step.rate for scene in found for step in scene.loading.steps if isinstance(step, Ramp)]
+    speeds = [step.rate for scene in found for step in scene.loading.steps if isinstance(step, cs.Ramp)]
     assert laws
     assert all(number == rounded(number) for law in laws for number in (law.work, law.zone))
     assert all(speed == rounded(speed) for speed in speeds)
@@ -89,8 +83,8 @@ def test_plain_scenes_have_round_numbers():
         (answer(0.102), 5e-5, Finding.UNDERSTATED),
         (answer(0.102), 1e-3, Finding.AGREES),
         (answer(0.102), 1e-2, Finding.LOOSE),
-        (answer(kind=OutcomeKind.NO_EQUILIBRIUM), 1e-3, Finding.DECLINED),
-        (answer(kind=OutcomeKind.DETACHED), 1e-3, Finding.OTHER_ENDING),
+        (answer(kind=cs.OutcomeKind.NO_EQUILIBRIUM), 1e-3, Finding.DECLINED),
+        (answer(kind=cs.OutcomeKind.DETACHED), 1e-3, Finding.OTHER_ENDING),
         (replace(answer(), time=answer().time[::-1].copy()), 1e-3, Finding.IMPROPER),
         (replace(answer(), extra={"branch_dissipation": -100.0 * answer().time}), 1e-3, Finding.IMPROPER),
     ],
@@ -118,7 +112,7 @@ def test_what_a_comparison_rejects_is_a_finding_unless_there_is_a_worse_one():
     off = judged(result("bem", answer(0.13), 5e-5), compared=True, error=1e-3)
     assert off.finding is Finding.WRONG
     assert "F(t), movement" in off.note
-    ended = answer(kind=OutcomeKind.NO_EQUILIBRIUM)
+    ended = answer(kind=cs.OutcomeKind.NO_EQUILIBRIUM)
     assert judged(result("bem", answer()), base=ended, compared=True).finding is Finding.NO_REFERENCE
 
 

@@ -16,7 +16,7 @@ from validation.compare.suite import SuiteComparison
 from validation.report import junit
 from validation.report.report import Chapter
 from validation.runs.folder import to_json
-from validation.stability import heat_map, page
+from validation.stability import page
 from validation.stability.matrix import FAULTS, Cell, CellVerdict, StabilityMatrix
 
 
@@ -53,18 +53,18 @@ def test_json_is_strict_and_checks_and_junit_fail_where_a_cell_is_at_fault():
 @pytest.mark.parametrize("verdict", FAULTS)
 def test_a_fault_is_seen_without_colour(verdict):
     plain, fault = (
-        heat_map.draw([cell("1", verdict=one)], page.numbers(CELLS[:1])).axes[0]
+        page.draw([cell("1", verdict=one)], page.numbers(CELLS[:1])).axes[0]
         for one in (CellVerdict.WITHIN, verdict)
     )
     assert (len(fault.lines), len(fault.patches)) == (len(plain.lines) + 1, len(plain.patches) + 1)
 
 
 def test_colours_stay_in_range_and_every_outcome_has_its_letter():
-    levels = [heat_map.level(one) for one in CELLS]
-    assert levels == [-3.0, None, pytest.approx(-0.30103), 0.0, None, heat_map.LEAST, None]
-    kinds = [*map(str, OutcomeKind), "hung", "raised", "died", "refused"]
-    assert "?" not in {heat_map.letter(cell("1", outcome=kind)) for kind in kinds}
-    assert heat_map.letter(CELLS[4]) == "?"
+    levels = [page.level(one) for one in CELLS]
+    assert levels == [-3.0, None, pytest.approx(-0.30103), 0.0, None, page.LEAST, None]
+    kinds = [*map(str, OutcomeKind), "hung", "failed", "died", "refused"]
+    assert "?" not in {page.letter(cell("1", outcome=kind)) for kind in kinds}
+    assert page.letter(CELLS[4]) == "?"
 
 
 def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monkeypatch, capsys):
@@ -73,7 +73,7 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
     real = command.matrix.run
 
     def faked(cases, jobs, solvers, on_cell, store):
-        return real(cases, jobs, solvers, on_cell, fakes.act, store)
+        return real(cases, jobs, solvers, on_cell, fakes.acted, store)
 
     monkeypatch.setattr(command.matrix, "run", faked)
     bem, out = ["stability", "--jobs", "1", "--solver", "bem"], tmp_path / "out"

@@ -8,7 +8,7 @@ from support.spring_solver import spring
 
 from contact_scene import Counters
 
-ORDERS = {"bem": 2.0, "paper-scheme": 1.0, "fem": 2.0, "fem-volume": 2.0, "reference": 4.0}
+ORDERS = {"bem": 2.0, "paper-scheme": 1.0, "fem": 2.0, "reference": 4.0}
 
 
 def converging(order: float, resolution_counts: bool = True):

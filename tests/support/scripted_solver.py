@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from support.synthetic_traces import by_hand
 
-from contact_scene import Counters, OutcomeKind, Scene, SceneError, Trace
+from contact_scene import Counters, OutcomeKind, Scene, Trace
+from validation.cases import Case
+from validation.measure.observables import measure
+from validation.runs.pool import Task
+from validation.runs.provenance import fingerprint
+from validation.runs.run import Run
 from validation.stability.cases import PLAIN, StabilityCase, Tolerance
 from validation.stability.expected import ClosedForm, Value
-from validation.stability.matrix import CaseAnswer, CaseRun
 
 FORCE = 2.0
 TIGHT = Tolerance({}, "made up", other=1e-3)
@@ -36,34 +41,43 @@ def trace(force: float = FORCE, kind: OutcomeKind = OutcomeKind.COMPLETED, steps
     return by_hand(time, kind, counters=Counters(steps=steps, rejected_steps=1), **rows)
 
 
-def act(run: CaseRun) -> CaseAnswer:
-    """What the title says."""
-    title = run.scene.title
-    if title == "refuses":
-        return CaseAnswer(refusal=str(SceneError("adhesion.zone", "is too long")))
-    if title == "raises":
-        raise ZeroDivisionError("division by\nzero")
+ENDS = {
+    "refuses": {"failure": "adhesion.zone: is too long", "refused": True},
+    "breaks down": {"failure": "ZeroDivisionError: division by zero"},
+    "gives up": {"trace": trace(kind=OutcomeKind.STEP_BUDGET)},
+    "a little off": {"trace": trace(FORCE * (1.0 + 5e-4))},
+    "wrong": {"trace": trace(FORCE * 1.01)},
+    "ends otherwise": {"trace": trace(kind=OutcomeKind.DETACHED)},
+}
+"""What a title says of the run; any other is right."""
+
+
+def answered(found: Trace, solver: str = "bem") -> Run:
+    """A run with this trace."""
+    return Run("made up", solver, found, measures=measure(found, PLAIN, 0.0))
+
+
+def act(case: Case, solver: str, resolution: int) -> Run:
+    """What the title of the scene says."""
+    title = case.scene.title
     if title == "dies":
         os._exit(7)
     if title == "waits":
         time.sleep(600.0)
     while title == "hangs":
         pass
-    if title == "gives up":
-        return CaseAnswer(trace(kind=OutcomeKind.STEP_BUDGET))
-    if title == "not a number":
-        return CaseAnswer(trace(float("nan")))
-    if title == "a little off":
-        return CaseAnswer(trace(FORCE * (1.0 + 5e-4)))
-    if title == "wrong":
-        return CaseAnswer(trace(FORCE * 1.01))
-    if title == "ends otherwise":
-        return CaseAnswer(trace(kind=OutcomeKind.DETACHED))
+    told = ENDS.get(title, {"trace": trace()})
     if title == "by resolution":
-        return CaseAnswer(trace(FORCE * (1.0 + 0.1 / run.resolution**2)))
-    return CaseAnswer(trace())
+        told = {"trace": trace(FORCE * (1.0 + 0.1 / resolution**2))}
+    return answered(told["trace"], solver) if "trace" in told else Run("made up", solver, **told)
 
 
-def never(run: CaseRun) -> CaseAnswer:
+def never(case: Case, solver: str, resolution: int) -> Run:
     """Must not be asked."""
-    raise AssertionError(run.scene.title)
+    return Run("made up", solver, failure=f"asked again: {case.scene.title}")
+
+
+def acted(case: Case, solver: str, resolution: int, by: Callable[..., Run] = act, **budget) -> Task:
+    """The task of a run by the fake."""
+    key = fingerprint("made up", case.scene, solver, resolution)
+    return Task(key, case.name, by, (case, solver, resolution), Run, budget["time_limit"])

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+import pytest
+
+from contact_scene import SceneError
 
 WRONG = {
     "None": None,
@@ -20,9 +26,12 @@ WRONG = {
 }
 
 
-def refused(error: ValueError) -> None:
-    """Check that a refusal is one line that says what is allowed."""
-    line = str(error)
-    assert line.isprintable()
+def refusal(call: Callable[..., Any], *given: Any, longest: int = 400, **named: Any) -> SceneError:
+    """The error with which a call is refused: one line, not long, that says what is allowed."""
+    with pytest.raises(SceneError) as caught:
+        call(*given, **named)
+    line = str(caught.value)
+    assert line.isprintable(), line
     assert "; allowed: " in line, line
-    assert len(line) < 400, line
+    assert len(line) < longest, line
+    return caught.value

@@ -11,17 +11,7 @@ from validation.claims.claim import Claim, Finding, Verdict
 from validation.claims.evidence import Evidence
 from validation.claims.paper_figures import FIGURES, draw_figure
 from validation.drawing import export
-from validation.report.document import (
-    DataTable,
-    Figure,
-    Figures,
-    Paragraph,
-    Record,
-    Section,
-    VerdictCell,
-    counted,
-    with_drawing,
-)
+from validation.report import document as doc
 from validation.report.report import Chapter
 
 CLAIMS = tuple(one for room in (cycles, retractions) for one in vars(room).values() if isinstance(one, Claim))
@@ -43,14 +33,16 @@ def findings(evidence: Evidence) -> tuple[Finding, ...]:
 
 def chapter(found: Sequence[Finding], evidence: Evidence) -> Chapter:
     """Figures and every statement; in short the count, and whatever does not simply hold."""
-    said, figures = Paragraph(in_words(found)), Figures(tuple(_figures(evidence)))
+    said, figures = doc.Paragraph(in_words(found)), doc.Figures(tuple(_figures(evidence)))
     notable = (one for one in found if one.verdict is not Verdict.HOLDS or one.changed)
-    whole = Section(TITLE, (said, Paragraph(EXPLAINED), figures, DataTable.of(map(cells, found))), "claims")
+    whole = doc.Section(
+        TITLE, (said, doc.Paragraph(EXPLAINED), figures, doc.DataTable.of(map(cells, found))), "claims"
+    )
     return Chapter(
         "claims",
         [one.check for one in found],
         (whole,),
-        (Section(TITLE, (said, DataTable.of(map(cells, notable)))),),
+        (doc.Section(TITLE, (said, doc.DataTable.of(map(cells, notable)))),),
         {"claims": list(map(data, found))},
         outputs=[f"{one.verdict}: {one.wording} Found: {one.shown}" for one in found],
     )
@@ -68,24 +60,24 @@ def in_words(found: Sequence[Finding]) -> str:
     verdicts = ", ".join(f"{count} {text}" for count, text in counts if count)
     changed = sum(one.changed for one in found)
     changes = f"{changed or 'no'} verdict{'s' if changed > 1 else ''}"
-    return f"{counted(len(found), 'statement')}: {verdicts}; {changes} changed."
+    return f"{doc.counted(len(found), 'statement')}: {verdicts}; {changes} changed."
 
 
-def _figures(evidence: Evidence) -> list[Figure]:
+def _figures(evidence: Evidence) -> list[doc.Figure]:
     figures = []
     for paper in FIGURES:
         drawing = draw_figure(paper, evidence)
         files = {} if drawing is None else {f"{paper.name}.png": export.png(drawing)}
-        figure = Figure(f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files)
-        figures.append(with_drawing(figure, drawing))
+        figure = doc.Figure(f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files)
+        figures.append(doc.with_drawing(figure, drawing))
     return figures
 
 
-def cells(finding: Finding) -> Record:
+def cells(finding: Finding) -> doc.Record:
     verdict = str(finding.verdict) + (f" (recorded: {finding.recorded})" if finding.changed else "")
     passed = False if finding.changed else True if finding.verdict is Verdict.HOLDS else None
     return {
-        "verdict": VerdictCell(verdict, passed),
+        "verdict": doc.VerdictCell(verdict, passed),
         "place in the paper": finding.place,
         "what it says": finding.wording,
         "what was found": finding.shown,

@@ -52,7 +52,7 @@ def check_case(case: Case, runs: dict[str, Run]) -> list[Check]:
     """All checks of the runs of one scene, which are keyed by solver."""
     checks = [check for result in runs.values() for check in check_run(case, result)]
     base = runs.get(REFERENCE)
-    if base is not None and REFERENCE not in case.refused_by:
+    if base is not None:
         others = [r for name, r in runs.items() if name != REFERENCE and not _declined(case, r)]
         found = [check for result in others for check in against_reference(case, result, base)]
         checks += _where_the_others_agree(case, others, found)
@@ -184,12 +184,11 @@ def _comes_back(tension: Array, tolerance: float) -> bool:
 
 
 def _declined(case: Case, result: Run) -> bool:
-    """Whether a solver need not answer: the case says so or, where nothing is known of a scene, the solver.
+    """Whether a solver need not answer: it says so, and nothing is known of the scene.
 
     The reference has to: without it nothing is compared.
     """
-    unknown = not case.outcome and result.solver != REFERENCE
-    return result.solver in case.refused_by or (result.refused and unknown)
+    return result.refused and not case.outcome and result.solver != REFERENCE
 
 
 def _reaches_its_end(case: Case, result: Run) -> Check:

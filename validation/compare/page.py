@@ -18,27 +18,9 @@ from validation.compare.suite import SceneComparison, SuiteComparison
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import INK, curve_style
 from validation.measure.difference import Check
+from validation.report import document as doc
 from validation.report import html, junit, markdown
 from validation.report import report as folders
-from validation.report.document import (
-    ABSENT,
-    Bullets,
-    Cell,
-    DataTable,
-    Document,
-    Figure,
-    Figures,
-    LinkCell,
-    Paragraph,
-    Part,
-    Record,
-    Section,
-    counted,
-    number,
-    passed_or_not,
-    plain,
-    with_drawing,
-)
 from validation.report.report import Chapter
 from validation.report.tables import costs, environment, of_checks, spent
 from validation.runs.folder import to_json
@@ -152,77 +134,85 @@ def write(
     files = {
         "report.json": to_json(whole),
         "junit.xml": cases,
-        "summary.md": markdown.text(Document(title, opening, short)),
+        "summary.md": markdown.text(doc.Document(title, opening, short)),
     }
-    folders.write(folder, Document(title, opening, parts), files)
+    folders.write(folder, doc.Document(title, opening, parts), files)
 
 
-def lead(compared: SuiteComparison, others: Sequence[Chapter] = ()) -> Paragraph:
+def lead(compared: SuiteComparison, others: Sequence[Chapter] = ()) -> doc.Paragraph:
     """How many checks, and how many not passed."""
     judged = checks(compared, others)
     failed = sum(not check.passed for check in judged)
     verdict = f"{failed} not passed" if failed else "all passed"
-    return Paragraph(
-        f"{counted(len(judged), 'check')} on {counted(len(compared.scenes), 'scene')}: {verdict}.",
+    return doc.Paragraph(
+        f"{doc.counted(len(judged), 'check')} on {doc.counted(len(compared.scenes), 'scene')}: {verdict}.",
         not failed,
     )
 
 
-def overview(compared: SuiteComparison, failures: Sequence[Check], small: Sequence[Figure] = ()) -> Section:
+def overview(
+    compared: SuiteComparison, failures: Sequence[Check], small: Sequence[doc.Figure] = ()
+) -> doc.Section:
     """What did not pass; ``small`` figures, a chart of all errors, a line for each scene, and the solvers."""
-    rows: Iterator[Record] = (
+    rows: Iterator[doc.Record] = (
         {
-            "scene": LinkCell(scene.case.name, anchor(scene)),
+            "scene": doc.LinkCell(scene.case.name, anchor(scene)),
             "paper": scene.case.figure,
             "checks": _counted(scene),
-            "verdict": passed_or_not(scene.passed),
+            "verdict": doc.passed_or_not(scene.passed),
             "closest to its limit": _closest(scene),
         }
         for scene in compared.scenes
     )
-    parts: list[Part] = []
+    parts: list[doc.Part] = []
     if failures:
         anchors = {scene.case.name: anchor(scene) for scene in compared.scenes}
-        parts.append(Section("Not passed", (of_checks(failures, anchors),), "not-passed"))
+        parts.append(doc.Section("Not passed", (of_checks(failures, anchors),), "not-passed"))
     if small:
-        parts += [Paragraph(PICTURES), Figures(tuple(small), small=True), Figures((_cost(compared.scenes),))]
-    resolution = (Paragraph(QUICK),) if compared.suite == "quick" else ()
-    parts.append(Section("Scene by scene", (DataTable.of(rows), Paragraph(EXPLAINED), *resolution)))
+        parts += [
+            doc.Paragraph(PICTURES),
+            doc.Figures(tuple(small), small=True),
+            doc.Figures((_cost(compared.scenes),)),
+        ]
+    resolution = (doc.Paragraph(QUICK),) if compared.suite == "quick" else ()
+    parts.append(
+        doc.Section("Scene by scene", (doc.DataTable.of(rows), doc.Paragraph(EXPLAINED), *resolution))
+    )
     names = dict.fromkeys(name for scene in compared.scenes for name in scene.runs)
-    solvers = DataTable.of(
+    solvers = doc.DataTable.of(
         {"solver": name, "method": SOLVERS[name].title, "how it works": SOLVERS[name].description}
         for name in names
         if name in SOLVERS
     )
     if solvers.rows:
-        parts.append(Section("The solvers", (solvers,)))
-    return Section("Overview", tuple(parts), "overview")
+        parts.append(doc.Section("The solvers", (solvers,)))
+    return doc.Section("Overview", tuple(parts), "overview")
 
 
-def summary(compared: SuiteComparison, failures: Sequence[Check]) -> tuple[Part, ...]:
+def summary(compared: SuiteComparison, failures: Sequence[Check]) -> tuple[doc.Part, ...]:
     """Parts of ``summary.md``: pull-off forces and outcomes, work left out, and what did not pass."""
     solvers = tuple(dict.fromkeys(name for scene in compared.scenes for name in scene.runs))
-    parts: tuple[Part, ...] = (
-        Paragraph(f"{compared.wall_seconds:.0f} s on {compared.environment['processor']}."),
-        DataTable.of(_line(scene, solvers) for scene in compared.scenes),
-        Paragraph("Left out, by the counters of work:"),
-        Bullets(tuple(f"{scene.case.name}: {skipped_work(scene)}" for scene in compared.scenes)),
+    parts: tuple[doc.Part, ...] = (
+        doc.Paragraph(f"{compared.wall_seconds:.0f} s on {compared.environment['processor']}."),
+        doc.DataTable.of(_line(scene, solvers) for scene in compared.scenes),
+        doc.Paragraph("Left out, by the counters of work:"),
+        doc.Bullets(tuple(f"{scene.case.name}: {skipped_work(scene)}" for scene in compared.scenes)),
     )
-    return (*parts, Section("Not passed", (of_checks(failures, {}),))) if failures else parts
+    return (*parts, doc.Section("Not passed", (of_checks(failures, {}),))) if failures else parts
 
 
-def _line(scene: SceneComparison, solvers: Sequence[str]) -> Record:
+def _line(scene: SceneComparison, solvers: Sequence[str]) -> doc.Record:
     """What the solvers have to say of a scene; some of them may not have been asked."""
     forces = (run.measures.get("pull_off_force") for run in scene.runs.values())
-    cells: dict[str, Cell] = {
+    cells: dict[str, doc.Cell] = {
         "scene": scene.case.name,
         "checks": _counted(scene),
-        "verdict": passed_or_not(scene.passed),
-        "pull-off force": " / ".join(number(force, 5) for force in forces),
+        "verdict": doc.passed_or_not(scene.passed),
+        "pull-off force": " / ".join(doc.number(force, 5) for force in forces),
     }
     for solver in solvers:
         run = scene.runs.get(solver)
-        cells[solver] = ABSENT
+        cells[solver] = doc.ABSENT
         if run is not None:
             answered = run.trace is not None
             cells[solver] = f"{run.outcome}, {run.wall_seconds:.2g} s" if answered else run.ending
@@ -236,17 +226,17 @@ def _counted(scene: SceneComparison) -> str:
 def _closest(scene: SceneComparison) -> str:
     """The check that uses the largest share of its limit."""
     shares = {
-        f"{plain(check.quantity)}, {check.solver}": abs(check.difference) / check.limit
+        f"{doc.plain(check.quantity)}, {check.solver}": abs(check.difference) / check.limit
         for check in scene.checks
         if check.difference is not None and check.limit
     }
     if not shares:
-        return ABSENT
+        return doc.ABSENT
     closest = max(shares, key=lambda name: shares[name])
     return f"{100 * shares[closest]:.0f} %: {closest}"
 
 
-def _cost(scenes: Sequence[SceneComparison]) -> Figure:
+def _cost(scenes: Sequence[SceneComparison]) -> doc.Figure:
     """Error of the force over the run against processor time, a mark for each run of each solver."""
     from matplotlib.figure import Figure as Drawing
 
@@ -257,14 +247,14 @@ def _cost(scenes: Sequence[SceneComparison]) -> Figure:
             error = run.errors.get("force") if solver == REFERENCE else found.get(solver)
             if error and run.cpu_seconds > 0.0:
                 points.setdefault(solver, []).append((run.cpu_seconds, max(abs(error), LEAST)))
-    figure = Figure(
+    figure = doc.Figure(
         "error-over-time",
         "Error of the force over the whole run, relative to its largest, against processor time: all scenes. "
         f"Difference from the reference; of the reference, its own error estimate; {LEAST:g} at least.",
         missing="No figure: no run has an error.",
     )
     if not points:
-        return with_drawing(figure, None)
+        return doc.with_drawing(figure, None)
     drawing = Drawing(figsize=(1.6 * SIZE[0], SIZE[1]), layout="constrained")
     axes = drawing.add_subplot()
     axes.set(xscale="log", yscale="log", xlabel="processor time (s)", ylabel="error of F(t), RMS")
@@ -275,4 +265,4 @@ def _cost(scenes: Sequence[SceneComparison]) -> Figure:
         axes.plot(seconds, errors, linestyle="none", markersize=5, label=solver, **marker)
     format_axes(axes)
     axes.legend(frameon=False, labelcolor=INK, fontsize="small")
-    return with_drawing(figure, drawing)
+    return doc.with_drawing(figure, drawing)

@@ -26,20 +26,7 @@ from contact_scene.errors import SceneError
 from contact_scene.files import read_text
 from validation.cases import Case
 from validation.measure.difference import Check, of_numbers, relative
-from validation.report.document import (
-    ABSENT,
-    Bullets,
-    DataTable,
-    Paragraph,
-    Part,
-    Record,
-    Section,
-    VerdictCell,
-    counted,
-    formatted,
-    number,
-    plain,
-)
+from validation.report import document as doc
 from validation.report.report import Chapter
 from validation.runs.folder import from_json
 from validation.runs.provenance import changes
@@ -110,24 +97,24 @@ class ReportComparison:
         """In one sentence."""
         if not self.moves:
             return f"Nothing moved since {self.path}."
-        moved = counted(len(self.moves), "value")
+        moved = doc.counted(len(self.moves), "value")
         return f"{moved} moved since {self.path}, {len(self.beyond)} of them beyond tolerance."
 
     def chapter(self) -> Chapter:
         """All moves for a report; in short all that count and the largest of the rest."""
-        heading: tuple[Part, ...] = (
-            *((Bullets(self.changes),) if self.changes else ()),
-            Paragraph(self.verdict),
+        heading: tuple[doc.Part, ...] = (
+            *((doc.Bullets(self.changes),) if self.changes else ()),
+            doc.Paragraph(self.verdict),
         )
         shown = self.moves[: max(len(self.beyond), MOST)]
         more = len(self.moves) - len(shown)
-        rest = (Paragraph(f"{more} smaller moves are in report.json."),) if more else ()
+        rest = (doc.Paragraph(f"{more} smaller moves are in report.json."),) if more else ()
         title, moves = "Since the baseline", [asdict(move) for move in self.moves]
         return Chapter(
             "baseline",
             self.checks,
-            (Section(title, (*heading, *_listed(self.moves))),),
-            (Section(title, (*heading, *_listed(shown), *rest)),),
+            (doc.Section(title, (*heading, *_listed(self.moves))),),
+            (doc.Section(title, (*heading, *_listed(shown), *rest)),),
             {"baseline": {"path": self.path, "changes": list(self.changes), "moves": moves}},
         )
 
@@ -227,18 +214,18 @@ def _verdicts(scene: str, old: list[Data], new: list[Data]) -> Iterator[Move]:
             yield Move(scene, key[0], what, words[first], words[second], beyond=second is not True)
 
 
-def _listed(moves: tuple[Move, ...]) -> tuple[DataTable, ...]:
-    rows: Iterator[Record] = (
+def _listed(moves: tuple[Move, ...]) -> tuple[doc.DataTable, ...]:
+    rows: Iterator[doc.Record] = (
         {
             "scene": move.scene,
-            "solver": move.solver or ABSENT,
-            "what": plain(move.what),
-            "before": number(move.before, 8),
-            "after": number(move.after, 8),
-            "change": formatted(move.change, "+.1e"),
-            "tolerance": formatted(move.tolerance, ".0e"),
-            "beyond": VerdictCell("BEYOND" if move.beyond else "no", not move.beyond),
+            "solver": move.solver or doc.ABSENT,
+            "what": doc.plain(move.what),
+            "before": doc.number(move.before, 8),
+            "after": doc.number(move.after, 8),
+            "change": doc.formatted(move.change, "+.1e"),
+            "tolerance": doc.formatted(move.tolerance, ".0e"),
+            "beyond": doc.VerdictCell("BEYOND" if move.beyond else "no", not move.beyond),
         }
         for move in moves
     )
-    return (DataTable.of(rows),) if moves else ()
+    return (doc.DataTable.of(rows),) if moves else ()

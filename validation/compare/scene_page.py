@@ -12,21 +12,7 @@ from validation.drawing.axes import format_axes
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
 from validation.drawing.styles import INK, curve_style
 from validation.measure.warnings import left_out_by_all
-from validation.report.document import (
-    Bullets,
-    DataTable,
-    Figure,
-    Figures,
-    Fold,
-    LinkCell,
-    Paragraph,
-    Part,
-    Section,
-    number,
-    passed_or_not,
-    valid_id,
-    with_drawing,
-)
+from validation.report import document as doc
 from validation.report.tables import COUNTERS, of_checks
 from validation.solvers import REFERENCE
 
@@ -39,57 +25,57 @@ FLAT = 0.05
 """Half of the least height of a small figure, relative to the force: what differs by less is not seen."""
 
 
-def drawn(scene: SceneComparison) -> tuple[Section, Figure]:
+def drawn(scene: SceneComparison) -> tuple[doc.Section, doc.Figure]:
     """All about one scene, and the small figure that leads there."""
-    case, verdict = scene.case, passed_or_not(scene.passed)
+    case, verdict = scene.case, doc.passed_or_not(scene.passed)
     said = tuple(f"{solver}: {text}" for solver, run in scene.runs.items() for text in run.warnings)
-    warned = (Bullets(said),) if said else ()
-    parts: tuple[Part, ...] = (
-        *((Paragraph(case.statement),) if case.statement else ()),
-        Fold(f"Parameters ({case.scene.unit_names})", (parameters(scene),)),
+    warned = (doc.Bullets(said),) if said else ()
+    parts: tuple[doc.Part, ...] = (
+        *((doc.Paragraph(case.statement),) if case.statement else ()),
+        doc.Fold(f"Parameters ({case.scene.unit_names})", (parameters(scene),)),
         figures(scene),
-        Section("Runs", (runs(scene), *warned, Paragraph(skipped_work(scene)))),
-        Section("Checks", (of_checks(scene.checks),)),
+        doc.Section("Runs", (runs(scene), *warned, doc.Paragraph(skipped_work(scene)))),
+        doc.Section("Checks", (of_checks(scene.checks),)),
     )
-    section = Section(case.scene.title or case.name, parts, anchor(scene), verdict, folded=scene.passed)
-    link = LinkCell(case.name, anchor(scene))
-    small = Figure(f"small-{anchor(scene)}", case.name, link=link, verdict=verdict)
-    return section, with_drawing(small, _small(scene), f"Force against penetration, {case.name}")
+    section = doc.Section(case.scene.title or case.name, parts, anchor(scene), verdict, folded=scene.passed)
+    link = doc.LinkCell(case.name, anchor(scene))
+    small = doc.Figure(f"small-{anchor(scene)}", case.name, link=link, verdict=verdict)
+    return section, doc.with_drawing(small, _small(scene), f"Force against penetration, {case.name}")
 
 
-def verdicts(scene: SceneComparison) -> Section:
+def verdicts(scene: SceneComparison) -> doc.Section:
     """The checks alone, for a terminal."""
-    return Section(f"{scene.case.name}: {scene.case.scene.title}", (of_checks(scene.checks),))
+    return doc.Section(f"{scene.case.name}: {scene.case.scene.title}", (of_checks(scene.checks),))
 
 
 def anchor(scene: SceneComparison) -> str:
     """Where the section is found in a page; any name of a scene gives one that is a valid id."""
-    return f"scene-{valid_id(scene.case.name)}"
+    return f"scene-{doc.valid_id(scene.case.name)}"
 
 
-def figures(scene: SceneComparison) -> Part:
+def figures(scene: SceneComparison) -> doc.Part:
     """Curves of all solvers laid over each other."""
     question = scene.case.scene
     traces = [run.curves for run in scene.runs.values() if run.curves is not None]
     curves = with_differences([of_trace(trace, question) for trace in traces], REFERENCE)
     if not curves:
-        return Paragraph("No run gave a curve.")
+        return doc.Paragraph("No run gave a curve.")
     curves += elastic_limits(question, max(float(trace.contact_radius.max()) for trace in traces))
     drawn = []
     for panel in run_figures.PANELS:
         if any(panel.up in curve.columns for curve in curves):
-            figure = Figure(f"{anchor(scene)}-{panel.name}", panel.caption)
+            figure = doc.Figure(f"{anchor(scene)}-{panel.name}", panel.caption)
             drawing = run_figures.draw(panel, curves, labels(question))
-            drawn.append(with_drawing(figure, drawing, f"{panel.caption}, {scene.case.name}"))
-    return Figures(tuple(drawn))
+            drawn.append(doc.with_drawing(figure, drawing, f"{panel.caption}, {scene.case.name}"))
+    return doc.Figures(tuple(drawn))
 
 
-def runs(scene: SceneComparison) -> DataTable:
+def runs(scene: SceneComparison) -> doc.DataTable:
     """How each run ended, and the work and time it took."""
-    return DataTable.of(
+    return doc.DataTable.of(
         {"solver": solver, "ending": run.ending}
-        | {title: number(run.measures.get(f"counters.{name}")) for title, name in COUNTERS.items()}
-        | {"seconds": number(run.wall_seconds, 3), "processor": number(run.cpu_seconds, 3)}
+        | {title: doc.number(run.measures.get(f"counters.{name}")) for title, name in COUNTERS.items()}
+        | {"seconds": doc.number(run.wall_seconds, 3), "processor": doc.number(run.cpu_seconds, 3)}
         for solver, run in scene.runs.items()
     )
 
@@ -101,7 +87,7 @@ def skipped_work(scene: SceneComparison) -> str:
     return left_out_by_all(work) if work else "No run has counters of its work."
 
 
-def parameters(scene: SceneComparison) -> DataTable:
+def parameters(scene: SceneComparison) -> doc.DataTable:
     """What the scene consists of, as name and value."""
     question = scene.case.scene
     material, adhesion, loading = question.material, question.adhesion, question.loading
@@ -115,7 +101,7 @@ def parameters(scene: SceneComparison) -> DataTable:
         ("start", f"{loading.start} at penetration {loading.penetration:g}"),
         ("loading", "; ".join(f"{step.kind} {_numbers(step)}" for step in loading.steps) or "none"),
     ]
-    return DataTable(("", ""), tuple(rows), numeric=False)
+    return doc.DataTable(("", ""), tuple(rows), numeric=False)
 
 
 def _of_adhesion(adhesion: Adhesion) -> list[tuple[str, str]]:

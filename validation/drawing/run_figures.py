@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from itertools import chain, count
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown as shown_value
 from validation.drawing.axes import SIZE, format_axes, label_axes
@@ -24,14 +26,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDE = 3.0  # points; a wider line gets a larger mark at its largest tension
+WIDE = 3.0  # points; a line as wide gets a larger mark at its largest tension, and lies behind measured rows
 SHORT = 6  # characters of a number; longer ones are fewer
 MANY = 6000  # points beyond which a line is drawn as pixels inside the SVG
-HEIGHT, WIDTHS = 3.4, {1: 4.6, 2: 8.4, 3: 12.0}  # inches of a figure with as many panels
+HEIGHT, WIDTHS = 3.4, {1: 4.6, 2: 8.4, 3: 12.0, 4: 15.6}  # inches of a figure with as many panels
 QUANTITIES = {"F": "force", "D": "penetration", "a": "contact_radius", "X": "stage", "t": "time"}
 """Columns by the letters that name them in ``F(t)``."""
 Pairs = tuple[tuple[str, str], ...]
-MEASURED: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3, "color": INK, "zorder": 1}
+MEASURED: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3, "color": INK, "zorder": 1.5}
+ARROW, SHORT_WAY = np.array([-0.01, 0.01]), 0.2
+"""Ends of an arrow of time along a curve, and a way that has none, both over the size of its panel."""
 INSTABILITY = "instability"  # what the legend says of the crosses
 
 
@@ -94,7 +98,8 @@ def _draw_run(axes: Axes, curve: RunCurves, across: str, up: str, line: dict[str
     """The line of a run, a marker if it has a single row, and a circle at its largest tension."""
     x, y = curve.columns[across], curve.columns[up]
     marker = line.get("marker", "o") if x.size == 1 else None
-    axes.plot(x, y, rasterized=x.size > MANY, **line | {"marker": marker})
+    order = {"zorder": 1.0 if line.get("linewidth", 0.0) >= WIDE else 2.0}  # of lines drawn later too
+    axes.plot(x, y, rasterized=x.size > MANY, **order | line | {"marker": marker})
     if curve.pull_off is not None and x.size > curve.pull_off:
         at, size = ([x[curve.pull_off]], [y[curve.pull_off]]), line.get("markersize", 6)
         axes.plot(*at, "o", markersize=size, color=line["color"], fillstyle="none")
@@ -124,9 +129,9 @@ def has_stage(trace: Trace) -> bool:
 
 
 def in_words(with_stage: bool) -> str:
-    """What these panels show."""
+    """What these panels and that over time show."""
     *first, last = (f"{up} against {across}".replace("_", " ") for across, up in side_by_side(with_stage))
-    return f"{', '.join(first)} and {last}"
+    return f"force over time, {', '.join(first)} and {last}"
 
 
 def new_figure(panels: int, *, shown: bool = True) -> Figure:
@@ -172,19 +177,42 @@ def draw_side_by_side(
         pulled, known = curve.pull_off, any(text.get_text() == "pull-off" for text in panel.texts)
         if pulled is not None and pulled < len(curve.columns[up]) and not known:
             at = curve.columns[across][pulled], curve.columns[up][pulled]
-            offset = (9.0, -3.0) if across == "force" else (4.0, -12.0)  # points
-            panel.annotate("pull-off", at, offset, textcoords="offset points", fontsize="small")
+            # Beyond the largest tension there is no curve.
+            beside = {"xytext": (-9.0, 0.0), "ha": "right", "va": "center"}
+            below = {"xytext": (0.0, -9.0), "ha": "center", "va": "top"}
+            free: Any = beside if across == "force" else below
+            panel.annotate("pull-off", at, textcoords="offset points", fontsize="small", **free)
+        if across != "time":
+            _draw_direction(panel, curve.columns[across], curve.columns[up], line["color"])
         if has_stage(trace) and scene.is_adhesive:  # without adhesion the contact shrinks to nothing
             _mark_instabilities(panel, trace, scene, (across, up), line["color"])
         format_axes(panel)
         label_axes(panel, names[across], names[up])
-        panel.margins(0.06, 0.12)
+        panel.margins(0.3 if across == "force" else 0.06, 0.06 if across == "force" else 0.16)
         panel.locator_params(axis="x", nbins=5)  # more labels run into each other
     axes[0].legend(frameon=False, fontsize="small")
 
 
+def _draw_direction(panel: Axes, x: Any, y: Any, color: Any) -> None:
+    """Arrows of time on the way in and on the way out, at a third of the way along each."""
+    from matplotlib.patches import FancyArrowPatch
+
+    if x.size < SHORT:
+        return
+    turn, wide, high = int(np.argmax(x)), np.ptp(x) or 1.0, np.ptp(y) or 1.0
+    for first, last in ((0, turn), (turn, x.size - 1)):
+        part = slice(first, last + 1)
+        steps = np.hypot(np.diff(x[part]) / wide, np.diff(y[part]) / high)
+        way = np.concatenate([[0.0], np.cumsum(steps)])
+        if way[-1] < SHORT_WAY:
+            continue
+        ends = [(np.interp(at, way, x[part]), np.interp(at, way, y[part])) for at in way[-1] / 3.0 + ARROW]
+        look: dict[str, Any] = {"arrowstyle": "-|>", "color": color, "mutation_scale": 11}
+        panel.add_patch(FancyArrowPatch(*ends, shrinkA=0.0, shrinkB=0.0, **look))
+
+
 def draw_measured(axes: Sequence[Axes], data: Any, scene: Scene, pairs: Pairs) -> None:
-    """Draw the rows of a record, which stand behind a run, in each panel whose quantities it holds."""
+    """Draw the rows of a record behind a run, but before a line that would hide them."""
     if not hasattr(data, "motion"):
         allowed = "a MeasuredCurve, as read_curve gives one"
         raise SceneError("data", f"got {shown_value(data)}", allowed)

@@ -18,26 +18,8 @@ from validation.exam.grading import BALANCE, COARSEST, Grade, GriffithTrack, cou
 from validation.exam.own_answers import reference_runs
 from validation.exam.question import tags
 from validation.measure.difference import Check
-from validation.report import document, junit, markdown, report
-from validation.report.document import (
-    ABSENT,
-    Bullets,
-    DataTable,
-    Document,
-    Figure,
-    Figures,
-    Fold,
-    LinkCell,
-    Paragraph,
-    Part,
-    Record,
-    Section,
-    VerdictCell,
-    formatted,
-    plain,
-    valid_id,
-    with_drawing,
-)
+from validation.report import document as doc
+from validation.report import junit, markdown, report
 from validation.report.report import Chapter
 from validation.report.tables import environment
 from validation.runs.folder import to_json
@@ -162,80 +144,80 @@ def _verdict(folder: AnswerFolder, code: str, case: Case, base: Run | None) -> A
 # The report
 
 
-def lead(judgement: Judgement) -> Paragraph:
+def lead(judgement: Judgement) -> doc.Paragraph:
     """How many verdicts, and how many failed."""
     checks = judgement.checks
     failed = sum(not check.passed for check in checks)
-    codes = document.counted(len(judgement.codes), "code")
-    scenes = document.counted(len(judgement.scenes), "scene")
-    verdicts, ended = document.counted(len(checks), "verdict"), f"{failed} failed" if failed else "all passed"
-    return Paragraph(f"{codes} on {scenes}, {verdicts} on answers: {ended}.", not failed)
+    codes = doc.counted(len(judgement.codes), "code")
+    scenes = doc.counted(len(judgement.scenes), "scene")
+    verdicts, ended = doc.counted(len(checks), "verdict"), f"{failed} failed" if failed else "all passed"
+    return doc.Paragraph(f"{codes} on {scenes}, {verdicts} on answers: {ended}.", not failed)
 
 
-def overview(judgement: Judgement) -> Section:
+def overview(judgement: Judgement) -> doc.Section:
     """A row for each scene, a column for each code; in the last row how many passed and failed."""
-    rows: list[Record] = [
-        {"scene": LinkCell(one.case.name, _anchor(one))}
-        | {found.code: VerdictCell(found.verdict, found.passed) for found in one.verdicts}
+    rows: list[doc.Record] = [
+        {"scene": doc.LinkCell(one.case.name, _anchor(one))}
+        | {found.code: doc.VerdictCell(found.verdict, found.passed) for found in one.verdicts}
         for one in judgement.scenes
     ]
     ends = {
         code: [check.passed for check in judgement.checks if check.solver == code] for code in judgement.codes
     }
     totals = {code: f"{sum(found)}/{len(found)} passed" for code, found in ends.items()}
-    parts: tuple[Part, ...] = (DataTable.of([*rows, {"scene": ""} | totals]),)
+    parts: tuple[doc.Part, ...] = (doc.DataTable.of([*rows, {"scene": ""} | totals]),)
     if judgement.remarks:
-        parts += (Paragraph("Told of the files:"), Bullets(judgement.remarks))
-    return Section("Verdicts", parts)
+        parts += (doc.Paragraph("Told of the files:"), doc.Bullets(judgement.remarks))
+    return doc.Section("Verdicts", parts)
 
 
-def _section(scene: SceneJudgement) -> Section:
+def _section(scene: SceneJudgement) -> doc.Section:
     """All answers to a scene, the figure of error against run time, and every difference."""
     name, graded = scene.case.name, [one for verdict in scene.verdicts for one in verdict.answers]
-    parts: list[Part] = [Paragraph(f"Tags: {', '.join(tags(scene.case.scene))}.")]
+    parts: list[doc.Part] = [doc.Paragraph(f"Tags: {', '.join(tags(scene.case.scene))}.")]
     if graded:
-        parts.append(DataTable.of(map(_row, graded)))
+        parts.append(doc.DataTable.of(map(_row, graded)))
     others = [f"{one.code}: {one.verdict} ({one.reason})" for one in scene.verdicts if one.reason]
     if others:
-        parts.append(Bullets(tuple(others)))
+        parts.append(doc.Bullets(tuple(others)))
     drawing = _drawn(scene)
     if drawing is not None:
-        figure = f"exam-{valid_id(name)}"
+        figure = f"exam-{doc.valid_id(name)}"
         files = {f"{figure}.png": export.png(drawing), f"{figure}.svg": export.svg_file(drawing)}
-        shown = Figure(figure, f"{name}: error against stated run time", files=files)
-        parts.append(Figures((with_drawing(shown, drawing),)))
-    folds = (Fold(f"All differences: {one.answer.header.title}", (_differences(one),)) for one in graded)
-    return Section(scene.case.scene.title or name, (*parts, *folds), _anchor(scene))
+        shown = doc.Figure(figure, f"{name}: error against stated run time", files=files)
+        parts.append(doc.Figures((doc.with_drawing(shown, drawing),)))
+    folds = (doc.Fold(f"All differences: {one.answer.header.title}", (_differences(one),)) for one in graded)
+    return doc.Section(scene.case.scene.title or name, (*parts, *folds), _anchor(scene))
 
 
 def _anchor(scene: SceneJudgement) -> str:
-    return f"exam-scene-{valid_id(scene.case.name)}"
+    return f"exam-scene-{doc.valid_id(scene.case.name)}"
 
 
-def _row(grade: Grade) -> Record:
+def _row(grade: Grade) -> doc.Record:
     header, worst = grade.answer.header, grade.worst
-    reached = VerdictCell(f"1e-{grade.decade}" if grade.decade else "none", None)
+    reached = doc.VerdictCell(f"1e-{grade.decade}" if grade.decade else "none", None)
     errors = {"F(t)": "force, curve", "a(t)": "contact_radius, curve", "energy balance": BALANCE}
     return {
         "code": f"{header.code} {header.version}",
-        "resolution": header.resolution or ABSENT,
-        "seconds": formatted(header.seconds, ".3g"),
-        **{title: formatted(grade.error(quantity), ".1e") for title, quantity in errors.items()},
-        "worst": ABSENT if worst is None else f"{plain(worst.quantity)}: {abs(worst.error):.1e}",
-        "decade": VerdictCell("cannot be read", False) if grade.answer.problem else reached,
-        "told": "; ".join(grade.remarks) or ABSENT,
-        "author": header.author or ABSENT,
+        "resolution": header.resolution or doc.ABSENT,
+        "seconds": doc.formatted(header.seconds, ".3g"),
+        **{title: doc.formatted(grade.error(quantity), ".1e") for title, quantity in errors.items()},
+        "worst": doc.ABSENT if worst is None else f"{doc.plain(worst.quantity)}: {abs(worst.error):.1e}",
+        "decade": doc.VerdictCell("cannot be read", False) if grade.answer.problem else reached,
+        "told": "; ".join(grade.remarks) or doc.ABSENT,
+        "author": header.author or doc.ABSENT,
     }
 
 
-def _differences(grade: Grade) -> DataTable:
-    return DataTable.of(
+def _differences(grade: Grade) -> doc.DataTable:
+    return doc.DataTable.of(
         {
-            "quantity": plain(one.quantity),
+            "quantity": doc.plain(one.quantity),
             "difference": f"{one.error:+.1e}",
             "reference known to": f"{one.known_to or 0.0:.1e}",
             "counts as": f"{counted(one):.1e}",
-            "note": one.note or ABSENT,
+            "note": one.note or doc.ABSENT,
         }
         for one in sorted(grade.differences, key=lambda one: -counted(one))
     )
@@ -313,7 +295,7 @@ def _data_of(one: AnswerVerdict) -> dict[str, Any]:
 def write(judgement: Judgement, folder: Path, wall_seconds: float) -> None:
     """Write ``index.html``, ``exam.md``, ``exam.json``, ``junit.xml`` and ``figures/``, the page last."""
     parts = [overview(judgement), *map(_section, judgement.scenes), environment(stamp(), wall_seconds)]
-    page = Document(TITLE, (lead(judgement), Paragraph(EXPLAINED)), tuple(parts))
+    page = doc.Document(TITLE, (lead(judgement), doc.Paragraph(EXPLAINED)), tuple(parts))
     codes = [
         Chapter(code, [check for check in judgement.checks if check.solver == code])
         for code in judgement.codes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
@@ -42,21 +42,27 @@ def reference_runs(
     return {one.scene: one for one in map(run_of, run_tasks(tasks, executor, store, progress))}
 
 
-def export_reference(folder: Path, cases: Sequence[Case], runs: Mapping[str, Run]) -> None:
-    """Write ``reference.csv`` and ``reference.json`` into the folder of every scene that has a trace."""
-    for case in cases:
-        run = runs[case.name]
-        if run.curves is None:
+def export_reference(
+    folder: Path,
+    cases: Sequence[Case],
+    executor: Executor | None = None,
+    progress: TellProgress | None = None,
+) -> list[Run]:
+    """Write ``reference.csv`` and ``reference.json`` of every scene with a trace, once all are done."""
+    runs = list(reference_runs(cases, executor, progress=progress).values())
+    for case, found in zip(cases, runs, strict=True):
+        if found.curves is None:
             continue
         resolution = reference_resolution(case.scene)
-        write_whole(folder / case.name / "reference.csv", _text(case, run, run.curves, resolution))
+        write_whole(folder / case.name / "reference.csv", _text(case, found, found.curves, resolution))
         data = {
-            "outcome": run.outcome,
-            "ends_at": run.curves.outcome.time,
-            "measures": {k: v for k, v in run.measures.items() if not k.startswith("counters.")},
-            "relative_errors": run.errors,
+            "outcome": found.outcome,
+            "ends_at": found.curves.outcome.time,
+            "measures": {k: v for k, v in found.measures.items() if not k.startswith("counters.")},
+            "relative_errors": found.errors,
         }
         write_whole(folder / case.name / "reference.json", to_json(data))
+    return runs
 
 
 def answer_all(

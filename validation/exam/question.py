@@ -1,9 +1,9 @@
 """What is asked: a folder for each scene, which holds it as TOML, as plain JSON and as a page in words.
 
 ``scene.json`` needs no reader of ours: its keys are those of a scene file, every default is filled in and
-every table that a scene file names is a list. ``adhesion``, ``machine`` and ``material.bulk`` are ``null``
-where a scene has none; ``derived`` follows from the rest. The tags of a scene tell what a code has to cover
-to answer it.
+every table that a scene file names is a list. ``adhesion``, ``body``, ``machine`` and ``material.bulk`` are
+``null`` where a scene has none; ``derived`` follows from the rest. The tags of a scene tell what a code has
+to cover to answer it.
 """
 
 from __future__ import annotations
@@ -37,7 +37,6 @@ from validation.runs import provenance
 from validation.runs.folder import from_json, to_json, write_whole
 from validation.scenes import names
 from validation.scenes import suite as of_suite
-from validation.solvers import REFERENCE
 
 EXAM = "exam.json"
 """File that lists the scenes of an exam."""
@@ -97,7 +96,7 @@ def expanded(scene: Scene) -> dict[str, Any]:
         "relaxed_plane_modulus": material.relaxed_plane_modulus,
         "glassy_plane_modulus": material.glassy_plane_modulus,
     }
-    return {"adhesion": None, "machine": None} | data
+    return {"adhesion": None, "body": None, "machine": None} | data
 
 
 def scene_of(data: Any) -> Scene:
@@ -147,8 +146,7 @@ def _rendered(template: str, **values: Any) -> str:
 def exam_cases(suite: str) -> list[Case]:
     """Scenes of a suite that the reference has an answer to, and those of every exam."""
     chosen = {*of_suite(suite), *ALWAYS}
-    cases = [replace(load(name), profile_times=()) for name in names() if name in chosen]
-    return [case for case in cases if REFERENCE not in case.refused_by]
+    return [replace(load(name), profile_times=()) for name in names() if name in chosen]
 
 
 def export_scenes(folder: Path, cases: Sequence[Case]) -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contact_scene import Scene, SceneError, Trace
+from contact_scene import Scene, Trace
 from validation.drawing.export import png
 from validation.drawing.styles import APPROACH, RETRACTION
 from validation.fields import rendering
@@ -61,6 +61,9 @@ def draw(axes: Axes, cut: AxialSection, look: Look) -> None:
     axes.fill_between(body[:, 0], body[:, 1], ceiling, color=INDENTER, linewidth=0.0, zorder=2)
     axes.plot(*body.T, color=MARK, linewidth=0.8, zorder=3, gid="indenter")
     axes.plot(*surface.T, color=MARK, linewidth=0.8, zorder=3, gid="surface")
+    if cut.thickness < -view.bottom:
+        axes.axhspan(view.bottom, -cut.thickness, color=INDENTER, linewidth=0.0, zorder=2)
+        axes.axhline(-cut.thickness, color=MARK, linewidth=0.8, zorder=3, gid="base")
     for mirror in np.array([[1.0, 1.0], [-1.0, 1.0]]):
         if cut.zone.size:
             line = cut.zone * mirror
@@ -276,16 +279,6 @@ class FigureSet:
     show: bool = False
     alike: bool = False
     frames: int = FRAMES
-
-    def check_without_history(self) -> None:
-        """Refuse with a ``SceneError`` what a run does not know whose mesh follows the edge."""
-        for name in self.quantities:
-            if QUANTITIES[name].needs_history:
-                problem = (
-                    f"{name} is not known where the mesh follows the edge, as with so short a process zone"
-                )
-                allowed = ", ".join(other for other, one in QUANTITIES.items() if not one.needs_history)
-                raise SceneError("--quantity", problem, allowed)
 
     @property
     def chooses_moments(self) -> bool:

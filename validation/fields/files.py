@@ -63,7 +63,7 @@ def point_data(state: FieldState) -> dict[str, Array]:
     """Nodal fields by their names in a file; shape (n,), the displacement (n, 3)."""
     data = {DISPLACEMENT: _in_space(state.displacement)}
     for quantity in QUANTITIES.values():
-        if not quantity.name.startswith("displacement") and quantity.known(state):
+        if not quantity.name.startswith("displacement"):
             data[quantity.array] = quantity.values(state)
     return data | _by_branch(state, state.dissipation_rate, state.dissipated)
 
@@ -72,8 +72,7 @@ def cell_data(state: FieldState) -> dict[str, Array]:
     """Means over the finite elements, by their names in a file; shape (4 m,)."""
     means = {f"stored_energy [{DENSITY}]": state.element_stored}
     means[f"dissipation_rate [{RATE}]"] = state.element_rate.sum(axis=0)
-    if state.element_dissipated is not None:
-        means[f"dissipated_energy [{DENSITY}]"] = state.element_dissipated.sum(axis=0)
+    means[f"dissipated_energy [{DENSITY}]"] = state.element_dissipated.sum(axis=0)
     means |= _by_branch(state, state.element_rate, state.element_dissipated)
     # of revolution: 2 pi times area times mean radius
     radii = state.points[state.triangles][:, :, 0].mean(axis=1)
@@ -81,13 +80,12 @@ def cell_data(state: FieldState) -> dict[str, Array]:
     return volumes | {name: np.tile(values, 4) for name, values in means.items()}
 
 
-def _by_branch(state: FieldState, rates: Array, dissipated: Array | None) -> dict[str, Array]:
-    """Losses of each branch by their names in a file, energies where they are known."""
+def _by_branch(state: FieldState, rates: Array, dissipated: Array) -> dict[str, Array]:
+    """Losses of each branch by their names in a file."""
     data = {}
     for k, branch in enumerate(state.branches):
         data[f"dissipation_rate {branch} [{RATE}]"] = rates[k]
-        if dissipated is not None:
-            data[f"dissipated_energy {branch} [{DENSITY}]"] = dissipated[k]
+        data[f"dissipated_energy {branch} [{DENSITY}]"] = dissipated[k]
     return data
 
 

@@ -1,10 +1,7 @@
 """Moments of a run at which fields are computed, the run that gives them, and what its densities add up to.
 
 Moments are times, each stepped onto exactly, the largest tension, every n-th row of the trace, or rows that
-a function of the trace picks. A time at which the load jumps means the state before. With a constant
-Poisson's ratio one run serves all; with separate bulk relaxation whole states have to be stored on the way,
-so rows picked from the trace take a second run, which is the same to the bit. Where process zones are short
-the mesh follows the edge: such a run does not know where energy has been dissipated.
+a function of the trace picks. A time at which the load jumps means the state before. One run serves all.
 """
 
 from __future__ import annotations
@@ -16,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contact_scene import Loading, OutcomeKind, RunMonitor, Scene, SceneError, Trace
+from contact_scene import Loading, RunMonitor, Scene, SceneError, Trace
 from validation.measure.events import end_of_approach, largest_tension
 from validation.measure.scaling import ROUND_OFF
 from validation.solvers.base import step_budget
@@ -25,11 +22,8 @@ from validation.solvers.finite_elements import FiniteElements
 if TYPE_CHECKING:
     from fem_solver import FieldState, Recording
 
-_FOLLOWED_BEYOND = 240.0
-"""Contact radius, in process zones, beyond which the mesh of a run with fields follows the edge, later than
-that of others: one that is fine along the whole path knows where energy has been dissipated, though it comes
-to gigabytes and a quarter of an hour."""
-METHOD = FiniteElements(followed_beyond=_FOLLOWED_BEYOND)
+
+METHOD = FiniteElements()
 """Only finite elements know the body."""
 PULL_OFF = "pull-off"
 HUNDREDTH = 0.01
@@ -83,24 +77,17 @@ def record_fields(
     Raises ``SceneError`` if a time cannot lie within the loading, or the scene cannot be solved.
     """
     from fem_solver import Options, record
-    from fem_solver.fields.history import VolumeLog
 
     request = replace(request, times=check_times(request.times, scene.loading))
     mesh = METHOD.mesh(scene, resolution)
-    # the pull-off in any case: rows picked from the trace are not known yet, and need a run with a history
     options = Options(
-        METHOD.step_divisions(scene, resolution),
         record_times=request.times,
-        record_every=request.every,
-        record_pull_off=True,
+        record=True,
         max_steps=step_budget(scene) if max_steps is None else max_steps,
     )
     recording, picked = record(scene, mesh, options, progress, monitor), {}
     if request.picked is not None and len(recording.trace):
         picked = request.picked(recording.trace, scene)
-    stopped = recording.trace.outcome.kind is OutcomeKind.INTERRUPTED
-    if picked and not stopped and isinstance(recording.log, VolumeLog):
-        recording = record(scene, mesh, replace(options, record_rows=tuple(picked)), progress, monitor)
     return _select(recording, request, picked)
 
 
@@ -122,14 +109,7 @@ def _select(recording: Recording, request: FieldRequest, picked: dict[int, str])
 
 def pull_off(recording: Recording) -> int | None:
     """Row of the largest tension; ``None`` if the run never pulls."""
-    from fem_solver.fields.history import VolumeLog
-
-    if len(recording.trace) == 0:
-        return None
-    row, log = largest_tension(recording.trace), recording.log
-    if row is not None and isinstance(log, VolumeLog) and log.largest_tension is not None:
-        return log.largest_tension[0]  # on a plateau of the force a neighbour of the row, equal to round-off
-    return row
+    return largest_tension(recording.trace) if len(recording.trace) else None
 
 
 def check_times(times: Iterable[float], loading: Loading) -> tuple[float, ...]:
@@ -188,19 +168,19 @@ class EnergySums:
     """Energy densities summed over the mesh, and their counterparts in the trace, at one row.
 
     The mesh ends at a finite radius: the trace counts the half-space outside it, the sum over elements does
-    not (a part of relative size ``a/R_far``). ``stored_in_trace`` also contains the energy of the hold on a
-    partly released node at the edge, which is no density in the body. Energy ``dissipated`` since the start
-    is ``None`` where the mesh follows the edge. It is compared with ``branch_dissipation``, the integral in
-    the trace, and with ``work_less_stored``, what closes the balance of the half-space without any such
-    integral; neither holds what a sharp tip makes the branches dissipate within an element, which
-    ``branch_dissipation`` does. ``loss``, of ``F dD + dg dA = dU + dL``, is smaller by ``zone_excess`` where
-    a sharp edge dissipates what a process zone would have held (see ``fem_solver.recorder``).
+    not (a part of relative size ``a/R_far``; none of a layer). ``stored_in_trace`` also contains the energy
+    of the hold on a partly released node at the edge, which is no density in the body. Energy
+    ``dissipated`` since the start is compared with ``branch_dissipation``, the integral in the trace, and
+    with ``work_less_stored``, what closes the balance of the body without any such integral; neither holds
+    what a sharp tip makes the branches dissipate within an element, which ``branch_dissipation`` does.
+    ``loss``, of ``F dD + dg dA = dU + dL``, is smaller by ``zone_excess`` where a sharp edge dissipates
+    what a process zone would have held (see ``fem_solver.recorder``).
     """
 
     stored: float
     stored_in_trace: float
-    dissipated_by_branch: dict[str, float] | None
-    dissipated: float | None
+    dissipated_by_branch: dict[str, float]
+    dissipated: float
     branch_dissipation: float
     work_less_stored: float
     zone_excess: float
@@ -208,26 +188,24 @@ class EnergySums:
 
     @property
     def error(self) -> float | None:
-        """Relative difference of the sum over the mesh from the trace's loss; ``None`` without either."""
-        if self.branch_dissipation == 0.0 or self.dissipated is None:
+        """Relative difference of the sum over the mesh from the trace's loss; ``None`` without one."""
+        if self.branch_dissipation == 0.0:
             return None
         return self.dissipated / self.branch_dissipation - 1.0
 
 
 def balance(state: FieldState, trace: Trace) -> EnergySums:
     """Sum the densities of a state."""
-    lost = None
-    if state.element_dissipated is not None:
-        sums = (state.element_dissipated @ state.element_volumes).tolist()
-        lost = dict(zip(state.branches, sums, strict=True))
+    sums = (state.element_dissipated @ state.element_volumes).tolist()
+    lost = dict(zip(state.branches, sums, strict=True))
     at = {name: float(column[state.row]) for name, column in trace.columns().items()}
     return EnergySums(
         stored=float(state.element_stored @ state.element_volumes),
         stored_in_trace=at["stored_energy"],
         dissipated_by_branch=lost,
-        dissipated=None if lost is None else sum(lost.values()),
-        branch_dissipation=at["volume_dissipation"],
-        work_less_stored=at["volume_dissipation"] + at["balance_residual"],
-        zone_excess=at["volume_dissipation"] - at["dissipated_energy"],
+        dissipated=sum(lost.values()),
+        branch_dissipation=at["branch_dissipation"],
+        work_less_stored=at["branch_dissipation"] + at["balance_residual"],
+        zone_excess=at["branch_dissipation"] - at["dissipated_energy"],
         loss=at["dissipated_energy"],
     )

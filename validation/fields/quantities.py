@@ -43,7 +43,7 @@ class ValueKind(Enum):
 class Quantity:
     """A field; ``name`` is that of the command line, of files and of their arrays, ``text`` for colour bars.
 
-    ``values`` are at the nodes, shape (n,); ``needs_history``: a mesh that follows the edge does not know it.
+    ``values`` are at the nodes, shape (n,).
     """
 
     name: str
@@ -51,11 +51,6 @@ class Quantity:
     unit: str
     kind: ValueKind
     values: Callable[[FieldState], Array]
-    needs_history: bool = False
-
-    def known(self, state: FieldState) -> bool:
-        """Whether a state has it."""
-        return not self.needs_history or state.dissipated is not None
 
     @property
     def label(self) -> str:
@@ -108,8 +103,7 @@ _TABLE = (
         "energy dissipated",
         DENSITY,
         _DECADES,
-        lambda s: np.asarray(s.dissipated).sum(axis=0),
-        needs_history=True,
+        lambda s: s.dissipated.sum(axis=0),
     ),
 )
 QUANTITIES = {one.name: one for one in _TABLE}

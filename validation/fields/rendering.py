@@ -140,7 +140,7 @@ def add_body(plotter: Any, cut: AxialSection, look: Look) -> None:
     )
     plotter.add_mesh(turned(around), **_coloured(look), name="skin")
     rim = [view.right, float(np.interp(view.right, *cut.surface.T))]
-    lines = [turned(line([rim])), turned(line([[view.right, view.bottom]]))]
+    lines = [turned(line([rim])), turned(line([[view.right, body.bounds[4]]]))]
     for angle in (-CUT, CUT):
         plotter.add_mesh(body.rotate_z(angle), **_coloured(look))
         lines.append(around.rotate_z(angle))

@@ -33,6 +33,8 @@ LARGEST_DRAWN = 0.2
 """Largest magnified displacement, over half the width of the view."""
 ZONES_NEAR_EDGE = 4.0
 """Half the width of the view of an edge, in process zones."""
+BELOW = 1.2
+"""Depth of a view of a layer, in its thicknesses, at most."""
 LEAST_AREA = 0.25
 """What magnified displacements leave at least of the area of a triangle there: below 0 it is folded over."""
 
@@ -117,6 +119,11 @@ class AxialSection:
         return self._on_surface(np.concatenate(([a], radii[(radii > a) & (radii < end)], [end])))
 
     @property
+    def thickness(self) -> float:
+        """Of a layer; infinite for a half-space."""
+        return math.inf if self.scene.body is None else self.scene.body.thickness
+
+    @property
     def zone_length(self) -> float:
         """Undeformed length of the process zone, or of what takes its place."""
         return zone_length(self.scene, self.state.contact_radius)
@@ -182,7 +189,7 @@ def _look(
 
 def _view(cut: AxialSection, half: float | None) -> View:
     if half is not None:
-        return View(-half, half, -0.8 * half, 0.4 * half)
+        return View(-half, half, -min(0.8 * half, BELOW * cut.thickness), 0.4 * half)
     (x, y), half = cut.edge, ZONES_NEAR_EDGE * cut.zone_length
     return View(x - half, x + half, y - 1.2 * half, y + 0.8 * half)
 

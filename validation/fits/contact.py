@@ -14,6 +14,7 @@ model to first order.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +40,9 @@ BETTER = 0.85
 NEAR, HALVED = (0.5, 0.25, 0.125), 0.5
 """Shares of the largest force up to which the power law is tried, as long as the misfit is halved: deep in a
 layered or a soft sample it does not hold."""
+REFINED = 3
+"""Lengths of the drag, those of least misfit at the places tried, whose contact point is refined: in between
+two places neighbouring lengths change their order."""
 WAVES, ROUGH, SHARE = 400, 1.5, 0.5
 """Lengths tried for the wave, from a 25th of the free travel to all of it; it is looked for where free rows
 are rougher than white noise, and taken if it is half their variance."""
@@ -93,29 +97,40 @@ class Scan:
     wall: float | None = None
     even: int = EVEN
 
-    def contact(self) -> Contact | None:
-        """The contact, or ``None`` where there is none."""
+    @cached_property
+    def level(self) -> float:
+        """Force of the first rows, which tells the tip to begin with."""
+        return float(np.median(self.force[: max(3, self.force.size // 20)]))
+
+    @cached_property
+    def nearest(self) -> tuple[float, float, float]:
+        """Of the places tried that of the least sum of squares, the wider gap beside it, and the sum."""
         span = float(np.ptp(self.stage))
-        level = float(np.median(self.force[: max(3, self.force.size // 20)]))
-        last = float((self.stage - (self.force - level) / self.spring).max())
+        last = float((self.stage - (self.force - self.level) / self.spring).max())
         even = np.linspace(self.stage.min() + 0.02 * span, last - 1e-3 * span, self.even)
         places = np.unique(np.concatenate([even, last - span * np.geomspace(2e-4, 0.3, DENSE)]))
+        costs = [self.cost(place) for place in places]
+        at = int(np.argmin(costs))
+        return float(places[at]), float(np.diff(places)[max(at - 1, 0) : at + 1].max()), costs[at]
 
-        def best(places: Array) -> int | None:
-            """Of the places where indenter and sample repel, that of the least sum of squares."""
-            trials = [self.trial(place, level) for place in places]
-            costs = [one.cost if one.coefficients[2] > 0.0 else np.inf for one in trials]
-            return int(np.argmin(costs)) if np.isfinite(costs).any() else None
+    def cost(self, place: float) -> float:
+        """Sum of squares with a contact point; infinite where sample or wall would attract."""
+        one = self.trial(place)
+        repels = (one.coefficients[2 : 3 if self.wall is None else 4] > 0.0).all()
+        return one.cost if repels else np.inf
 
-        nearest = best(places)
-        if nearest is None:
+    def contact(self) -> Contact | None:
+        """The contact, or ``None`` where there is none."""
+        span, (place, step, least) = float(np.ptp(self.stage)), self.nearest
+        if not np.isfinite(least):
             return None
-        place, step = places[nearest], np.diff(places)[max(nearest - 1, 0) : nearest + 1].max()
         for _ in range(SHRINKINGS):
-            tried = place + step * np.array([-1.0, -1.0 / 3.0, 0.0, 1.0 / 3.0, 1.0])
-            place = tried[best(tried) or 0]
+            tried = place + step * np.array([-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0])
+            costs = [self.cost(one) for one in tried]
+            if min(costs) < least:
+                place, least = float(tried[np.argmin(costs)]), min(costs)
             step *= 0.6
-        found = self.trial(place, level)
+        found = self.trial(place)
         variance, depth = found.cost / max(self.stage.size - 5, 1), float(found.depth.max())
         height = found.coefficients[2] * depth**EXPONENT
         if (found.depth > 0.0).sum() < LEAST_ROWS or height <= LEAST_HEIGHT * np.sqrt(variance):
@@ -126,7 +141,7 @@ class Scan:
         if float(left @ left) - found.cost < LEAST_GAIN * variance:
             return None
         aside = 3e-3 * max(depth, 1e-4 * span)
-        rises = [self.trial(place + way * aside, level).cost - found.cost for way in (-1.0, 1.0)]
+        rises = [self.trial(place + way * aside).cost - found.cost for way in (-1.0, 1.0)]
         error = aside * np.sqrt(2.0 * variance / sum(rises)) if sum(rises) > 0.0 else span
         level, tilt, stiffness, *rest = found.coefficients.tolist()
         return Contact(
@@ -142,11 +157,11 @@ class Scan:
             wall=(self.wall, rest[0]) if self.wall else None,
         )
 
-    def trial(self, place: float, level: float) -> Trial:
-        """Linear least squares with one contact point; a level tells the tip to begin with."""
+    def trial(self, place: float) -> Trial:
+        """Linear least squares with one contact point."""
         span = float(np.ptp(self.stage))
         along = (self.stage - self.stage[0]) / span
-        background, stiffness, before = np.full(along.size, level), 0.0, np.inf
+        background, stiffness, before = np.full(along.size, self.level), 0.0, np.inf
         for _ in range(1 + REWEIGHTED):
             tip = self.stage - (self.force - background) / self.spring
             depth = np.maximum(tip - place, 0.0) / span
@@ -197,12 +212,11 @@ def with_wall(scan: Scan, found: Contact) -> Contact | None:
     """The contact behind a drag that grows towards the wall, if any; what is white noise alone hides none."""
     if white_noise(scan.force) > BETTER * found.misfit:
         return None
-    best = found
-    for length in np.geomspace(0.002, 0.2, 7) * np.ptp(scan.stage):
-        better = replace(scan, wall=float(length), even=EVEN // 4).contact()
-        if better and better.wall and better.wall[1] > 0.0 and better.misfit < best.misfit:
-            best = better
-    return best if best.misfit < BETTER * found.misfit else None
+    lengths = np.geomspace(0.002, 0.2, 7) * np.ptp(scan.stage)
+    scans = [replace(scan, wall=float(length), even=EVEN // 4) for length in lengths]
+    near = sorted(scans, key=lambda one: one.nearest[2])[:REFINED]
+    best = min(filter(None, (one.contact() for one in near)), key=lambda one: one.misfit, default=None)
+    return best if best and best.misfit < BETTER * found.misfit else None
 
 
 def wave_length(stage: Array, left: Array) -> float | None:

@@ -6,7 +6,6 @@ import csv
 import io
 import math
 from collections.abc import Iterable
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,18 +23,13 @@ if TYPE_CHECKING:
 COLOURS = dict(zip(KINDS, (SERIES[0], SERIES[2], SERIES[1]), strict=True))
 """Of the segments of a curve, by what the drive does."""
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-QUANTITIES = {
-    one.name: (one.metadata["words"], one.metadata["unit"]) for one in fields(Features) if one.metadata
-}
-"""Numbers of a curve in the order of their table, in words, and their units."""
-PARTS = {"level": "N", "tilt": "N/m", "drag": "N s/m", "drift": "N/s"}
 
 
 def prefixed(value: float, unit: str, digits: int = 4) -> str:
     """A number in SI units with the prefix that leaves one to three digits before the point."""
     power = 3 * math.floor(math.log10(abs(value)) / 3.0 + 1e-9) if value and math.isfinite(value) else 0
-    power = min(max(power, -15), 9) if len(unit) <= 2 else 0
-    return f"{value / float(f'1e{power}'):.{digits}g} {_PREFIXES[power]}{unit}"
+    power = min(max(power, -15), 9) if 0 < len(unit) <= 2 else 0
+    return f"{value / float(f'1e{power}'):.{digits}g} {_PREFIXES[power]}{unit}".rstrip()
 
 
 def rows(curve: MeasuredCurve, told: Features) -> list[tuple[str, str]]:
@@ -45,26 +39,12 @@ def rows(curve: MeasuredCurve, told: Features) -> list[tuple[str, str]]:
     found = [("rows", segments), ("spring constant", spring)]
     if told.contact is None:
         found.append(("contact", "no contact"))
-    for key, (words, unit) in QUANTITIES.items():
-        value = getattr(told, key)
-        if value is None:
-            continue
-        text = prefixed(value, unit)
-        if key in ("contact", "lost"):
-            text += f"  ({prefixed(value - curve.position[0], unit)} from the first row)"
-        found.append((words, text))
-    known = told.background
-    found += [
-        (f"background: {key}", prefixed(known[key], unit)) for key, unit in PARTS.items() if key in known
-    ]
-    if "wave" in known:
-        length, size = known["wave"]
-        found.append(("background: wave", f"{prefixed(size, 'N')}, of length {prefixed(length, 'm')}"))
-    if "wall" in known:
-        length, near = known["wall"]
-        size = f"{prefixed(near, 'N')} at it, over {prefixed(length, 'm')}"
-        share = f"{known['wall/water']:.2g} times 6 pi eta R^2 v of water"
-        found.append(("background: drag near the wall", f"{size}: {share}"))
+    for key, unit, words, value in told.numbers():
+        if value is not None:
+            text = prefixed(value, unit)
+            if key in ("contact", "lost"):
+                text += f"  ({prefixed(value - curve.position[0], unit)} from the first row)"
+            found.append((words, text))
     return found
 
 
@@ -72,15 +52,10 @@ def written(curves: Iterable[tuple[MeasuredCurve, Features]]) -> str:
     """All curves as CSV, a row each, with all digits in SI units; empty where a curve shows nothing."""
     stream = io.StringIO()
     out = csv.writer(stream, lineterminator="\n")
-    units = [f"{key} [{unit}]" for key, (_, unit) in QUANTITIES.items()]
-    parts = [f"{key} [{unit}]" for key, unit in PARTS.items()]
-    walls = ["wave [m]", "wave [N]", "wall [m]", "wall [N]", "wall/water"]
-    out.writerow(["curve", *units, *parts, *walls, "warnings"])
+    titles = (f"{name} [{unit}]" if unit else name for name, unit, *_ in Features().numbers())
+    out.writerow(["curve", *titles, "warnings"])
     for curve, told in curves:
-        known, none = told.background, (None, None)
-        numbers = [getattr(told, key) for key in QUANTITIES] + [known.get(key) for key in PARTS]
-        numbers += [*known.get("wave", none), *known.get("wall", none), known.get("wall/water")]
-        cells = ["" if one is None else repr(float(one)) for one in numbers]
+        cells = ("" if value is None else repr(float(value)) for *_, value in told.numbers())
         out.writerow([curve.name, *cells, "; ".join(told.warnings)])
     return stream.getvalue()
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from contact_scene import Scene, SceneError
+from contact_scene import FlatPunch, Scene, SceneError
 from validation.fits.model import CurveModel
-from validation.fits.moments import moments
+from validation.fits.moments import count_lines, moments
 from validation.fits.parameters import CONTACT_POINT, SPRING, Unknowns
-from validation.fits.path import count_lines
 from validation.fits.record import MeasuredCurve
 from validation.reference import sneddon
+from validation.reference.elastic_layer import ElasticLayer, moment
 
 CONTACT = 6.0
 """Deviations of the noise from the background that no row of a record without contact reaches by chance."""
@@ -30,6 +30,8 @@ STRAIGHT = 0.02
 """Share of its range by which a column may miss its straight lines: less than a contact bends."""
 SAME_SPRING = 1e-3
 """Relative difference of two spring constants that is not mentioned: springs are hardly calibrated to it."""
+TENTH = 0.09
+"""``y`` at which ``y + (7/6) y^2`` is a tenth."""
 FEW_ROWS = 50
 """Rows in contact below which the shape of the curve, not its noise, limits what a fit can tell."""
 LOUD, COARSE = 0.1, 0.2
@@ -103,8 +105,29 @@ def _over_expected(scene: Scene, curve: MeasuredCurve) -> float:
 def _elastic_force(scene: Scene, depth: float) -> float:
     """Force of the glassy contact without adhesion, the order of magnitude."""
     radius = sneddon.contact_radius(scene.indenter, depth)
-    force = float(sneddon.force(scene.indenter, radius, scene.material.glassy_plane_modulus))
-    return force if force > 0.0 else scene.material.glassy_plane_modulus * radius * depth
+    modulus = scene.material.glassy_plane_modulus
+    if scene.body is not None:  # as much stiffer as a flat punch of that radius
+        flat = min(radius, scene.body.largest_contact)
+        layer = ElasticLayer(scene.body, scene.material.poisson, FlatPunch(flat))
+        modulus *= layer.response(flat).stiffness / (2.0 * flat)
+    force = float(sneddon.force(scene.indenter, radius, modulus))
+    return force if force > 0.0 else modulus * radius * depth
+
+
+def thickness_needed(models: Sequence[CurveModel], scene: Scene) -> Iterator[str]:
+    """At which thickness a layer would be taken for a half-space of a modulus 10 % too high, in words.
+
+    Bonded to its base it is stiffer by ``y + (7/6) y^2``, ``y = (2 m0/pi) a/h``.
+    """
+    if scene.body is not None:
+        return
+    depth = max(float(np.ptp(one.curve.motion[one.moments.first : one.moments.last])) for one in models)
+    radius = sneddon.contact_radius(scene.indenter, depth)
+    thickness = 2.0 / np.pi * moment(0, scene.material.poisson, "bonded") * radius / TENTH
+    yield (
+        f"the scene has no body, so it is a half-space: on a layer of thickness {thickness:.2g} bonded to a "
+        "stiff base the modulus would come out 10 % too high, on a thinner one more"
+    )
 
 
 def _of_record(model: CurveModel) -> Iterator[str]:

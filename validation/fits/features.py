@@ -1,20 +1,23 @@
-"""What a record shows before any viscoelastic model: background, contact point, stiffness, loss of contact.
+"""What a record shows before any viscoelastic model: contact point, stiffness, loss of contact, background.
 
 In this order: the contact point of the approach (:mod:`validation.fits.contact`), with wave and wall drag;
 the loss of contact of the retraction; one background of all free rows; then pull-off, drop, work and
 hysteresis of the force over it. In SI units, of a record that goes in and out once.
+
+The background is linear in what may make it: level, tilt over the stage, drag with the speed of the stage,
+drift over time, a wave. Rows before contact and behind its loss have equal weight, whatever their number;
+rows off it, of tethers, have little (Huber).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.fits.background import Background, Cycle, background, loss_of_contact
 from validation.fits.contact import (
     EXPONENT,
     MOST_ROWS,
@@ -23,9 +26,137 @@ from validation.fits.contact import (
     Scan,
     find_contact,
     means,
+    wave_columns,
     white_noise,
     with_wall,
 )
+
+FAR, ROUGH, SHALLOW = 5.0, 2.5, 0.02
+"""Deviations of a mean of rows, and of a row, from which the retraction is off its own line; share of the
+deepest force below which it is no contact: the ring-down behind a jump."""
+EXTENSIONS = 8
+"""Of the line, each by no more than its own length, as a line through a few rows says little far away."""
+JUMP, JUMP_SHARE, LEFT = 8.0, 0.25, 0.15
+"""A jump rises by eight deviations of the noise and a quarter of the pull-off force; it is the loss of
+contact if less than the last share still pulls behind it."""
+STEEP, SHORT = 0.5, 0.1
+"""Change of the line over the travel, over the pull-off force, from which a tail of less than a tenth of
+the rows is no free one, for the force still falls; nor is the whole, which is contact throughout."""
+OUTLYING, GAIN, FEWEST = 3.0, 0.9, 20
+"""Deviations from which a free row counts less; roughness with a drift over that without, from which there is
+one; free rows, in all or of one side, from which they tell more than a level."""
+
+
+class Cycle(NamedTuple):
+    """Columns of such a record, in SI units or those of a scene, and its rows of approach and retraction.
+
+    ``spring``: infinite where the indenter itself is driven; ``speed``: of the drive, one in each segment.
+    """
+
+    time: Array
+    stage: Array
+    force: Array
+    spring: float
+    speed: Array
+    apex: int
+    approach: NDArray[np.intp]
+    retraction: NDArray[np.intp]
+
+
+class Loss(NamedTuple):
+    """Of a retraction: the ``row`` from which it is free, if any, and the height of a ``jump``."""
+
+    row: int | None
+    jump: float | None
+
+
+def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
+    """From the last row backward against its own line, then the jump behind the minimum that frees it."""
+    count = stage.size
+    width, tail = max(3, count // 400), max(min(12, count // 4), count // 20)
+    deepest = float(np.median(force[-max(10, count // 20) :]) - force.min())
+    begin = count - tail
+    for _ in range(EXTENSIONS):
+        slope, level = np.polyfit(stage[begin:] - stage[-1], force[begin:], 1)
+        off = force - level - slope * (stage - stage[-1])
+        deviation = max(float(np.std(off[begin:])), noise)
+        limit = max(FAR * deviation / np.sqrt(width), ROUGH * deviation, SHALLOW * deepest)
+        touching = np.flatnonzero(np.abs(_smooth(off, width)[: count - width]) > limit)
+        last = int(touching[-1]) + 1 if touching.size else 0
+        further = max(last, begin - (count - begin))
+        if further >= begin:
+            break
+        begin = further
+    row = min(begin, count - 3)
+    while last - width < row and row > 0 and abs(off[row]) < 4.0 * deviation:  # to the single row
+        row -= 1
+    row, jump = min(row + 1, count - 1), None
+    lowest = int(np.argmin(_smooth(off, 3)[2:-2])) + 2
+    rises = off[5:] - off[:-5]
+    high = np.flatnonzero(rises[lowest - 4 :] > max(JUMP * noise, JUMP_SHARE * abs(off[lowest]))) + lowest - 4
+    if lowest >= 4 and high.size and off[lowest] < -JUMP * deviation:
+        runs = np.split(high, np.flatnonzero(np.diff(high) > 5) + 1)
+        tops = [int(run[np.argmax(rises[run])]) for run in runs]
+        near = 5 + max(5, count // 200)
+        free = [at for at in tops if np.median(off[at + 5 : at + near]) > LEFT * off[lowest]]
+        row = free[0] + 1 + int(np.argmax(np.diff(off[free[0] : free[0] + 6]))) if free else row
+        jump = float(rises[free[0]] if free else rises[high].max())
+    still = row > count - max(min(12, count // 4), count // 50) and jump is None
+    bent = abs(slope) * np.ptp(stage) > STEEP * max(deepest, 0.2 * float(np.ptp(force)))
+    steep = bent and (row > (1.0 - SHORT) * count or row <= 1)
+    return Loss(None if still or steep else row, jump)
+
+
+def _smooth(values: Array, width: int) -> Array:
+    """Running means."""
+    return np.convolve(values, np.full(width, 1.0 / width), mode="same")
+
+
+class Background(NamedTuple):
+    """The ``force`` without contact of every row, and what makes it: ``parts``, level (N), tilt (N/m), drag
+    (N s/m), drift (N/s); the amplitude of a ``wave``; and how ``rough`` the free rows are over it."""
+
+    force: Array
+    parts: dict[str, float]
+    wave: float
+    rough: float
+
+
+def background(cycle: Cycle, free: NDArray[np.bool_], wave: float | None = None) -> Background:
+    """That of all free rows, with a wave of a length; two sides tell a drag, and a drift where it gains. Few
+    rows tell a level, as the first do where none is free."""
+    time, stage, force, speed = cycle.time, cycle.stage, cycle.force[free], cycle.speed
+    if free.sum() <= FEWEST:
+        level = float(np.median(force if free.any() else cycle.force[: max(3, free.size // 50)]))
+        noise = white_noise(cycle.force)
+        return Background(np.full(free.size, level), {"level": level}, 0.0, noise)
+    ahead = free & (np.arange(free.size) <= cycle.apex)
+    behind = free & ~ahead
+    known = {
+        "level": (np.ones_like(stage), 1.0),
+        "tilt": (stage - stage[0], float(np.ptp(stage))),
+        "drag": (speed, max(float(np.abs(speed).max()), 1e-300)),
+        "drift": (time - time[0], float(np.ptp(time))),
+    }
+    both = min(ahead.sum(), behind.sum()) > FEWEST and np.ptp(stage[behind]) > 0.01 * np.ptp(stage)
+    sides = np.where(ahead, 1.0 / np.sqrt(max(ahead.sum(), 1)), 1.0 / np.sqrt(max(behind.sum(), 1)))[free]
+    best: tuple[float, Background] | None = None
+    for names in [["level", "tilt", "drag"], [*known]] if both else [["level", "tilt"]]:
+        columns = [known[name][0] / known[name][1] for name in names] + wave_columns(stage, wave)
+        matrix, weights = np.column_stack(columns), sides
+        for _ in range(3):
+            found = np.linalg.lstsq(matrix[free] * weights[:, None], force * weights, rcond=None)[0]
+            left = force - matrix[free] @ found
+            deviation = 1.4826 * float(np.median(np.abs(left - np.median(left)))) + 1e-300
+            weights = sides / np.maximum(1.0, np.abs(left) / (OUTLYING * deviation))
+        rough = float(np.sqrt(np.sum((sides * left) ** 2) / np.sum(sides**2)))
+        if best is None or (rough < GAIN * best[0] and np.abs(found).max() < 3.0 * np.ptp(cycle.force)):
+            parts = {name: float(value / known[name][1]) for name, value in zip(names, found, strict=False)}
+            size = float(np.hypot(*found[-2:])) if wave else 0.0
+            best = rough, Background(matrix @ found, parts, size, float(np.sqrt(np.mean(left**2))))
+    assert best is not None
+    return best[1]
+
 
 WATER = 1e-3
 """Viscosity in Pa s, against which the drag near the wall is measured."""
@@ -34,15 +165,32 @@ LIKE_WATER, BEADS = 6.0, (1e-6, 60e-6)
 stated, radii of beads that it may belong to. Without such a bound real contacts are taken for drag."""
 SNAP, SNAP_SHARE, ONSET = 8.0, 0.02, 0.15
 """A snap-in is eight deviations and 2 % of the range of the force deep; it begins at 15 % of its depth."""
+BESIDE = 0.03, 5
+"""Share of the rows before contact, and rows behind its loss, next to it, that are not taken for free: there
+a surface attracts, and a spring rings. Free rows of
+`silicon-nitride` are nine times rougher with them."""
 BEFORE, BEHIND, FEW = 0.10, 0.05, 0.03
 """Shares of the rows: free before contact and behind its loss, below which the background is poorly known,
 and in contact, below which they tell little."""
 BENDS, FAINT = 1.2, 1e-12
 """Bending of the spring over the travel of the stage, and newtons of the range of the force, from and below
 which one of them is in another unit."""
-ENOUGH, AVERAGED, PULLED = 20, 200, 3.0
-"""Rows of an approach or a retraction that is looked at; means of the approach with which the retraction is
-compared, quieter than its rows; deviations of three rows' mean from which the least force is a pull-off."""
+AVERAGED, CERTAIN, PULLED = 200, 3.0, 3.0
+"""Means of the free approach with which the retraction is compared, quieter than its rows; deviations of the
+contact point before it from which a row is free for certain: contact is no background; deviations of three
+rows' mean from which the least force is a pull-off."""
+PARTS = (
+    ("level", "N", "background: level"),
+    ("tilt", "N/m", "background: tilt"),
+    ("drag", "N s/m", "background: drag"),
+    ("drift", "N/s", "background: drift"),
+    ("wave", "m", "background: length of a wave"),
+    ("wave", "N", "background: its amplitude"),
+    ("wall", "m", "background: length of the drag near the wall"),
+    ("wall", "N", "background: its force at the wall"),
+    ("wall/water", "", "background: over 6 pi eta R^2 v of water"),
+)
+"""Of the background: name, unit and words; two of a name are its length and its size."""
 
 
 def _shown(words: str, unit: str) -> Any:
@@ -84,64 +232,91 @@ class Features:
     free: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
     warnings: tuple[str, ...] = ()
 
+    def numbers(self) -> Iterator[tuple[str, str, str, float | None]]:
+        """Name, unit, words and value of every number, in the order of their table."""
+        for one in fields(self):
+            if one.metadata:
+                yield one.name, one.metadata["unit"], one.metadata["words"], getattr(self, one.name)
+        for name, unit, words in PARTS:
+            value = self.background.get(name)
+            yield name, unit, words, value[unit == "N"] if isinstance(value, tuple) else value
 
-def features(recorded: Cycle, radius: float | None = None, poisson: float = 0.5) -> Features:
-    """Read them off a record."""
+
+def common_wall(seen: Sequence[Features]) -> tuple[float, float] | None:
+    """Length and force of the drag near the wall of a map, one for all, as indenter and speed are: the median
+    of the curves that show one."""
+    shown = [one.background["wall"] for one in seen if "wall" in one.background]
+    if not shown:
+        return None
+    length, near = np.median(shown, axis=0).tolist()
+    return length, near
+
+
+def features(
+    recorded: Cycle,
+    radius: float | None = None,
+    poisson: float = 0.5,
+    wall: tuple[float, float] | None = None,
+) -> Features:
+    """Read them off a record; ``wall``: the drag near the wall, where it is known."""
     cycle, contact = recorded, None
     warned: list[str] = []
-    if recorded.approach.size >= ENOUGH:
-        cycle, contact, warned = _contact_behind_drag(recorded, radius)
+    if recorded.approach.size > FEWEST:
+        cycle, contact, warned = _contact_behind_drag(recorded, radius, wall)
     stage, force, back = cycle.stage, cycle.force, cycle.retraction
     noise = max(white_noise(force), 1e-9 * float(np.ptp(force)))
-    returns = back.size >= ENOUGH and (contact is not None or not cycle.approach.size)
+    returns = back.size > FEWEST and (contact is not None or not cycle.approach.size)
     lost, drop = None, None
     if returns:
         row, drop = loss_of_contact(stage[back], force[back] - _force_before(cycle, contact), noise)
         lost = None if row is None else int(back[row])
     free = _free(cycle, contact, lost)
-    if free.sum() > ENOUGH:
-        base = background(cycle, free, contact.wave[0] if contact and contact.wave else None)
-    else:
-        level = float(np.median(force[: max(3, force.size // 50)]))
-        base = Background(np.full(force.size, level), {"level": level}, 0.0, noise)
-    found: dict[str, Any] = {"noise": noise, "rough": base.rough, "force": force - base.force, "free": free}
-    found["background"] = {**base.parts}
+    base = background(cycle, free, contact.wave[0] if contact and contact.wave else None)
+    parts: dict[str, Any] = {**base.parts}
+    found: dict[str, Any] = {"noise": noise, "rough": base.rough, "force": force - base.force}
     if contact is not None:
         found |= _of_contact(cycle, contact, noise, radius, poisson)
-        found["background"] |= _wave_and_wall(cycle, contact, base, radius)
+        if contact.wave:
+            parts["wave"] = contact.wave[0], base.wave
+        if contact.wall:
+            length, near = parts["wall"] = contact.wall
+            parts["wall/water"] = length * near / _drag_in_water(cycle, radius) if radius else None
     if returns:
         found |= _of_retraction(cycle, found["force"], max(base.rough, noise), lost, drop, contact)
-    told = Features(**found)
+    told = Features(**found, free=free, background=parts)
     return replace(told, warnings=(*_warnings(recorded, contact, told), *warned))
 
 
-def _contact_behind_drag(cycle: Cycle, radius: float | None) -> tuple[Cycle, Contact | None, list[str]]:
+def _contact_behind_drag(
+    cycle: Cycle, radius: float | None, known: tuple[float, float] | None
+) -> tuple[Cycle, Contact | None, list[str]]:
     """The record without drag near the wall, the contact of its approach, and a warning in doubt."""
     found = _contact(cycle)
     if found is None:
         return cycle, None, []
     contact, scan = found
-    walled = with_wall(scan, contact) if np.isfinite(cycle.spring) else None
-    speed = _speed(cycle)
-    if walled is None or walled.wall is None or speed == 0.0:
+    if not np.isfinite(cycle.spring):
         return cycle, contact, []
-    length, near = walled.wall
-    bead = float(np.sqrt(length * near / (6.0 * np.pi * WATER * speed)))
-    if radius and LIKE_WATER**-0.5 < bead / radius < LIKE_WATER**0.5:
+    walled = replace(scan, wall=known[0]).contact() if known else with_wall(scan, contact)
+    if walled is None or walled.wall is None or not _drag_in_water(cycle, 1.0):
+        return cycle, contact, []
+    length, near = known or walled.wall
+    bead = float(np.sqrt(length * near / _drag_in_water(cycle, 1.0)))
+    if known or (radius and LIKE_WATER**-0.5 < bead / radius < LIKE_WATER**0.5):
         gap = np.clip(walled.place - walled.tip(cycle.stage, cycle.force, cycle.spring), 0.0, None)
         along = cycle.speed / cycle.speed[cycle.approach].mean()
         cycle = cycle._replace(force=cycle.force - near * along / (1.0 + gap / length))
         again = _contact(cycle)
-        return cycle, replace(again[0], wall=walled.wall) if again else None, []
+        return cycle, replace(again[0], wall=(length, near)) if again else None, []
     if radius is None and BEADS[0] < bead < BEADS[1]:
         doubt = f"a force like the drag near a wall, of a bead of {1e6 * bead:.2g} um: --radius"
         return cycle, contact, [doubt]
     return cycle, contact, []
 
 
-def _speed(cycle: Cycle) -> float:
-    """That of the approach."""
-    return float(np.abs(cycle.speed[cycle.approach]).mean())
+def _drag_in_water(cycle: Cycle, radius: float) -> float:
+    """``6 pi eta R^2 v`` of the approach: drag near the wall times the distance from it."""
+    return 6.0 * np.pi * WATER * radius**2 * float(np.abs(cycle.speed[cycle.approach]).mean())
 
 
 def _contact(cycle: Cycle) -> tuple[Contact, Scan] | None:
@@ -180,36 +355,25 @@ def _force_before(cycle: Cycle, contact: Contact | None) -> Array | float:
     if contact is None:
         return 0.0
     tip = contact.tip(cycle.stage, cycle.force, cycle.spring)
-    free = cycle.approach[tip[cycle.approach] < contact.place - 3.0 * contact.error]
+    free = cycle.approach[tip[cycle.approach] < contact.place - CERTAIN * contact.error]
     place, force = means(AVERAGED, cycle.stage[free], cycle.force[free])
     order, stage = np.argsort(place), cycle.stage[cycle.retraction]
     return contact.line(stage) + np.interp(stage, place[order], (force - contact.line(place))[order])
 
 
 def _free(cycle: Cycle, contact: Contact | None, lost: int | None) -> NDArray[np.bool_]:
-    """Rows well before contact and behind its loss; all of an approach without contact."""
-    free = np.zeros(cycle.stage.size, bool)
+    """Rows before contact and behind its loss; all of an approach without contact."""
+    free, (share, rows) = np.zeros(cycle.stage.size, bool), BESIDE
     if contact is None:
         free[cycle.approach] = free[cycle.retraction] = cycle.approach.size > 0
     else:
         tip = contact.tip(cycle.stage, cycle.force, cycle.spring)[cycle.approach]
-        margin = 3.0 * min(contact.error, 0.05 * float(np.ptp(cycle.stage)))
-        head = cycle.approach[tip < contact.place - margin]
-        free[head[: int(0.97 * head.size)]] = True
+        head = cycle.approach[tip < contact.place]
+        free[head[: int((1.0 - share) * head.size)]] = True
     if lost is not None:
         tail = cycle.retraction[cycle.retraction >= lost]
-        free[tail[min(5, tail.size // 10) :]] = True
+        free[tail[min(rows, tail.size // 10) :]] = True
     return free
-
-
-def _wave_and_wall(cycle: Cycle, contact: Contact, base: Background, radius: float | None) -> dict[str, Any]:
-    """Parts of the background that are known by a length."""
-    parts: dict[str, Any] = {"wave": (contact.wave[0], base.wave)} if contact.wave else {}
-    if contact.wall and radius:
-        length, near = contact.wall
-        parts["wall"] = length, near
-        parts["wall/water"] = length * near / (6 * np.pi * WATER * radius**2 * _speed(cycle))
-    return parts
 
 
 def _of_contact(

@@ -1,4 +1,4 @@
-"""A fit from curves to estimates: prepare, search, judge, look with a second solver.
+"""A fit from curves to estimates: prepare, search, judge, look with a second solver; and of each of many.
 
 The first start of the search is the scene's own values. If it leads to a model that explains the data there
 is nothing better to be found; otherwise more are drawn in its neighbourhood, each is followed a few
@@ -9,29 +9,30 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy import special
 
 from contact_scene import Scene, SceneError
 from validation.fits import data_checks
 from validation.fits.contact import Array
-from validation.fits.errors import CONFIDENCE, covariance
 from validation.fits.model import CurveModel
 from validation.fits.parameters import FitSettings, first_guess, question, unknowns
 from validation.fits.problem import FitProblem, Point
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import (
+    CHI_SQUARED,
+    Estimate,
     FitResult,
     InterruptedFit,
     LikelihoodProfile,
     SecondSolver,
     SolverDifference,
+    covariance,
     goodness,
     independent,
     judged,
@@ -130,6 +131,7 @@ def _prepared(
             raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(found.names)}")
     warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
     warnings += [text for model in models for text in data_checks.check(model, scene, found)]
+    warnings += data_checks.thickness_needed(models, scene)
     return FitProblem(models, found, settings, executor, store or Store()), warnings
 
 
@@ -161,12 +163,18 @@ class Search:
         self.x, self.least = problem.unknowns.start, np.inf
         self.starts: list[float] = []
         self.ended, self.converged = "interrupted", False
-        self._stage, self._points, self._of_start = "", 0, np.inf
+        self._stage, self._points, self._of_start = "choosing time steps", 0, np.inf
+        problem.on_run = self._first_runs
 
     def tell(self, text: str) -> None:
         """Say where the fit stands."""
         if self._progress is not None:
             self._progress(text)
+
+    def _first_runs(self) -> None:
+        """Say that it moves before there is a point."""
+        if not np.isfinite(self.least):
+            self.tell(f"{self._stage}, run {self.problem.runs}")
 
     def residuals(self, x: Array) -> Array:
         """Residuals of the problem; the point is noted."""
@@ -308,7 +316,7 @@ class Search:
         if not any(one.failure for one in differences) and np.isfinite(np.diag(spread)).all():
             moved = -np.linalg.lstsq(slopes, change, rcond=None)[0] / np.sqrt(np.diag(spread))
             shifts = dict(zip(problem.unknowns.names, moved.tolist(), strict=True))
-        return SecondSolver(solver, None, tuple(differences), shifts)
+        return SecondSolver(solver, tuple(differences), shifts)
 
 
 def _point(values: Any) -> Array:
@@ -318,8 +326,7 @@ def _point(values: Any) -> Array:
 
 def _crossing(at: Array, increase: Array) -> float | None:
     """Where a profile first passes the limit of its interval, by the root of the increase between points."""
-    limit = np.sqrt(float(special.chdtri(1, 1.0 - CONFIDENCE)))
-    above = np.flatnonzero(increase >= limit**2)
+    above, limit = np.flatnonzero(increase >= CHI_SQUARED), np.sqrt(CHI_SQUARED)
     if not above.size:
         return None
     ends = slice(int(above[0]) - 1, int(above[0]) + 1)
@@ -337,3 +344,77 @@ def named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:
         again = names[curve.name]
         made.append(curve if again == 1 else replace(curve, name=f"{curve.name}-{again}"))
     return made
+
+
+OF_PARAMETER = ("value", "deviation", "low", "high")
+
+
+@dataclass(frozen=True)
+class EachFit:
+    """One curve of many with what its fit found, or why there is none."""
+
+    curve: str
+    result: FitResult | None = None
+    refusal: SceneError | None = None
+
+    @property
+    def failure(self) -> str:
+        """Why there is no result, if there is none."""
+        return "" if self.refusal is None else str(self.refusal)
+
+    @property
+    def explained(self) -> bool:
+        """Whether there is a model that explains the data."""
+        return self.result is not None and self.result.converged and self.result.goodness.explained
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """Each parameter by its name without that of the curve."""
+        found = () if self.result is None else self.result.estimates
+        return {one.name.partition("@")[0]: one for one in found}
+
+
+def fit_each(
+    curves: Sequence[MeasuredCurve],
+    scene: Scene,
+    settings: FitSettings,
+    executor: Executor | None = None,
+    store: Store | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Iterator[EachFit]:
+    """Fit every curve by itself, whatever becomes of the others, from the answer of the last one in the order
+    of the record whose data were explained; contact points start from what each record shows of itself."""
+    alone = replace(settings, vary=(*settings.vary, *settings.per_curve), per_curve=())
+    guess, store = scene, store or Store()
+    for number, curve in enumerate(named_apart(curves), 1):
+
+        def tell(text: str, where: str = f"{number} of {len(curves)}, {curve.name}") -> None:
+            if progress is not None:
+                progress(f"{where}: {text}")
+
+        try:
+            one = EachFit(curve.name, fit_curves([curve], guess, alone, executor, store, tell))
+        except SceneError as error:
+            one = EachFit(curve.name, refusal=error)
+        if one.explained and one.result is not None:
+            guess = one.result.scene
+        yield one
+
+
+def dataset(found: Sequence[EachFit]) -> Any:
+    """All numbers as an ``xarray.Dataset`` over ``curve`` and ``parameter``; NaN where a fit has none."""
+    try:
+        import xarray
+    except ImportError:
+        raise SceneError("", "xarray is not installed", "pip install 'crosscontact[fit]'") from None
+    parameters = list(dict.fromkeys(name for one in found for name in one.estimates))
+    variables: dict[str, Any] = {}
+    for of in OF_PARAMETER:
+        values = [[getattr(one.estimates.get(name), of, np.nan) for name in parameters] for one in found]
+        variables[of] = ("curve", "parameter"), np.array(values)
+    variables["explained"] = "curve", np.array([one.explained for one in found])
+    for name in ("misfit_over_noise", "rms_over_range"):
+        goods = (None if one.result is None else one.result.goodness for one in found)
+        variables[name] = "curve", [getattr(good, name, np.nan) for good in goods]
+    variables["failure"] = "curve", np.array([one.failure for one in found], str)
+    return xarray.Dataset(variables, {"curve": [one.curve for one in found], "parameter": parameters})

@@ -31,8 +31,7 @@ from contact_scene.errors import one_line
 from contact_scene.scene import with_values
 from validation import solvers
 from validation.fits.contact import Array, wave_columns, wave_length, white_noise
-from validation.fits.moments import Jump, Moments, moments
-from validation.fits.path import straight_lines
+from validation.fits.moments import Jump, Moments, moments, straight_lines
 from validation.fits.record import MeasuredCurve
 from validation.measure.curves import RowCurve
 

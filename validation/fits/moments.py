@@ -1,18 +1,25 @@
-"""When contact begins and ends in a record, what the force is without it, and its noise.
+"""What a fit asks of a record: when contact begins and ends, noise and background, its motion as few lines.
 
 On the retraction contact is lost; on the approach, read backwards in time, it is lost too. Where the force
 jumps there, its moment lies between two rows. All other rows without contact share one background.
+
+A solver follows the motion as straight lines: recorded positions have noise, and every row would be a kink of
+the loading. The lines begin with the rows that Ramer (Comput. Graph. Image Process. 1, 244, 1972) keeps
+within a tolerance; a corner between two straight stretches moves to where they meet, and all heights are then
+those of least squares.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.fits.background import FEWEST, background, loss_of_contact
+from contact_scene.errors import SceneError
 from validation.fits.contact import Array, white_noise
+from validation.fits.features import FEWEST, background, loss_of_contact
 from validation.fits.record import MeasuredCurve
 
 JUMP = 8.0
@@ -28,6 +35,20 @@ and of an approach or a retraction in which a moment is looked for."""
 LEAST_NOISE, MEDIAN_EFFICIENCY = 1e-6, 0.37
 """Noise over the range of the force, at least, so that weights remain finite; and variance of the standard
 deviation over that of the median magnitude, both of as many normal numbers."""
+
+NOISE_WITHIN = 4.0
+"""Deviations of the noise by which a row may miss its line: one in 16 000 by chance."""
+SMALLEST = 1e-6
+"""Tolerance over the range of the motion, at least: round-off of recorded numbers."""
+CORNER_ROWS = 3
+"""Rows between two straight stretches, at most, that belong to one corner; and rows inside a stretch, at
+least, from which its direction is known well enough to find its corners."""
+CORNER = 0.02
+"""Change of the rate over the larger rate from which two stretches have a corner to be found."""
+PRIOR = 1e-9
+"""Weight of the recorded height at a corner beside that of a row: decides where no row lies between two."""
+MOST_KNOTS = 400
+"""Lines of a path; a motion that needs more is not resolved by its rows, or is all noise."""
 
 
 @dataclass(frozen=True)
@@ -97,14 +118,14 @@ def moments(curve: MeasuredCurve) -> Moments:
     free = np.zeros(rows, bool)
     free[: first if snap_in else _free_rows(force[:first])] = True
     free[last if pull_off else rows - _free_rows(force[last:][::-1]) :] = True
-    level = np.full(rows, float(np.median(force[free])) if free.any() else 0.0)
+    base = background(cycle, free)
     if free.sum() > FEWEST:
-        base = background(cycle, free)
         degrees = float(free.sum() - len(base.parts))
         noise = max(base.rough * float(np.sqrt(free.sum() / degrees)), least)
-        level, source = base.force, f"baseline, {free.sum()} rows"
+        source = f"baseline, {free.sum()} rows"
     if curve.noise is not None:
         noise, source, degrees = curve.noise, "stated", np.inf
+    level = base.force if free.any() else np.zeros(rows)
     off = np.abs(force - level) > OFF * noise
     while snap_in is None and 0 < first < last and off[first - 1]:
         first -= 1
@@ -134,3 +155,72 @@ def _jump(curve: MeasuredCurve, row: int, noise: float, inward: int) -> Jump | N
     width = float(time[row + 1] - time[row])
     timed = bool(change >= OVER_NEIGHBOURS * (neighbour + noise))
     return Jump(row, float(0.5 * (time[row] + time[row + 1])), width / float(np.sqrt(12.0)), timed)
+
+
+def straight_lines(time: Array, position: Array, tolerance: float) -> tuple[Array, Array]:
+    """Times and heights of the corners of a path that no row misses by more than tolerance and noise."""
+    noise = white_noise(position)
+    within = max(tolerance, NOISE_WITHIN * noise, SMALLEST * float(np.ptp(position)))
+    rows = _kept_rows(time, position, within)
+    if rows.size > MOST_KNOTS:
+        problem = f"the motion needs {rows.size} straight lines"
+        raise SceneError("penetration", problem, f"at most {MOST_KNOTS}: smoother or finer rows")
+    knots = _moved_corners(time, position, rows)
+    return knots, _heights(time, position, knots)
+
+
+def count_lines(time: Array, values: Array, share: float) -> int:
+    """How many straight lines a column needs, within a share of its range and its noise."""
+    within = max(share * float(np.ptp(values)), NOISE_WITHIN * white_noise(values))
+    return _kept_rows(time, values, within).size - 1
+
+
+def _kept_rows(time: Array, position: Array, within: float) -> np.ndarray:
+    keep, stack = {0, time.size - 1}, [(0, time.size - 1)]
+    while stack:
+        begin, end = stack.pop()
+        line = np.interp(time[begin:end], time[[begin, end]], position[[begin, end]])
+        miss = np.abs(position[begin:end] - line)
+        worst = begin + int(np.argmax(miss))
+        if miss[worst - begin] > within:
+            keep.add(worst)
+            stack += [(begin, worst), (worst, end)]
+    return np.array(sorted(keep))
+
+
+def _moved_corners(time: Array, position: Array, rows: np.ndarray) -> Array:
+    """Times of the corners: where two straight stretches meet, if that is among the rows between them."""
+    stretches: list[tuple[int, int, float, float]] = []
+    for begin, end in pairwise(rows.tolist()):
+        inner = slice(begin + 1, end)
+        if end - begin - 1 >= CORNER_ROWS:
+            middle = float(time[inner].mean())
+            rate, level = np.polyfit(time[inner] - middle, position[inner], 1)
+            stretches.append((begin, end, float(rate), float(level) - float(rate) * middle))
+    knots = dict.fromkeys(rows.tolist())
+    moved = []
+    for (_, left, rate, level), (right, _, next_rate, next_level) in pairwise(stretches):
+        turn = rate - next_rate
+        if right - left > CORNER_ROWS or abs(turn) < CORNER * max(abs(rate), abs(next_rate)):
+            continue
+        meeting = (next_level - level) / turn
+        if time[left - 1] <= meeting <= time[right + 1]:
+            for row in range(left, right + 1):
+                knots.pop(row, None)
+            moved.append(meeting)
+    return np.sort(np.concatenate([time[list(knots)], moved]))
+
+
+def _heights(time: Array, position: Array, knots: Array) -> Array:
+    """Heights at the knots with which the lines miss the rows least."""
+    place = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, knots.size - 2)
+    share = (time - knots[place]) / np.diff(knots)[place]
+    level = float(position.mean())
+    matrix = PRIOR * np.eye(knots.size)
+    target = PRIOR * (np.interp(knots, time, position) - level)
+    ends = (place, 1.0 - share), (place + 1, share)
+    for end, weight in ends:
+        np.add.at(target, end, weight * (position - level))
+        for other, of_other in ends:
+            np.add.at(matrix, (end, other), weight * of_other)
+    return np.asarray(np.linalg.solve(matrix, target) + level, float)

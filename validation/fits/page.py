@@ -1,13 +1,14 @@
-"""The folder of a fit: ``index.html``, ``fit.json``, ``scene.toml``, ``fit.png`` and ``fit.svg``.
+"""The folders of a fit and of fits of each curve: a page, numbers and figures.
 
-The page has the verdict, estimates with errors, what the data cannot tell, and the second solver's answer.
+The page of a fit has the verdict, what to know before using a number, estimates with errors, what the data
+cannot tell, and the second solver's answer; numbers bear the names of ``fit.json``.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,9 +17,19 @@ import numpy as np
 
 from contact_scene import write_scene
 from validation.drawing import export
-from validation.fits import charts
-from validation.fits.errors import UNLIKELY, VAGUE, Estimate
-from validation.fits.result import FitResult
+from validation.drawing.axes import format_axes, label_axes
+from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
+from validation.fits.fit import OF_PARAMETER, EachFit, dataset
+from validation.fits.result import (
+    CHI_SQUARED,
+    UNLIKELY,
+    VAGUE,
+    Estimate,
+    FitResult,
+    FittedCurve,
+    LikelihoodProfile,
+)
+from validation.measure.scaling import unit_name
 from validation.report import report
 from validation.report.document import (
     ABSENT,
@@ -32,14 +43,15 @@ from validation.report.document import (
     Record,
     Section,
     VerdictCell,
-    counted,
-    formatted,
+    number,
+    plain,
     with_drawing,
 )
 from validation.runs.folder import to_json
 from validation.runs.provenance import stamp, version
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Drawing
 
 FORMAT = 1
@@ -48,66 +60,65 @@ VISIBLE_SHIFT = 0.5
 CAPTIONS = {
     "curves": "Measured and fitted force over the position of indenter or stage; below, what is left, over "
     "the noise. Grey rows around jumps of the force are not compared, the moments of the jumps are.",
-    "correlations": "Correlations of the parameters.",
     "profiles": "Increase of the least sum of squares as one parameter is held at a value and all others are "
     "fitted anew, over the variance of a residual; at 3.84 the 95 % interval ends.",
+    "each": "Every parameter over the curves, with its 95 % interval.",
 }
 COMBINATIONS = """\
 Products of powers of the parameters whose errors are independent of each other, the least known first, with
-their relative standard deviation. Powers below 0.2 are left out."""
+their relative standard deviation (powers below 0.2 are left out); and the correlations of all parameters."""
+OF_CURVE = (
+    "noise",
+    "noise_source",
+    "misfit_over_noise",
+    "rms_over_range",
+    "rows_correlated",
+    "worst_stretch",
+)
+MOST_COLUMNS = 4  # curves or profiles side by side
+ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.2, "rasterized": True}
+LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "labelcolor": INK}
 
 
 def of_fit(result: FitResult) -> dict[str, Any]:
     """``fit.json``: every number of a fit. The keys are a fixed contract with whoever reads it."""
-    good = result.goodness
+    curves = [
+        {name: getattr(one, name) for name in OF_CURVE}
+        | {"name": one.curve.name, "time": one.curve.time, "measured_force": one.curve.force}
+        | {"fitted_force": one.force, "compared": one.compared}
+        for one in result.curves
+    ]
     return {
         "format": FORMAT,
         "converged": result.converged,
         "ended": result.ended,
-        "explained": good.explained,
+        "explained": result.goodness.explained,
         "parameters": [asdict(one) for one in result.estimates],
         "correlations": result.correlations,
         "combinations": [asdict(one) for one in result.combinations],
         "hardly_told_apart": result.confused,
-        "goodness": {
-            "sum_of_squares": good.chi_squared,
-            "degrees": good.degrees,
-            "noise_degrees": good.noise_degrees,
-            "probability": good.probability,
-            "runs_tests": [asdict(one) for one in good.runs],
-            "misfit_over_noise": good.misfit,
-            "rms_over_range": good.share,
-            "within": good.within,
-        },
+        "goodness": asdict(result.goodness),
         "profiles": [asdict(one) for one in result.profiles],
         "second_solver": None if result.check is None else asdict(result.check),
-        "curves": [
-            {
-                "name": one.curve.name,
-                "noise": one.noise,
-                "noise_source": one.noise_source,
-                "misfit_over_noise": one.misfit,
-                "rms_over_range": one.share,
-                "rows_correlated": one.correlated,
-                "worst_stretch": one.missed,
-                "time": one.curve.time,
-                "measured_force": one.curve.force,
-                "fitted_force": one.force,
-                "compared": one.compared,
-            }
-            for one in result.curves
-        ],
+        "curves": curves,
         "statements": statements(result),
         "settings": asdict(result.settings),
+        **_method(result),
+        "environment": stamp(),
+        "program": version(),
+        "question": result.question,
+    }
+
+
+def _method(result: FitResult) -> dict[str, Any]:
+    """How a fit was carried out."""
+    return {
         "resolution": result.settings.resolution,
         "step_tolerance": result.tolerance,
         "solver_error_over_noise": result.error_share,
         "starts": result.starts,
         "runs": result.runs,
         "seconds": result.seconds,
-        "environment": stamp(),
-        "program": version(),
-        "question": result.question,
     }
 
 
@@ -115,51 +126,51 @@ def write_fit(result: FitResult, folder: Path) -> None:
     """Write everything; the page last, so that a folder with a page is complete."""
     (folder / "index.html").unlink(missing_ok=True)
     write_scene(result.scene, folder / "scene.toml")
-    drawn = drawings(result)
-    curves = {"fit.png": export.png(drawn["curves"]), "fit.svg": export.svg_file(drawn["curves"])}
-    report.write(folder, document(result, drawn), {"fit.json": to_json(of_fit(result)), **curves})
+    drawn = draw_curves(result)
+    files: dict[str, str | bytes] = {"fit.png": export.png(drawn), "fit.svg": export.svg_file(drawn)}
+    report.write(folder, document(result, drawn), files | {"fit.json": to_json(of_fit(result))})
 
 
-def drawings(result: FitResult) -> dict[str, Drawing]:
-    """The figures by name: ``curves``, ``correlations`` and, where there are some, ``profiles``."""
-    made = {"curves": charts.draw_curves(result), "correlations": charts.draw_correlations(result)}
-    return made | ({"profiles": charts.draw_profiles(result.profiles)} if result.profiles else {})
-
-
-def document(result: FitResult, drawings: Mapping[str, Drawing]) -> Document:
-    """The whole page, with the figures of :func:`drawings`."""
-    shown = {
-        name: Figures((with_drawing(Figure(f"fit-{name}", CAPTIONS[name], wide=name == "curves"), drawn),))
-        for name, drawn in drawings.items()
-    }
+def document(result: FitResult, curves: Drawing) -> Document:
+    """The whole page, with the figure of the curves."""
     said = statements(result)
     products = (
         {"product": one.text, "standard deviation": _percent(one.deviation)} for one in result.combinations
     )
+    names = [f"{place} {one.name}" for place, one in enumerate(result.estimates, 1)]
+    correlations = (
+        {"correlation": name} | {str(place): f"{value:+.2f}" for place, value in enumerate(row, 1)}
+        for name, row in zip(names, result.correlations, strict=True)
+    )
+    profiles = (_figure("profiles", draw_profiles(result.profiles)),) if result.profiles else ()
     sections: dict[str, tuple[Part, ...]] = {
         "Before you use a number": (Bullets(tuple(said)),) if said else (),
         "Parameters": (table(result),),
-        "Curves": (shown["curves"], DataTable.of(_curves(result))),
+        "Curves": (_figure("curves", curves), DataTable.of(_curves(result))),
         "What the data tell apart": (
             Paragraph(COMBINATIONS),
             DataTable.of(products),
-            shown["correlations"],
+            DataTable.of(correlations, unbroken=("correlation",)),
         ),
-        "Profile likelihood": (shown["profiles"],) if result.profiles else (),
+        "Profile likelihood": profiles,
         f"The same by {result.check.solver}" if result.check else "": tuple(_second_opinion(result)),
-        "How it was done": (Bullets(tuple(_method(result))),),
+        "How it was done": tuple(_done(result)),
     }
     parts = tuple(Section(title, own) for title, own in sections.items() if own)
     return Document(f"Fit: {result.scene.title or 'a scene'}", (lead(result),), parts)
+
+
+def _figure(name: str, drawn: Drawing) -> Figures:
+    return Figures((with_drawing(Figure(f"fit-{name}", CAPTIONS[name], wide=name != "profiles"), drawn),))
 
 
 def lead(result: FitResult) -> Paragraph:
     """Whether the model explains the data, in a sentence."""
     good, head = result.goodness, "The fit was interrupted: the best so far. " if not result.converged else ""
     numbers = (
-        f"Misfit {good.misfit:.3g} times the noise (sum of squares {good.chi_squared:.1f} for "
+        f"Misfit {good.misfit_over_noise:.3g} times the noise (sum of squares {good.sum_of_squares:.1f} for "
         f"{good.degrees} degrees of freedom; as large by chance: {_chance(good.probability)}), "
-        f"{100.0 * good.share:.2g} % of the range of the force."
+        f"{100.0 * good.rms_over_range:.2g} % of the range of the force."
     )
     if good.explained:
         share = "their noise" if good.within is None else f"{100.0 * good.within:g} % of their range"
@@ -190,15 +201,15 @@ def statements(result: FitResult) -> list[str]:
 
 def _misfits(result: FitResult) -> Iterator[str]:
     """Where and how the model misses the data."""
-    for one, runs in zip(result.curves, result.goodness.runs, strict=True):
+    for one, runs in zip(result.curves, result.goodness.runs_tests, strict=True):
         if runs.probability < UNLIKELY:
             yield (
                 f"{runs.curve}: the signs of the residuals change {runs.runs - 1} times, where chance gives "
                 f"{runs.expected - 1:.0f} ({_chance(runs.probability)}): the model misses the shape of this "
                 "curve. A branch or the adhesion may be missing, the zero of the record, or the spring."
             )
-        if one.missed:
-            begin, end = one.missed
+        if one.worst_stretch:
+            begin, end = one.worst_stretch
             largest = float(abs(one.residuals[one.stretch]).max()) * one.noise / np.ptp(one.curve.force)
             yield (
                 f"{one.curve.name}: missed most from time {begin:.4g} to {end:.4g}, by up to "
@@ -280,16 +291,12 @@ def with_error(estimate: Estimate) -> str:
 
 def _curves(result: FitResult) -> Iterator[Record]:
     """A row for each curve: noise, misfit, runs test."""
-    for one, runs in zip(result.curves, result.goodness.runs, strict=True):
+    for one, runs in zip(result.curves, result.goodness.runs_tests, strict=True):
         yield {
             "curve": one.curve.name,
             "rows": str(one.curve.time.size),
             "compared": str(int(one.compared.sum())),
-            "noise": format(one.noise, ".3g"),
-            "noise from": one.noise_source,
-            "misfit / noise": format(one.misfit, ".3f"),
-            "misfit / range": f"{100.0 * one.share:.2g} %",
-            "rows correlated": format(one.correlated, ".0f"),
+            **{plain(name): number(getattr(one, name), 3) for name in OF_CURVE[:-1]},
             "stretches of one sign": str(runs.runs),
             "by chance": format(runs.expected, ".0f"),
             "as few by chance": VerdictCell(_chance(runs.probability), runs.probability >= UNLIKELY),
@@ -297,41 +304,149 @@ def _curves(result: FitResult) -> Iterator[Record]:
 
 
 def _second_opinion(result: FitResult) -> Iterator[Part]:
-    """Differences of the fitted curves by another solver, and shifts of the parameters."""
+    """Differences of the fitted curves over the noise and the force by another solver, and what they amount
+    to in parameters."""
     if result.check is None:
         return
-    yield DataTable.of(
-        {
-            "curve": one.curve,
-            "difference / noise": formatted(None if one.failure else one.root_mean_square, ".2g"),
-            "largest / noise": formatted(None if one.failure else one.largest, ".2g"),
-            "difference / force": formatted(None if one.failure else one.relative, ".1e"),
-            "failure": one.failure or ABSENT,
-        }
-        for one in result.check.differences
-    )
+    differences = map(asdict, result.check.differences)
+    yield DataTable.of({plain(key): number(value, 2) for key, value in one.items()} for one in differences)
     if result.check.shifts:
-        yield Paragraph("Shifts of the parameters that this difference amounts to, to first order:")
         yield DataTable.of(
-            {"parameter": name, "shift / standard deviation": format(shift, "+.3f")}
+            {"parameter": name, "shift, to first order, over its deviation": format(shift, "+.3f")}
             for name, shift in result.check.shifts.items()
         )
 
 
-def _method(result: FitResult) -> Iterator[str]:
-    """Solver, starts, runs, regularisation, ties."""
-    settings = result.settings
-    fine = "its own steps" if settings.resolution is None else f"{settings.resolution} divisions"
-    if result.tolerance is not None and result.error_share is not None:
-        fine = f"tolerance {result.tolerance:.1e}, with an error of {result.error_share:.2g} of the noise"
-    yield f"{settings.solver}, {fine}"
-    starts = ", ".join(f"{value:.4g}" for value in result.starts)
-    yield f"{counted(settings.starts, 'start')}; sums of squares after few iterations: {starts or ABSENT}"
-    yield f"{counted(result.runs, 'run')} in {result.seconds:.0f} s; ended: {result.ended}"
+def _done(result: FitResult) -> Iterator[Part]:
+    """Settings of the fit and how it was carried out."""
+    settings, method = result.settings, {"ended": result.ended} | asdict(result.settings) | _method(result)
+    known = ((plain(key), _listed(value)) for key, value in method.items() if value not in (None, (), ""))
+    yield DataTable(("", ""), tuple(known), numeric=False)
     if settings.prony:
-        times = ", ".join(f"{value:g}" for value in settings.prony)
-        yield (
-            f"Prony weights on the fixed times {times}; the squared second differences of their logarithms, "
-            f"times {settings.regularisation:g}, were added to the sum of squares"
+        yield Paragraph(
+            "The squared second differences of their logarithms, times "
+            f"{settings.regularisation:g}, were added to the sum of squares."
         )
-    yield from (f"tied: {one}" for one in settings.tie)
+
+
+def _listed(value: Any) -> str:
+    return ", ".join(number(one, 4) for one in (value if isinstance(value, tuple) else (value,)))
+
+
+def draw_curves(result: FitResult) -> Drawing:
+    """A column for each curve: force over position, residuals over time; what is not explained is marked."""
+    panels, figure = _panels(len(result.curves), (3.6, 4.6), 1.4, (2.2, 1.0))
+    length, force, time = (f" ({unit_name(result.scene, name)})" for name in ("penetration", "force", "time"))
+    for place, (one, (upper, lower)) in enumerate(zip(result.curves, panels, strict=False)):
+        _draw_curve(upper, lower, one, result.goodness.explained)
+        first = place % MOST_COLUMNS == 0
+        driven = "penetration" if one.curve.stage is None else "position of the stage"
+        label_axes(upper, driven + length, f"force{force}" if first else "")
+        label_axes(lower, f"time{time}", "(measured - fit)/noise" if first else "")
+    panels[0][0].legend(**LEGEND)
+    return figure
+
+
+def _panels(
+    count: int, size: tuple[float, float], least: float, heights: tuple[float, ...] = (1.0,)
+) -> tuple[list[list[Axes]], Drawing]:
+    """Axes for each of some things, as many one below the other as heights, and their figure."""
+    from matplotlib.figure import Figure
+
+    columns, rows, high = min(count, MOST_COLUMNS), -(-count // MOST_COLUMNS), len(heights)
+    figure = Figure(figsize=(size[0] * max(columns, least), size[1] * rows), layout="constrained")
+    all_axes = figure.subplots(high * rows, columns, squeeze=False, height_ratios=[*heights] * rows)
+    groups = [list(group) for row in range(rows) for group in all_axes[high * row : high * (row + 1)].T]
+    for axes in (axes for group in groups[count:] for axes in group):
+        axes.set_axis_off()
+    return groups, figure
+
+
+def _draw_curve(upper: Axes, lower: Axes, one: FittedCurve, explained: bool) -> None:
+    kept, force, time = one.compared, one.curve.force, one.curve.time
+    upper.plot(one.position[kept], force[kept], color=SERIES[0], label="measured", **ROWS)
+    if not kept.all():
+        upper.plot(one.position[~kept], force[~kept], color=GREY, label="not compared", **ROWS)
+    if not explained and one.worst_stretch:
+        missed = one.position[one.stretch], force[one.stretch]
+        upper.plot(*missed, color=SERIES[1], label="not explained", **ROWS)
+        lower.axvspan(*one.worst_stretch, color=SERIES[1], alpha=0.2, linewidth=0)
+    upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
+    upper.set_title(one.curve.name, fontsize="medium")
+    lower.plot(time[kept], one.residuals[kept], color=SERIES[0], **ROWS)
+    lower.axhline(0.0, color=INK, linewidth=0.8)
+    for axes in (upper, lower):
+        format_axes(axes)
+        axes.locator_params(axis="x", nbins=5)
+
+
+def draw_profiles(profiles: Sequence[LikelihoodProfile]) -> Drawing:
+    """Increase of the sum of squares over each parameter, the 95 % limit drawn in."""
+    panels, figure = _panels(len(profiles), (2.6, 2.4), 1.5)
+    look: dict[str, Any] = {"color": SERIES[0], "marker": MARKERS[0], "markersize": 3, "linewidth": 1.0}
+    for place, ([axes], one) in enumerate(zip(panels, profiles, strict=False)):
+        axes.plot(one.values, one.increases, **look)
+        axes.axhline(CHI_SQUARED, color=VERMILION, linestyle="--", linewidth=1.0, label="95 %")
+        axes.set(xlabel=one.name, ylim=(0.0, 12.0))
+        format_axes(axes)
+        axes.locator_params(axis="x", nbins=4)
+        if place % MOST_COLUMNS == 0:
+            axes.set_ylabel("increase of the sum of squares", color=INK)
+    panels[0][0].legend(**LEGEND)
+    return figure
+
+
+def write_each(found: Sequence[EachFit], folder: Path) -> None:
+    """Write ``table.csv``, ``map.nc`` and the page with the table and a figure."""
+    data = dataset(found)
+    whole = data.drop_vars(OF_PARAMETER).drop_dims("parameter").to_dataframe()
+    parameters = [(name, of) for name in data.parameter.values.tolist() for of in OF_PARAMETER]
+    for place, (name, of) in enumerate(parameters):
+        title = name if of == "value" else f"{name} {of}"
+        whole.insert(place, title, data[of].sel(parameter=name, drop=True))
+    files: dict[str, str | bytes] = {
+        "table.csv": whole.to_csv(na_rep="nan", lineterminator="\n"),
+        "map.nc": bytes(data.to_netcdf(engine="scipy")),
+    }
+    explained = sum(one.explained for one in found)
+    lead = Paragraph(f"{explained} of {len(found)} curves are explained.", explained == len(found))
+    section = Section("Curves", (_figure("each", draw_each(found)), each_table(found)))
+    report.write(folder, Document("Fit of each curve", (lead,), (section,)), files)
+
+
+def each_table(found: Sequence[EachFit]) -> DataTable:
+    """A row for each curve."""
+    names = list(dict.fromkeys(name for one in found for name in one.estimates))
+    rows: list[Record] = []
+    for one in found:
+        share = ABSENT if one.result is None else f"{one.result.goodness.rms_over_range:.2%}"
+        verdict = VerdictCell(one.failure or ("yes" if one.explained else "no"), one.explained)
+        shown = {name: with_error(one.estimates[name]) if name in one.estimates else ABSENT for name in names}
+        rows.append({"curve": one.curve, **shown, "rms / range": share, "explained": verdict})
+    return DataTable.of(rows, unbroken=("curve", *names))
+
+
+def draw_each(found: Sequence[EachFit]) -> Drawing:
+    """A panel for each parameter: values with their intervals over the number of the curve."""
+    from matplotlib.figure import Figure
+
+    data = dataset(found)
+    figure = Figure(figsize=(7.2, 1.6 * data.parameter.size + 0.6), layout="constrained")
+    panels = figure.subplots(data.parameter.size, 1, squeeze=False, sharex=True)[:, 0]
+    places, explained = np.arange(1, len(found) + 1), data.explained.values
+    for axes, name in zip(panels, data.parameter.values, strict=True):
+        value, _, low, high = (data[of].sel(parameter=name).values for of in OF_PARAMETER)
+        reach = np.nan_to_num(np.abs([low - value, high - value]), posinf=0.0)
+        for kept, colour, label in ((explained, SERIES[0], ""), (~explained, VERMILION, "not ")):
+            look: dict[str, Any] = {
+                "fmt": "o",
+                "markersize": 3,
+                "color": colour,
+                "label": f"{label}explained",
+            }
+            axes.errorbar(places[kept], value[kept], reach[:, kept], **look)
+        axes.set_ylabel(name, color=INK, fontsize="small")
+        format_axes(axes)
+    panels[-1].set_xlabel("number of the curve")
+    panels[0].legend(**LEGEND)
+    return figure

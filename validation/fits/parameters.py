@@ -240,8 +240,6 @@ def _of_scene(
     low, high, form = _limits(path, limits)
     least, most = LIMITED.get(path, (-math.inf, math.inf))
     logarithmic = form != "linear" and start > 0.0 and path not in LIMITED and (low is None or low > 0.0)
-    if form == "log" and not logarithmic:
-        raise SceneError(path, "has no logarithm", "a value and bounds > 0")
     reach = RANGE * max(abs(start), 1e-3)
     widest = (start / RANGE, start * RANGE) if logarithmic else (start - reach, start + reach)
     low = max(widest[0] if low is None else low, least)
@@ -258,9 +256,9 @@ def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
     """Bounds and form that an entry states, if any."""
     if not text:
         return None, None, ""
-    match = re.fullmatch(r"([^:]+):([^:]+)(?::(log|linear))?", text)
+    match = re.fullmatch(r"([^:]+):([^:]+)(?::(linear))?", text)
     if match is None:
-        raise SceneError(path, f"got bounds {shown(text)}", "LOW:HIGH, LOW:HIGH:linear or LOW:HIGH:log")
+        raise SceneError(path, f"got bounds {shown(text)}", "LOW:HIGH or LOW:HIGH:linear")
     try:
         low, high = (finite(float(part), path) for part in match.groups()[:2])
     except ValueError:

@@ -8,7 +8,7 @@ be carried out side by side.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -20,7 +20,7 @@ from contact_scene import SceneError
 from validation.fits.contact import Array
 from validation.fits.model import NO_CONTACT, CurveModel, CurvePrediction, FitRun, least_squares, run_of
 from validation.fits.parameters import CONTACT_POINT, TIME_OFFSET, FitSettings, Unknowns
-from validation.runs.pool import Task, run_tasks
+from validation.runs.pool import Task, TaskResult, run_tasks
 from validation.runs.provenance import fingerprint
 from validation.runs.store import Store
 
@@ -53,6 +53,7 @@ class FitProblem:
     tolerance: float | None = None
     step: float = 1e-3
     runs: int = 0
+    on_run: Callable[[], None] = lambda: None
     _kept: dict[str, FitRun] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -134,9 +135,7 @@ class FitProblem:
             if key not in self._kept:
                 tasks[key] = Task(key, f"curve {curve + 1}", run_of, (found[0], *asked_of), FitRun)
         executor = self.executor if len(tasks) > 1 else None
-        for result in run_tasks(tasks.values(), executor, self.store):
-            self._kept[result.task.key] = result.value or replace(NO_CONTACT, failure=result.failure)
-            self.runs += 1
+        run_tasks(tasks.values(), executor, self.store, on_result=self._keep)
         made = []
         for (curve, values), (key, begin) in zip(points, asked, strict=True):
             run = replace(NO_CONTACT, failure=key) if begin is None else self._kept[key]
@@ -144,6 +143,11 @@ class FitProblem:
         while len(self._kept) > KEPT_RUNS:
             del self._kept[next(iter(self._kept))]
         return made
+
+    def _keep(self, result: TaskResult) -> None:
+        self._kept[result.task.key] = result.value or replace(NO_CONTACT, failure=result.failure)
+        self.runs += 1
+        self.on_run()
 
     def check_first_guess(self) -> None:
         """Raise what the solver refuses of the first guess, from which no search could then set out."""

@@ -1,33 +1,108 @@
-"""From where a search ended to what a fit states: values, errors, goodness, the fitted curves."""
+"""From where a search ended to what a fit states: values, how well they are known, what explains the data.
+
+Residuals are in units of the noise. If the model is right their sum of squares is chi-squared, their signs
+follow each other at random, and the covariance is ``s^2 (J^T J)^-1``, with the variance ``s^2`` of baseline
+and residuals together. Where residuals are too large to be noise ``s^2`` is theirs alone (Birge, Phys. Rev.
+40, 207, 1932); where they are correlated, n rows count as n/L independent ones. Both make intervals honest
+about size and not about bias. Numbers bear the names that they have in ``fit.json``.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from contact_scene import Scene
 from contact_scene.scene import with_values
 from validation.fits.contact import Array
-from validation.fits.errors import (
-    UNLIKELY,
-    Combination,
-    Estimate,
-    Goodness,
-    combinations,
-    confused,
-    correlation,
-    correlation_length,
-    covariance,
-    estimate,
-    misfitting_stretch,
-    runs_test,
-)
 from validation.fits.parameters import CONTACT_POINT, FitSettings, Unknown
-from validation.fits.problem import FitProblem, Point
+from validation.fits.problem import FitProblem, Point, least_squares
 from validation.fits.record import MeasuredCurve
+
+QUANTILE, CHI_SQUARED = 1.959963984540054, 3.841458820694124
+"""Ends of the 95 % interval of a standard normal number, and its square: chi-squared of one degree."""
+UNLIKELY = 1e-3
+"""Probability below which a misfit, or the order of its signs, is not taken for chance."""
+VAGUE = 0.5
+"""Standard deviation of a logarithm from which a parameter, or a product of powers, counts as unknown: its
+95 % interval spans a factor of seven."""
+ALIKE, TAKES_PART = 0.97, 0.2
+"""Correlation from which two parameters are hardly told apart, each alone known four times worse than with
+the other given; and power of a parameter in a normalised product from which it is named."""
+AT_BOUND, NEGLIGIBLE = 1e-3, 1e-12
+"""Distance from a bound, in numbers of the search, below which a parameter is held by it; and eigenvalue over
+the largest below which a direction is not determined at all: round-off of derivatives."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter with its error: the standard ``deviation`` is that of the logarithm, a share of ``value``,
+    where ``logarithmic``, else in its unit; ``low`` and ``high`` are the ends of its 95 % interval, ``start``
+    is the first guess, and ``note`` says what is wrong with it, if anything."""
+
+    name: str
+    value: float
+    deviation: float
+    logarithmic: bool
+    low: float
+    high: float
+    start: float
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Combination:
+    """A product of powers of parameters, the largest power 1, and the deviation of its logarithm."""
+
+    powers: dict[str, float]
+    deviation: float
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        parts = (name if power == 1.0 else f"({name})^{power:.2g}" for name, power in self.powers.items())
+        return " · ".join(parts)
+
+
+@dataclass(frozen=True)
+class RunsTest:
+    """Wald and Wolfowitz' test of the signs of one curve's residuals (Ann. Math. Stat. 11, 147, 1940): runs
+    of one sign, their number by chance, and the probability of so few."""
+
+    curve: str
+    runs: int
+    expected: float
+    probability: float
+
+
+@dataclass(frozen=True)
+class Goodness:
+    """Whether what is left looks like noise: ``probability``: of a sum of squares as large by chance;
+    ``rms_over_range``: of a curve, the largest, over the range of its force; ``within``: the share of it that
+    was allowed; ``variance``: of a residual as it is weighted."""
+
+    sum_of_squares: float
+    degrees: int
+    noise_degrees: float
+    probability: float
+    runs_tests: tuple[RunsTest, ...]
+    misfit_over_noise: float
+    rms_over_range: float
+    within: float | None
+    variance: float
+
+    @property
+    def explained(self) -> bool:
+        """Whether the model explains the data within the share that was asked for, or else their noise."""
+        if self.within is not None:
+            return self.rms_over_range <= self.within
+        below = self.probability > 1.0 - UNLIKELY  # less than noise can be: then signs tell nothing
+        at_random = all(one.probability >= UNLIKELY for one in self.runs_tests)
+        return self.probability >= UNLIKELY and (below or at_random)
 
 
 @dataclass(frozen=True)
@@ -43,22 +118,22 @@ class FittedCurve:
     position: Array
     noise: float
     noise_source: str
-    correlated: float
+    rows_correlated: float
     stretch: slice
     failure: str = ""
 
     @property
-    def misfit(self) -> float:
+    def misfit_over_noise(self) -> float:
         """Root mean square of the residuals."""
         return float(np.sqrt(np.mean(self.residuals[self.compared] ** 2)))
 
     @property
-    def share(self) -> float:
+    def rms_over_range(self) -> float:
         """The same over the range of the force."""
-        return self.misfit * self.noise / float(np.ptp(self.curve.force))
+        return self.misfit_over_noise * self.noise / float(np.ptp(self.curve.force))
 
     @property
-    def missed(self) -> tuple[float, float] | None:
+    def worst_stretch(self) -> tuple[float, float] | None:
         """First and last time of the stretch, if any is missed."""
         begin, end = self.stretch.start, self.stretch.stop - 1
         return (float(self.curve.time[begin]), float(self.curve.time[end])) if end >= begin else None
@@ -94,7 +169,6 @@ class SecondSolver:
     first order; no ``shifts`` if a run failed."""
 
     solver: str
-    resolution: int | None
     differences: tuple[SolverDifference, ...]
     shifts: dict[str, float]
 
@@ -135,12 +209,14 @@ class InterruptedFit(KeyboardInterrupt):
 
 def goodness(problem: FitProblem, point: Point) -> Goodness:
     """Whether a point explains the data."""
+    from scipy import special  # takes longer to load than all else that a curve needs
+
     over_noise = point.residuals.copy()
-    runs, shares, known = [], [], 0.0
+    tests, shares, known = [], [], 0.0
     for model, rows in zip(problem.models, problem.force_rows, strict=True):
         own = point.residuals[rows][point.compared[rows]]
         over_noise[rows] *= model.allowed / model.moments.noise
-        runs.append(runs_test(model.curve.name, own))
+        tests.append(runs_test(model.curve.name, own))
         shares.append(float(np.sqrt(np.mean(own**2)) * model.allowed / np.ptp(model.curve.force)))
         known += model.moments.noise_degrees
     free = len(problem.unknowns) + point.background.size
@@ -153,8 +229,9 @@ def goodness(problem: FitProblem, point: Point) -> Goodness:
     else:
         chance, pooled = float(special.chdtrc(degrees, total)), 1.0
     variance = max(own_variance, 1.0) if chance < UNLIKELY else pooled
+    misfit = float(np.sqrt(total / degrees))
     variance = own_variance if within else variance
-    return Goodness(total, degrees, float(known), chance, tuple(runs), max(shares), within, variance)
+    return Goodness(total, degrees, known, chance, tuple(tests), misfit, max(shares), within, variance)
 
 
 def independent(problem: FitProblem, point: Point, rows_of: Array) -> Array:
@@ -172,15 +249,9 @@ def judged(problem: FitProblem, x: Array, scene: Scene) -> FitResult:
     unknowns = [*problem.unknowns.found, *_background(problem)]
     scale = np.array([one.scale for one in unknowns[len(x) :]])
     whole = independent(problem, point, np.column_stack([slopes, point.columns * scale]))
-    spread, deviations, directions = covariance(whole, good.variance)
+    spread = covariance(whole, good.variance)[0]
     found, names = [*x.tolist(), *(point.background / scale).tolist()], [one.name for one in unknowns]
-    if np.isfinite(spread).all():  # products of the positive parameters, all others being free
-        own = [at for at, one in enumerate(unknowns) if one.logarithmic]
-        variances, vectors = np.linalg.eigh(spread[np.ix_(own, own)])
-        deviations, directions = np.sqrt(np.maximum(variances, 0.0))[::-1], vectors.T[::-1]
-        products = combinations([names[at] for at in own], deviations, directions)
-    else:
-        products = combinations(names, deviations, directions)
+    positive = np.array([one.logarithmic for one in unknowns])
     curves = tuple(_fitted(problem, index, x, point) for index in range(len(problem.models)))
     told = "the run of the best point did not reach its end"
     return FitResult(
@@ -189,7 +260,7 @@ def judged(problem: FitProblem, x: Array, scene: Scene) -> FitResult:
         curves=curves,
         estimates=tuple(map(estimate, unknowns, found, np.diag(spread).tolist())),
         correlations=correlation(spread),
-        combinations=products,
+        combinations=combinations(names, whole, positive, good.variance),
         confused=confused(names, correlation(spread)),
         goodness=good,
         warnings=tuple(f"{one.curve.name}: {told}: {one.failure}" for one in curves if one.failure),
@@ -225,3 +296,100 @@ def _fitted(problem: FitProblem, index: int, x: Array, point: Point) -> FittedCu
         misfitting_stretch(np.where(kept, left / model.allowed, 0.0)),
         point.predictions[index].failure,
     )
+
+
+def runs_test(curve: str, residuals: Array) -> RunsTest:
+    """Count stretches of one sign; few of them mean that the model misses the shape of the curve."""
+    signs = residuals[residuals != 0.0] > 0.0
+    above = int(signs.sum())
+    below = signs.size - above
+    runs = 1 + int((signs[1:] != signs[:-1]).sum()) if signs.size else 0
+    if min(above, below) == 0:
+        return RunsTest(curve, runs, float(runs), 1.0 if signs.size < 10 else 0.0)
+    both = above + below
+    expected = 1.0 + 2.0 * above * below / both
+    variance = (expected - 1.0) * (expected - 2.0) / max(both - 1.0, 1.0)
+    z = (runs + 0.5 - expected) / np.sqrt(variance) if variance > 0.0 else 0.0
+    return RunsTest(curve, runs, expected, 0.5 * math.erfc(-z / math.sqrt(2.0)))
+
+
+def correlation_length(residuals: Array) -> float:
+    """Rows that tell as much as one: twice the sum of the autocorrelation, up to what white noise has."""
+    rows = residuals.size
+    power = np.abs(np.fft.rfft(residuals, 2 * rows)) ** 2
+    product = np.fft.irfft(power)[:rows]
+    if rows < 2 or product[0] <= 0.0:
+        return 1.0
+    correlations = product[1:] / product[0]
+    below = correlations < 2.0 / np.sqrt(rows)
+    last = int(np.argmax(below)) if below.any() else rows - 1
+    return float(1.0 + 2.0 * correlations[:last].sum())
+
+
+def misfitting_stretch(residuals: Array) -> slice:
+    """The rows whose squares exceed twice the variance of residuals by most in all (Bentley, Commun. ACM 27,
+    865, 1984); none if no row does."""
+    total = np.concatenate([[0.0], np.cumsum(residuals**2 - 2.0)])
+    lowest = np.minimum.accumulate(total)
+    end = int(np.argmax(total - lowest))
+    return slice(int(np.argmin(total[: end + 1])), end)
+
+
+def covariance(jacobian: Array, variance: float) -> tuple[Array, Array, Array]:
+    """Covariance of the numbers of the search, infinite where the data do not see them; deviations along its
+    directions, falling; and the directions, rows of unit length."""
+    _, singular, directions = np.linalg.svd(jacobian, full_matrices=False)
+    seen = singular**2 > NEGLIGIBLE * singular.max(initial=0.0) ** 2
+    deviations = np.where(seen, np.sqrt(variance) / np.where(seen, singular, 1.0), np.inf)
+    result = (directions.T * np.where(seen, deviations, 0.0) ** 2) @ directions
+    blind = (np.abs(directions[~seen]) > np.sqrt(NEGLIGIBLE)).any(axis=0)
+    result[blind, blind] = np.inf
+    return result, deviations[::-1], directions[::-1]
+
+
+def estimate(one: Unknown, at: float, variance: float) -> Estimate:
+    """A number with its standard deviation and 95 % interval, within its bounds."""
+    deviation = float(np.sqrt(variance))
+    low, high = one.plain(one.low), one.plain(one.high)
+    reach = QUANTILE * deviation
+    note = ""
+    if min(at - low, high - at) < AT_BOUND:
+        note = "held by its bound"
+    elif not deviation < (VAGUE if one.logarithmic else np.inf):
+        note = "not determined by these data"
+    size = deviation if one.logarithmic else deviation * one.scale
+    ends = one.value(max(at - reach, low)), one.value(min(at + reach, high))
+    return Estimate(one.name, one.value(at), size, one.logarithmic, *ends, one.start, note)
+
+
+def correlation(spread: Array) -> Array:
+    """Correlations of the parameters, shape (P, P); 0 where a variance is infinite."""
+    deviation = np.sqrt(np.diag(spread))
+    usable = np.isfinite(deviation) & (deviation > 0.0)
+    divisor = np.where(usable, deviation, 1.0)
+    result = np.where(np.outer(usable, usable), spread / np.outer(divisor, divisor), 0.0)
+    np.fill_diagonal(result, 1.0)
+    return result
+
+
+def combinations(
+    names: Sequence[str], jacobian: Array, positive: NDArray[np.bool_], variance: float
+) -> tuple[Combination, ...]:
+    """Products of powers of the positive parameters with independent errors, the least known first, all other
+    parameters following: the directions of what their derivatives do not share with those."""
+    own, others = jacobian[:, positive], jacobian[:, ~positive]
+    own = own - others @ least_squares(others, own)
+    _, deviations, directions = covariance(own, variance)
+    named, made = [name for name, one in zip(names, positive, strict=True) if one], []
+    for deviation, direction in zip(deviations, directions, strict=True):
+        largest = direction[np.argmax(np.abs(direction))]
+        shares = zip(named, (direction / largest).tolist(), strict=True)
+        powers = {name: power for name, power in shares if abs(power) >= TAKES_PART}
+        made.append(Combination(powers, float(deviation / abs(largest))))
+    return tuple(made)
+
+
+def confused(names: Sequence[str], correlations: Array) -> list[tuple[str, str, float]]:
+    """Pairs of parameters that the data hardly tell apart, with their correlation."""
+    pairs = np.argwhere(np.tril(np.abs(correlations) >= ALIKE, -1)).tolist()
+    return [(names[i], names[j], float(correlations[i, j])) for i, j in pairs]

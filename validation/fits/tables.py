@@ -26,8 +26,16 @@ from contact_scene.files import read_text, write_whole
 from contact_scene.tables import TextTable, bracketed, finite, is_number, read_table
 from contact_scene.value_checks import Range
 from validation.fits.contact import Array
-from validation.fits.given import INSTRUMENTS, KINDS, Given, missing
-from validation.fits.record import COLUMNS, FEWEST_ROWS, NUMBERS, MeasuredCurve
+from validation.fits.record import (
+    COLUMNS,
+    FEWEST_ROWS,
+    HELD,
+    INSTRUMENTS,
+    NUMBERS,
+    Given,
+    MeasuredCurve,
+    missing,
+)
 
 LARGEST_FILE = 200_000_000
 """Bytes; a record of a few million rows, above which a file is no record of one curve."""
@@ -53,7 +61,7 @@ class _OrNone(Range):
 
 def read_table_curve(path: Path, given: Given, si: bool) -> MeasuredCurve:
     """One curve; ``si``: units in brackets are converted."""
-    table = read_table(_plain(_text(path)), str(path), () if given.columns else KINDS, _BY_HAND)
+    table = read_table(_plain(_text(path)), str(path), () if given.columns else HELD, _BY_HAND)
     si |= bool(given.columns) or any(kind in INSTRUMENTS for kind in table.kinds)
     columns = _columns_by_hand(table, given) if given.columns else _columns(table, si)
     stated: dict[str, Any] = {key: table.stated(key, finite) for key in (("noise",) if si else NUMBERS)}

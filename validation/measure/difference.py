@@ -53,7 +53,13 @@ class Difference:
 
     def disagreement(self, tolerance: float) -> str:
         """Why this is no agreement within a relative tolerance, in words; empty if it is."""
-        return self.missing or disagreement(self.error, tolerance, self.own, self.known_to)
+        if self.missing:
+            return self.missing
+        for whose, error in (("the run", self.own), ("the reference", self.known_to)):
+            if error is not None and not 0.0 <= error <= SEVERAL * tolerance:
+                return f"{whose} estimates its own error at {error:.2g}: the tolerance is {tolerance:.2g}"
+        limit, apart = agreement_limit(tolerance, self.own, self.known_to), abs(self.error)
+        return "" if apart <= limit else f"differs by {apart:.2g}, not within {limit:.2g}"
 
 
 @dataclass(frozen=True)
@@ -150,16 +156,3 @@ def agreement_limit(tolerance: float, estimate: float | None, base_estimate: flo
     if estimate is None or base_estimate is None:
         return tolerance
     return min(tolerance, estimate + base_estimate + ROUND_OFF)
-
-
-def disagreement(
-    difference: float | None, tolerance: float, estimate: float | None, base_estimate: float | None
-) -> str:
-    """Why a relative difference (``None``: not given) is no agreement, in words; empty if it is."""
-    if difference is None:
-        return "the run does not give it"
-    for whose, error in (("the run", estimate), ("the reference", base_estimate)):
-        if error is not None and not 0.0 <= error <= SEVERAL * tolerance:
-            return f"{whose} estimates its own error at {error:.2g}: the tolerance is {tolerance:.2g}"
-    limit = agreement_limit(tolerance, estimate, base_estimate)
-    return "" if abs(difference) <= limit else f"differs by {abs(difference):.2g}, not within {limit:.2g}"

@@ -191,14 +191,10 @@ def is_located(name: str, trace: Trace, loading: Loading) -> bool:
 def extrema(trace: Trace, turns: Array) -> Iterator[ExtremeRow]:
     """End of the approach, largest force and pull-off, as far as a run has them.
 
-    ``turns`` are times at which the loading may turn; so may a stage that turns at a force.
+    ``turns`` are times at which the loading may turn.
     """
     if len(trace) == 0:
         return
-    stage = trace.extra.get("stage")
-    if stage is not None:
-        moved = np.sign(np.diff(stage))
-        turns = np.concatenate((turns, trace.time[1:-1][moved[1:] * moved[:-1] < 0.0]))
     near = ROUND_OFF * float(np.ptp(trace.time))
 
     def turned(row: int) -> bool:

@@ -35,6 +35,7 @@ Coordinates (r, z), the body in ``z <= 0``, displacement along them; stress posi
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -155,16 +156,23 @@ def density(indenter: Indenter, contact_radius: float, penetration: float, plane
     -------
     Density
     """
-    a = float(contact_radius)
     exact = isinstance(indenter, FlatPunch | Cone | Sphere)
-    count = 1 if exact else _PIECES
-    knots = a * np.sin(0.5 * np.pi * np.arange(count + 1) / count) ** 2
-    h = np.diff(knots)
-    at = knots[:-1] + h * np.array([[0.0], [0.5], [1.0]])
-    q0, q1, q2 = plane_modulus * (penetration - sneddon.depth(indenter, at))
-    curvature = 2.0 * (q2 - 2.0 * q1 + q0) / h**2
+
+    def q(x: Array) -> Array:
+        return plane_modulus * (penetration - sneddon.depth(indenter, x))
+
+    held = through(q, contact_radius, 1 if exact else _PIECES)
     if not isinstance(indenter, Sphere) and exact:
-        curvature[:] = 0.0  # instead of its round-off
+        held.coefficients[:, 2] = 0.0  # instead of its round-off
+    return held
+
+
+def through(q: Callable[[Array], Array], contact_radius: float, count: int = _PIECES) -> Density:
+    """Parabolas through ``q`` at the ends and in the middle of pieces that shrink towards both ends."""
+    knots = float(contact_radius) * np.sin(0.5 * np.pi * np.arange(count + 1) / count) ** 2
+    h = np.diff(knots)
+    q0, q1, q2 = (q(knots[:-1] + part * h) for part in (0.0, 0.5, 1.0))
+    curvature = 2.0 * (q2 - 2.0 * q1 + q0) / h**2
     return Density(knots, np.stack([q0, (q2 - q0) / h - curvature * h, curvature], axis=1))
 
 

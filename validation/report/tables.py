@@ -6,17 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from validation.measure.difference import Check
 from validation.measure.scaling import SYMBOLS
-from validation.report.document import (
-    ABSENT,
-    DataTable,
-    LinkCell,
-    Record,
-    Section,
-    VerdictCell,
-    formatted,
-    number,
-    plain,
-)
+from validation.report import document as doc
 from validation.runs.run import Run
 
 _RELATIONS = {"<=": "≤ ", ">=": "≥ "}
@@ -32,56 +22,56 @@ LONGEST = 10
 """Runs whose costs are listed one by one, those that took longest."""
 
 
-def of_checks(checks: Iterable[Check], anchors: Mapping[str, str] | None = None) -> DataTable:
+def of_checks(checks: Iterable[Check], anchors: Mapping[str, str] | None = None) -> doc.DataTable:
     """A row for each check; given ``anchors`` of scenes, with a column for its scene that leads there."""
     rows = ({**_scene(check.scene, anchors), **cells(check)} for check in checks)
-    return DataTable.of(rows, unbroken=("estimates",))
+    return doc.DataTable.of(rows, unbroken=("estimates",))
 
 
-def _scene(name: str, anchors: Mapping[str, str] | None) -> Record:
+def _scene(name: str, anchors: Mapping[str, str] | None) -> doc.Record:
     if anchors is None:
         return {}
-    return {"scene": LinkCell(name, anchors[name]) if name in anchors else name}
+    return {"scene": doc.LinkCell(name, anchors[name]) if name in anchors else name}
 
 
-def cells(check: Check) -> Record:
+def cells(check: Check) -> doc.Record:
     """One check in words and numbers, by the title of the column."""
     unit = SYMBOLS[check.unit]
     verdict = "pass" if check.passed else ("missing" if check.found is None else "FAIL")
     return {
         "solver": check.solver,
-        "quantity": plain(check.quantity) + (f" / {unit}" if unit else ""),
-        "found": number(check.found),
-        "expected": _RELATIONS.get(check.relation, "") + number(check.expected),
-        "difference": formatted(check.difference, "+.1e"),
+        "quantity": doc.plain(check.quantity) + (f" / {unit}" if unit else ""),
+        "found": doc.number(check.found),
+        "expected": _RELATIONS.get(check.relation, "") + doc.number(check.expected),
+        "difference": doc.formatted(check.difference, "+.1e"),
         "estimates": estimates(check.estimate, check.base_estimate),
-        "tolerance": formatted(check.tolerance, ".0e"),
-        "verdict": VerdictCell(verdict, check.passed),
+        "tolerance": doc.formatted(check.tolerance, ".0e"),
+        "verdict": doc.VerdictCell(verdict, check.passed),
         "source": f"{check.source}; {check.note}" if check.note else check.source,
     }
 
 
 def estimates(own: float | None, base: float | None) -> str:
     """Relative error estimates of a run and of what it is compared with."""
-    return ABSENT if own is None or base is None else f"{own:.1e} + {base:.1e}"
+    return doc.ABSENT if own is None or base is None else f"{own:.1e} + {base:.1e}"
 
 
-def costs(runs: Sequence[Run]) -> Section:
+def costs(runs: Sequence[Run]) -> doc.Section:
     """Where the processor time went: a line for each solver, one for all, and one for each of the longest."""
     solvers = dict.fromkeys(run.solver for run in runs)
     rows = [_costs(solver, [run for run in runs if run.solver == solver]) for solver in solvers]
     rows.append(_costs("all", runs))
     longest = sorted(runs, key=spent, reverse=True)[:LONGEST]
     rows += [_costs(f"{run.scene} by {run.solver}", [run]) for run in longest]
-    return Section("Where the time went", (DataTable.of(rows),))
+    return doc.Section("Where the time went", (doc.DataTable.of(rows),))
 
 
-def _costs(name: str, runs: Sequence[Run]) -> Record:
+def _costs(name: str, runs: Sequence[Run]) -> doc.Record:
     return {
         "": name,
         "runs": str(len(runs)),
-        "processor seconds": number(float(sum(map(spent, runs))), 3),
-        "of these for error estimates": number(float(sum(run.estimate_seconds for run in runs)), 3),
+        "processor seconds": doc.number(float(sum(map(spent, runs))), 3),
+        "of these for error estimates": doc.number(float(sum(run.estimate_seconds for run in runs)), 3),
     }
 
 
@@ -90,11 +80,11 @@ def spent(run: Run) -> float:
     return run.cpu_seconds + run.estimate_seconds
 
 
-def environment(stamp: Mapping[str, object], wall_seconds: float) -> Section:
+def environment(stamp: Mapping[str, object], wall_seconds: float) -> doc.Section:
     """Versions, machine and threads, one line each, and the wall time of the whole."""
     rows = [(name, in_words(value)) for name, value in stamp.items()]
     rows.append(("whole report", f"{wall_seconds:.1f} s"))
-    return Section("Computed on", (DataTable(("", ""), tuple(rows), numeric=False),))
+    return doc.Section("Computed on", (doc.DataTable(("", ""), tuple(rows), numeric=False),))
 
 
 def in_words(value: object) -> str:

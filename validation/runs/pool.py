@@ -35,7 +35,7 @@ import pebble
 from contact_scene.errors import SceneError, one_line
 from validation import solvers
 from validation.cases import Case
-from validation.runs.process import deferred, interrupts_blocked, keep_freed
+from validation.runs.process import deferred, interrupts_blocked, keep_freed, raise_swallowed
 from validation.runs.progress import time_left
 from validation.runs.provenance import fingerprint, version
 from validation.runs.run import Run, run
@@ -193,6 +193,7 @@ def completed_tasks(
     """
     if engine.executor is None:
         for number, task in numbered:
+            raise_swallowed()
             yield number, TaskResult(task, *execute(task.function, task.arguments))
         return
     done: SimpleQueue[Future[Any]] = SimpleQueue()
@@ -212,6 +213,7 @@ def completed_tasks(
                 future.add_done_callback(done.put)
             if not submitted:
                 return
+            raise_swallowed()
             future = done.get()
             batch = submitted.pop(future)
             results = _collected(batch, future)
@@ -285,6 +287,7 @@ def run_task(
     resolution: int | None = None,
     estimate: bool = False,
     max_steps: int | None = None,
+    time_limit: float | None = None,
 ) -> Task:
     """A run of a solver as a task; arguments as of :func:`~validation.runs.run.run_or_raise`."""
     asked = (case.scene, solver, resolution, case.profile_times, estimate, max_steps)
@@ -294,6 +297,7 @@ def run_task(
         partial(run, estimate=estimate, max_steps=max_steps),
         (case, solver, resolution),
         Run,
+        time_limit,
     )
 
 
@@ -457,7 +461,8 @@ def own_engine(jobs: int, address: str | None = None) -> Iterator[Engine]:
     except ImportError:
         allowed = "Dask.distributed: pip install 'crosscontact[dask]'"
         raise SceneError("--dask", "distributed is not installed", allowed) from None
-    for logger in ("distributed", "distributed.client"):  # a lost worker is no error: its runs go on
+    # A lost worker is no error: its runs go on; a lost scheduler is told in one line.
+    for logger in ("distributed", "distributed.client", "tornado.application"):
         logging.getLogger(logger).setLevel(logging.CRITICAL)
     with ExitStack() as opened:
         scheduler: object = address

@@ -20,6 +20,8 @@ from types import FrameType
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 STATUS = Path("/proc/self/status")
+_raised: list[int] = []
+"""Signals that have interrupted the present block; a destructor that one comes in swallows the exception."""
 LARGE = 2**25 - 2**16
 """Bytes; glibc ignores freed blocks beyond 32 MiB."""
 
@@ -38,6 +40,12 @@ def handle_outside(code: int | None = None) -> None:
     """
     for number in _not_ignored():
         signal.signal(number, _interrupt if code is None else lambda *_: os._exit(code))
+
+
+def raise_swallowed() -> None:
+    """Interrupt if a signal has, and a destructor or a library's callback has swallowed the exception."""
+    if _raised:
+        raise KeyboardInterrupt
 
 
 @contextmanager
@@ -112,6 +120,7 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
             handler(number, frame)
         except KeyboardInterrupt:
             interrupted = True
+            _raised.append(number)
             raise
 
     before = {number: signal.signal(number, handle) for number in _not_ignored()}
@@ -122,6 +131,7 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
             raise KeyboardInterrupt from error
         raise
     finally:
+        _raised.clear()
         for number, old in before.items():
             signal.signal(number, old)
 

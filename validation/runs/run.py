@@ -41,7 +41,7 @@ from validation import solvers
 from validation.cases import Case
 from validation.measure import error_estimate
 from validation.measure.observables import Observables, measure
-from validation.measure.warnings import fall_warnings, swing_warnings
+from validation.measure.warnings import fall_warnings
 from validation.measure.windows import cycle_times
 from validation.runs.folder import from_json, move_whole, to_json, write_whole
 from validation.runs.process import peak_memory
@@ -114,26 +114,23 @@ class NotFiniteError(ArithmeticError):
 
 def run(
     case: Case,
-    solver: str,
+    solver: str | solvers.Solver,
     resolution: int | None = None,
     progress: solvers.Progress | None = None,
     estimate: bool = False,
-    *,
-    monitor: RunMonitor | None = None,
-    max_steps: int | None = None,
+    **how: Any,
 ) -> Run:
     """Run one solver, as :func:`run_or_raise`; a refusal or a breakdown is part of the answer."""
     begin, spent = time.perf_counter(), time.process_time()
+    name = solver if isinstance(solver, str) else solver.name
     try:
-        found = run_or_raise(
-            case, solver, resolution, progress, estimate, monitor=monitor, max_steps=max_steps
-        )
+        found = run_or_raise(case, solver, resolution, progress, estimate, **how)
     except SceneError as error:
-        found = Run(case.name, solver, failure=str(error), refused=True)
+        found = Run(case.name, name, failure=str(error), refused=True)
     except Exception as error:
         found = Run(
             case.name,
-            solver,
+            name,
             failure=str(error) if isinstance(error, NotFiniteError) else one_line(error),
             details=traceback.format_exc(),
             wall_seconds=time.perf_counter() - begin,
@@ -144,7 +141,7 @@ def run(
 
 def run_or_raise(
     case: Case,
-    solver: str,
+    solver: str | solvers.Solver,
     resolution: int | None = None,
     progress: solvers.Progress | None = None,
     estimate: bool = False,
@@ -152,9 +149,11 @@ def run_or_raise(
     monitor: RunMonitor | None = None,
     stop_times: Collection[float] = (),
     max_steps: int | None = None,
+    step_tolerance: float | None = None,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
+    A ``solver`` is named, or given as it is, with settings of its own.
     ``resolution`` is in divisions per process zone (``None``: the solver's choice). ``progress`` is called
     with the share of the loading that is done, 0 to 1. With ``estimate`` errors are estimated (see
     ``error_estimate``), by a coarser run, half as long again, where the solver does not do it. ``monitor``
@@ -163,12 +162,13 @@ def run_or_raise(
     Raises ``SceneError`` if the solver does not take the scene or an option, :class:`NotFiniteError` if the
     answer is not finite.
     """
-    scene, method = case.scene, solvers.solver(solver)
+    scene, method = case.scene, solvers.solver(solver) if isinstance(solver, str) else solver
     method.load()
     begin, spent = time.perf_counter(), time.process_time()  # imports are not part of a run
     trace = method.solve(
         scene,
         resolution,
+        step_tolerance=step_tolerance,
         stop_times=(*cycle_times(scene.loading), *stop_times),
         profile_times=case.profile_times,
         max_steps=max_steps,
@@ -184,8 +184,7 @@ def run_or_raise(
     trace = replace(trace, outcome=outcome)
     measures = measure(trace, scene, wall)
     warnings = solvers.trace_warnings(scene, trace) or solvers.scene_warnings(scene)
-    warnings += swing_warnings(trace, scene.loading, method.edge_spacing(scene, resolution))
-    result = Run(case.name, solver, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
+    result = Run(case.name, method.name, trace, wall_seconds=wall, cpu_seconds=cpu, measures=measures)
     if estimate and result.finished:
         spent = time.process_time()
         errors = _errors(case, trace, measures, method, resolution, monitor)

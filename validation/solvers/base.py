@@ -114,7 +114,7 @@ class Solver(ABC):
     description : str
         How it works, in a sentence or two, for readers of a report.
     order : float
-        Observed order of convergence of whole runs, for error estimates from two runs.
+        Observed order of convergence of whole runs, which studies measure theirs against.
     tolerance, curve_tolerance : float
         Largest relative difference from the reference in a check value, and in a curve (root mean square over
         maximum), where a scene states none.
@@ -179,7 +179,8 @@ class Solver(ABC):
         ----------
         scene : Scene
         resolution : int, optional
-            Divisions per process zone (without adhesion: per hundredth of the largest contact radius).
+            Divisions per process zone (without adhesion: per hundredth of the largest contact radius, of
+            finite elements per twentieth).
         **options
             As of :class:`RunOptions`.
 
@@ -228,10 +229,6 @@ class Solver(ABC):
     def coarse_resolution(self, adhesive: bool) -> int:
         """The fewest divisions per process zone that still meet :attr:`coarse_tolerance`."""
         return 4
-
-    def edge_spacing(self, scene: Scene, resolution: int | None = None) -> float:
-        """Spacing of the only radii at which the history of an edge is known; 0: it is everywhere."""
-        return 0.0
 
     def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
         """The run from whose difference errors are estimated: at half the resolution, or at twice."""

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from bem_solver import Options, refusal, solve
+from bem_solver import Options, solve
 from bem_solver.options import DEFAULT_RESOLUTION
-from contact_scene import Scene, Trace, UnsupportedScene
+from contact_scene import Scene, Trace
 from validation.solvers.base import RunOptions, Solver
 
 
@@ -65,10 +65,6 @@ class BoundaryElements(Solver):
         """As of every solver; its resolution has an upper bound."""
         super().check(scene, resolution)
         Options(resolution)
-
-    def refusal(self, scene: Scene) -> UnsupportedScene | None:
-        """A bulk modulus that relaxes apart from shear."""
-        return refusal(scene)
 
     def default_resolution(self, scene: Scene) -> int:
         return DEFAULT_RESOLUTION

@@ -13,8 +13,9 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene import ForceRamp, Indenter, Scene, SceneError, Step, TabulatedProfile
+from contact_scene import ForceRamp, Scene, SceneError, Step, TabulatedProfile
 from validation.reference import sneddon
+from validation.reference.elastic_layer import ElasticLayer
 
 SPARE = 1.02
 """Factor on the largest contact radius of a sharp edge, which a finite process zone exceeds by less."""
@@ -25,6 +26,12 @@ SEARCHED = 33
 RADIUS_TOLERANCE = 1e-13
 """Error of a contact radius, relative: of the order of the rounding of the loads it is told by."""
 LARGEST_FLOAT = float(np.finfo(float).max)
+LAYER_RANGE = 1e-3, 32.0
+"""Radii over the thickness of a layer from which on it is no half-space, and up to which one is searched."""
+NODES = 36
+"""Radii in that range at which the elastic layer is solved: neighbours are a factor of 1.35 apart."""
+INTERPOLATED = 1e-4
+"""Error of a radius between them, at most."""
 TABLE_RANGE = 1e-9, 1e6
 """The radii searched for a tabulated profile, whose transform takes long, relative to its last one."""
 
@@ -34,11 +41,13 @@ def _finite(spare: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.nan_to_num(spare, nan=-LARGEST_FLOAT, posinf=LARGEST_FLOAT, neginf=-LARGEST_FLOAT)
 
 
-def _searched(indenter: Indenter) -> NDArray[np.float64]:
+def _searched(scene: Scene) -> NDArray[np.float64]:
     """Radii between which a contact radius is searched."""
-    if not isinstance(indenter, TabulatedProfile):
-        return DECADES
-    least, most = TABLE_RANGE[0] * indenter.radii[-1], TABLE_RANGE[1] * indenter.radii[-1]
+    least, most = 0.0, math.inf
+    if isinstance(scene.indenter, TabulatedProfile):
+        least, most = TABLE_RANGE[0] * scene.indenter.radii[-1], TABLE_RANGE[1] * scene.indenter.radii[-1]
+    if scene.body is not None:
+        most = min(most, LAYER_RANGE[1] * scene.body.thickness)
     return DECADES[(least < DECADES) & (most > DECADES)]
 
 
@@ -52,13 +61,57 @@ def _outermost(spare: Callable[[ArrayLike], NDArray[np.float64]], inner: float, 
     return float(outer)
 
 
+@lru_cache(maxsize=64)
+@np.errstate(all="ignore")
+def _stiffening(layer: ElasticLayer) -> Callable[[ArrayLike], NDArray[np.float64]]:
+    """Additions of a layer to the half-space over ``a/h``, of the logarithm of a radius.
+
+    To stiffness and edge value of unit penetration, to force and edge value of the profile over its force:
+    smooth, so that interpolation between ``NODES`` radii errs by less than ``INTERPOLATED``.
+    """
+    from scipy.interpolate import make_interp_spline  # a run on a half-space loads none of it
+
+    radii, found = layer.layer.thickness * np.geomspace(*LAYER_RANGE, NODES), []
+    for a in radii:
+        at, depth = layer.response(float(a)), sneddon.depth(layer.indenter, a)
+        bare = depth - sneddon.force(layer.indenter, a, 1.0) / (2.0 * a)
+        profile = (at.profile_force / (2.0 * a) - bare) / bare, (at.profile_edge - depth) / bare
+        found.append((at.stiffness / (2.0 * a) - 1.0, at.edge - 1.0, *profile))
+    shares = np.nan_to_num(found, posinf=0.0, neginf=0.0) * (layer.layer.thickness / radii)[:, None]
+    return make_interp_spline(np.log(radii), shares, k=5)
+
+
 def _sharp(
     scene: Scene, stiffness: float, work: float, a: NDArray[np.float64], reach: float = 0.0
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Penetration and force of an elastic contact of radius ``a`` with a sharp edge, or a longer reach."""
-    pull = np.sqrt(2.0 * np.pi * (a + reach) * work / stiffness)
-    force = sneddon.force(scene.indenter, a, stiffness) - 2.0 * stiffness * a * pull
-    return sneddon.depth(scene.indenter, a) - pull, force
+    pull, punch = np.sqrt(2.0 * np.pi * (a + reach) * work / stiffness), 2.0 * stiffness * a
+    profile, borne = sneddon.depth(scene.indenter, a), sneddon.force(scene.indenter, a, stiffness)
+    depth, force = profile - pull, borne - punch * pull
+    if scene.body is not None:
+        ratio = a / scene.body.thickness
+        on = (ratio > LAYER_RANGE[0]) & (ratio < LAYER_RANGE[1])
+        layer = ElasticLayer(scene.body, scene.material.poisson, scene.indenter)
+        if on.all() and a.size == 1:  # one radius is solved, many are interpolated
+            found = layer.response(float(a[0]))
+            depth[0] = found.penetration(float(pull[0]))
+            force[0] = stiffness * found.force(float(depth[0]))
+            return depth, force
+        stiffer, edge, mean, end = _stiffening(layer)(np.log(a[on])).T * ratio[on]
+        bare = (profile - borne / punch)[on]
+        depth[on] = (depth[on] + end * bare) / (1.0 + edge)
+        force[on] = punch[on] * ((1.0 + stiffer) * depth[on] - (1.0 + mean) * bare)
+    return depth, force
+
+
+def _solved(scene: Scene, spare: Callable[[ArrayLike], NDArray[np.float64]], radius: float) -> float:
+    """The root next to one that was found between interpolated values."""
+    if scene.body is None or radius < LAYER_RANGE[0] * scene.body.thickness:
+        return radius
+    from scipy.optimize import newton  # a run on a half-space loads none of it
+
+    ends = radius, radius * (1.0 + INTERPOLATED)
+    return float(newton(lambda a: float(spare([a])[0]), ends[0], x1=ends[1], tol=RADIUS_TOLERANCE * radius))
 
 
 @lru_cache(maxsize=64)
@@ -81,13 +134,14 @@ def largest_contact_radius(scene: Scene) -> float:
             loads = np.fmax(loads, spare / (1.0 + 2.0 * compliance * stiffness * a))
         return _finite(loads)
 
-    radii = _searched(scene.indenter)
+    radii = _searched(scene)
     for reach in (0.0, zone):  # a process zone may hold a contact that a sharp edge does not
         held = np.flatnonzero(spare_load(radii, reach) > 0.0)
         if held.size and held[-1] + 1 == radii.size:
             return SPARE * float(radii[-1])
         if held.size:
-            return SPARE * _outermost(partial(spare_load, reach=reach), *radii[held[-1] : held[-1] + 2])
+            spare = partial(spare_load, reach=reach)
+            return SPARE * _solved(scene, spare, _outermost(spare, *radii[held[-1] : held[-1] + 2]))
     raise SceneError("loading", "never brings a contact about", "a penetration or force that touches")
 
 
@@ -96,7 +150,8 @@ def largest_contact_radius(scene: Scene) -> float:
 def start_radius(scene: Scene) -> float:
     """Contact radius of the start state, by the modulus with which it starts; 0 without contact.
 
-    That of a sharp edge: the outermost radius at which the penetration is that of the start and rises.
+    That of a sharp edge: the outermost radius at which the penetration is that of the start and rises; at
+    most the largest that is searched.
     """
     if math.isfinite(scene.indenter.edge):
         return scene.indenter.edge
@@ -111,11 +166,20 @@ def start_radius(scene: Scene) -> float:
         depth, force = _sharp(scene, stiffness, work, np.asarray(radius, float))
         return _finite(loading.penetration - (depth + compliance * force if compliance > 0.0 else depth))
 
-    radii = _searched(scene.indenter)
+    radii = _searched(scene)
     below = np.flatnonzero(missing(radii) >= 0.0)
-    if below.size == 0 or below[-1] + 1 == radii.size:
+    if below.size == 0:
         return 0.0
-    return _outermost(missing, *radii[below[-1] : below[-1] + 2])
+    if below[-1] + 1 == radii.size:
+        return float(radii[-1])
+    return _solved(scene, missing, _outermost(missing, *radii[below[-1] : below[-1] + 2]))
+
+
+@np.errstate(over="ignore", invalid="ignore", under="ignore")
+def largest_penetration(scene: Scene) -> float:
+    """Upper estimate of the penetration over the whole loading."""
+    deepest, strongest, farthest = _largest_load(scene)
+    return max(deepest, farthest, _deepest_under(scene, strongest) if strongest > -math.inf else deepest)
 
 
 def _largest_load(scene: Scene) -> tuple[float, float, float]:
@@ -165,14 +229,13 @@ def _largest_load(scene: Scene) -> tuple[float, float, float]:
 
 def _deepest_under(scene: Scene, force: float) -> float:
     """More than the penetration of the relaxed contact with a sharp edge under a force."""
-    radii, stiffness = _searched(scene.indenter), scene.material.relaxed_plane_modulus
+    radii, stiffness = _searched(scene), scene.material.relaxed_plane_modulus
     work = scene.adhesion.work if scene.adhesion is not None else 0.0
-    pull = np.sqrt(8.0 * np.pi * radii**3 * stiffness * work)
-    held = np.flatnonzero(sneddon.force(scene.indenter, radii, stiffness) - pull <= force)
+    held = np.flatnonzero(_sharp(scene, stiffness, work, radii)[1] <= force)
     if not held.size:
         return 0.0
     beyond = radii[min(held[-1] + 1, radii.size - 1)]
-    return float(sneddon.depth(scene.indenter, np.array([beyond]))[0])
+    return float(_sharp(scene, stiffness, 0.0, np.array([beyond]))[0][0])
 
 
 def _pressing(scene: Scene, depth: float, relaxed: bool) -> float:
@@ -181,4 +244,8 @@ def _pressing(scene: Scene, depth: float, relaxed: bool) -> float:
         return 0.0
     material = scene.material
     modulus = material.relaxed_plane_modulus if relaxed else material.glassy_plane_modulus
-    return float(sneddon.force(scene.indenter, sneddon.contact_radius(scene.indenter, depth), modulus))
+    if scene.body is None:
+        return float(sneddon.force(scene.indenter, sneddon.contact_radius(scene.indenter, depth), modulus))
+    radii = _searched(scene)
+    depths, forces = _sharp(scene, modulus, 0.0, radii)
+    return float(forces[min(int(np.searchsorted(depths, depth)), radii.size - 1)])

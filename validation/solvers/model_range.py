@@ -15,6 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact_scene import (
+    FlatPunch,
     OutcomeKind,
     Ramp,
     Scene,
@@ -23,8 +24,10 @@ from contact_scene import (
     TabulatedProfile,
     Trace,
 )
+from contact_scene.body import THINNEST
 from contact_scene.scene import zone_too_long
-from validation.solvers.contact_range import largest_contact_radius, start_radius
+from validation.reference.elastic_layer import ElasticLayer
+from validation.solvers.contact_range import largest_contact_radius, largest_penetration, start_radius
 
 MOST_CYCLES = 1e6
 """Cycles of a loading. A cycle has ten rows or more: ten million of them are what a trace can hold."""
@@ -47,6 +50,13 @@ SMALLEST_PRODUCT, LARGEST_PRODUCT = 1e-90, 1e90
 LARGEST_ZONE = 0.2
 """Process zone over contact radius beyond which the zone is no small region at the edge: its length enters
 the force at first order, a few percent there."""
+THIN = 10.0
+"""Contact radius over the thickness of a layer from which on few answers are compared."""
+LARGEST_STRAIN = 1.0 / 3.0
+"""Penetration over the thickness of a layer above which its strains are no longer small."""
+NEARLY_INCOMPRESSIBLE, UNTOLD = (0.45, 0.5), 2.0
+"""Poisson's ratios between which, and contact radius over thickness from which on, the third digit of the
+ratio decides the stiffness of a bonded layer: 0.49 makes 0.91 of what 0.5 makes at 2 thicknesses."""
 LARGEST_SLOPE = 0.5
 """Slope of the indenter at the contact edge beyond which the half-space, a theory of small slopes, is poor:
 for a sphere at half its radius, where the paraboloid is 7 % lower than the sphere."""
@@ -107,6 +117,8 @@ def _sizes(scene: Scene) -> Iterator[SceneError]:
     except SceneError:
         return
     length = _length(scene)
+    if scene.body is not None and start_radius(scene) > scene.body.largest_contact:
+        yield scene.body.outgrown
     if largest > LARGEST_GROWTH * length:
         times = f"{largest:.3g}, {largest / length:.3g} times the indenter's {length:.3g}"
         allowed = f"a contact of at most {LARGEST_GROWTH:g} times the indenter"
@@ -148,7 +160,9 @@ def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """What makes the answer to a scene doubtful, known before it is solved; one sentence each."""
     found = tuple(_long_zone(scene, start_radius(scene))) if scene.is_adhesive else ()
     try:
-        return (*found, *_outgrown(scene, largest_contact_radius(scene), "would grow"))
+        largest = largest_contact_radius(scene)
+        strained = _strained(scene, largest_penetration(scene), largest) if scene.body is not None else ()
+        return (*found, *strained, *_outgrown(scene, largest, "would grow"))
     except SceneError:
         return found
 
@@ -160,7 +174,8 @@ def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
     row = int(np.argmax(trace.contact_radius))
     largest, when = float(trace.contact_radius[row]), f"grows by t = {trace.time[row]:.4g}"
     start = _long_zone(scene, float(trace.contact_radius[0]))
-    return (*start, *_outgrown(scene, largest, when), *_still_in_contact(scene, trace))
+    strained = _strained(scene, float(trace.penetration.max()), largest)
+    return (*start, *strained, *_outgrown(scene, largest, when), *_still_in_contact(scene, trace))
 
 
 def _still_in_contact(scene: Scene, trace: Trace) -> Iterator[str]:
@@ -185,6 +200,40 @@ def _long_zone(scene: Scene, start: float) -> Iterator[str]:
         yield (
             f"the process zone is {share:.2g} of the contact radius at the start; above {LARGEST_ZONE:g} it "
             "is no small region at the edge"
+        )
+
+
+def _strained(scene: Scene, depth: float, radius: float) -> Iterator[str]:
+    """Sentences on a layer, given the largest penetration and contact radius."""
+    if scene.body is None:
+        return
+    layer, poisson = scene.body, scene.material.poisson
+    ratio = radius / layer.thickness
+    if depth > LARGEST_STRAIN * layer.thickness:
+        yield (
+            f"the penetration reaches {depth / layer.thickness:.2g} of the thickness; above "
+            f"{LARGEST_STRAIN:.2g} the strains are not small"
+        )
+    if scene.adhesion is not None and scene.is_adhesive:
+        share = scene.adhesion.zone / layer.thickness
+        if share > LARGEST_ZONE:
+            yield (
+                f"the process zone is {share:.2g} of the thickness; above {LARGEST_ZONE:g} the layer is no "
+                "half-space at the edge"
+            )
+    if ratio > THIN:
+        yield (
+            f"the contact radius is {ratio:.3g} times the thickness; above {THIN:g} few answers have been "
+            "compared"
+        )
+    low, high = NEARLY_INCOMPRESSIBLE
+    if layer.base == "bonded" and low < poisson < high and UNTOLD < ratio < THINNEST:
+        stiff, stiffest = (
+            ElasticLayer(layer, nu, FlatPunch(radius)).response(radius).stiffness for nu in (poisson, high)
+        )
+        yield (
+            f"with Poisson's ratio {poisson:g} the layer has {stiff / stiffest:.2g} of the stiffness of an "
+            f"incompressible one at {ratio:.2g} thicknesses; its third digit decides"
         )
 
 

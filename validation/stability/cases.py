@@ -11,40 +11,18 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
-from contact_scene import (
-    Adhesion,
-    Branch,
-    Cone,
-    FlatPunch,
-    Force,
-    Hold,
-    Indenter,
-    Loading,
-    Machine,
-    Material,
-    Oscillate,
-    PowerLaw,
-    PowerRate,
-    Ramp,
-    RateTable,
-    Scene,
-    SceneError,
-    Sphere,
-    Step,
-    Table,
-    TabulatedProfile,
-)
+import contact_scene as cs
 from validation.reference import sneddon
+from validation.reference.elastic_layer import ElasticLayer
 from validation.reference.spring import SpringContact
 from validation.solvers import REFERENCE, SOLVERS, solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.finite_elements import FiniteElements
-from validation.stability import closed_forms as known
-from validation.stability.closed_forms import zone_law
+from validation.stability import expected as known
 from validation.stability.expected import (
     CURVE,
     ClosedForm,
@@ -53,6 +31,7 @@ from validation.stability.expected import (
     NoSolution,
     ReferenceRuns,
     Value,
+    zone_law,
 )
 
 
@@ -103,7 +82,7 @@ class StabilityCase:
     """
 
     label: str
-    scene: Scene | SceneError
+    scene: cs.Scene | cs.SceneError
     expected: Expected
     tolerance: Tolerance = USUAL
     series: str = ""
@@ -115,7 +94,7 @@ class StabilityCase:
 
     def resolution(self, solver: str) -> int:
         """Divisions per process zone for one solver."""
-        adhesive = isinstance(self.scene, Scene) and self.scene.is_adhesive
+        adhesive = isinstance(self.scene, cs.Scene) and self.scene.is_adhesive
         return self.resolutions.get(solver) or SOLVERS[solver].coarse_resolution(adhesive)
 
     @property
@@ -141,23 +120,23 @@ PUSH = 0.01
 """Speed of adhesionless cycles, ``R`` per relaxation time."""
 SPEED = 0.02
 """Speed of the others."""
-SPHERE, ADHESION = Sphere(1.0), Adhesion(WORK, ZONE)
+SPHERE, ADHESION = cs.Sphere(1.0), cs.Adhesion(WORK, ZONE)
 NAMES = ("pull_off_force", "loop_energy", CURVE)
 CYCLE = ReferenceRuns(("approach_force", *NAMES), of_largest=("approach_force",))
 PULL = ReferenceRuns(("start_force", *NAMES))
 PEELED = replace(PULL, fine=8, coarse=4)
 
 
-def material(contrast: float = CONTRAST, time: float = 1.0, poisson: float = POISSON) -> Material:
+def material(contrast: float = CONTRAST, time: float = 1.0, poisson: float = POISSON) -> cs.Material:
     """A material with ``E0* = 1`` and one branch, none for a contrast of 1."""
     modulus = 1.0 - poisson**2
-    branch = Branch(modulus * (contrast - 1.0), time)
-    return Material(modulus, poisson, () if contrast == 1.0 else (branch,))
+    branch = cs.Branch(modulus * (contrast - 1.0), time)
+    return cs.Material(modulus, poisson, () if contrast == 1.0 else (branch,))
 
 
-def spectrum(*branches: tuple[float, float]) -> Material:
+def spectrum(*branches: tuple[float, float]) -> cs.Material:
     """A material with branches of these moduli and times."""
-    return Material(MODULUS, POISSON, tuple(Branch(modulus, time) for modulus, time in branches))
+    return cs.Material(MODULUS, POISSON, tuple(cs.Branch(modulus, time) for modulus, time in branches))
 
 
 BASE = material()
@@ -167,34 +146,34 @@ SOFT = material(1.0)
 """The relaxed material, elastic."""
 
 
-def press_and_pull(speed: float = SPEED, top: float = TOP, away: float = AWAY) -> tuple[Step, Step]:
+def press_and_pull(speed: float = SPEED, top: float = TOP, away: float = AWAY) -> tuple[cs.Step, cs.Step]:
     """Press to ``top`` and pull to ``away``."""
-    return Ramp(top, speed), Ramp(away, speed)
+    return cs.Ramp(top, speed), cs.Ramp(away, speed)
 
 
 def scene(
-    steps: Iterable[Step],
-    of: Material = BASE,
-    adhesion: Adhesion | None = ADHESION,
-    indenter: Indenter = SPHERE,
+    steps: Iterable[cs.Step],
+    of: cs.Material = BASE,
+    adhesion: cs.Adhesion | None = ADHESION,
+    indenter: cs.Indenter = SPHERE,
     start: str = "jump-in",
     depth: float = 0.0,
-    machine: Machine | None = None,
-) -> Scene:
+    machine: cs.Machine | None = None,
+) -> cs.Scene:
     """A scene of the matrix: all that is not said is that of the sphere of the paper."""
-    return Scene(of, indenter, Loading(start, depth, tuple(steps), machine), adhesion)
+    return cs.Scene(of, indenter, cs.Loading(start, depth, tuple(steps), machine), adhesion)
 
 
 PLAIN = scene(press_and_pull())
 SETTLED: dict[str, Any] = {"start": "relaxed", "depth": TOP}
 
 
-def pulled(speed: float, away: float = AWAY, **changes) -> Scene:
+def pulled(speed: float, away: float = AWAY, **changes) -> cs.Scene:
     """Relaxed contact at ``TOP``, pulled off."""
-    return scene((Ramp(away, speed),), **(SETTLED | changes))
+    return scene((cs.Ramp(away, speed),), **(SETTLED | changes))
 
 
-def elastic_limit(cycle: Scene, pace: float, slow: float, fast: float) -> Expected:
+def elastic_limit(cycle: cs.Scene, pace: float, slow: float, fast: float) -> Expected:
     """A cycle is relaxed at a ``pace`` up to ``slow``, glassy from ``fast`` on; else the front is tracked."""
     if pace <= slow:
         return known.elastic_cycle(cycle, TOP, "E0", known.CREEPING, known.EITHER)
@@ -206,7 +185,7 @@ def of_series(name: str, stiffness: float) -> dict[str, Any]:
     return {"series": name if stiffness > 1.0 else "", "stiffness": stiffness}
 
 
-def adhesionless(label: str, of: Material, **more) -> StabilityCase:
+def adhesionless(label: str, of: cs.Material, **more) -> StabilityCase:
     """The cycle of the sphere on a material, without adhesion."""
     cycle = scene(press_and_pull(PUSH), of, None)
     return StabilityCase(f"{label}, adhesionless", cycle, known.adhesionless_cycle(cycle), **more)
@@ -248,7 +227,7 @@ def spectra() -> Rows:
         of = spectrum(*((SHARE / count, time) for time in spread))
         label = f"{count} branch{'es' if count > 1 else ''}" + (f", {decades} decades" if decades else "")
         yield adhesionless(label, of)
-        yield StabilityCase(f"{label}, with a hold", scene((up, Hold(1.0), down), of), CYCLE)
+        yield StabilityCase(f"{label}, with a hold", scene((up, cs.Hold(1.0), down), of), CYCLE)
     near = spectrum((SHARE / 2, 1.0), (SHARE / 2, 1.0 + 1e-9))
     pairs = [("two times within 1e-9", near, STEPPED)]
     for weight, tolerance in ((1e-12, STEPPED), (1e-40, SAME)):
@@ -281,8 +260,8 @@ def steps() -> Rows:
     up = np.linspace(0.0, TOP, 21)
     down = np.linspace(TOP, -0.05, 42)
 
-    def table(values: np.ndarray, step: float) -> Table:
-        return Table(tuple(step * np.arange(values.size)), tuple(values))
+    def table(values: np.ndarray, step: float) -> cs.Table:
+        return cs.Table(tuple(step * np.arange(values.size)), tuple(values))
 
     for label, step in (("dt/tau = 1e-9", 1e-9), ("dt/tau = 1e9", 1e9)):
         cycle = scene((table(np.concatenate((up, down[1:])), step),))
@@ -290,23 +269,23 @@ def steps() -> Rows:
     stairs = np.repeat(up, 2)[1:]
     pace = np.tile((1e-9, 1e4), stairs.size)[: stairs.size]
     pace[0] = 0.0
-    climb = Table(tuple(np.cumsum(pace)), tuple(stairs))
+    climb = cs.Table(tuple(np.cumsum(pace)), tuple(stairs))
     for label, way in (("1e-9, then a hold of 1e4", table(up, 1e-9)), ("1e-9 and 1e4 by turns", climb)):
-        settled = scene((way, Hold(1e4)))
+        settled = scene((way, cs.Hold(1e4)))
         yield StabilityCase(f"dt/tau = {label}", settled, known.rest(settled, TOP, "E0"))
 
 
 def adhesion() -> Rows:
     """``gamma~`` from none to strong."""
-    none = scene(press_and_pull(PUSH), adhesion=Adhesion(0.0, ZONE))
+    none = scene(press_and_pull(PUSH), adhesion=cs.Adhesion(0.0, ZONE))
     yield StabilityCase("gamma~ = 0", none, known.adhesionless_cycle(none))
-    weak = pulled(1.0, of=SOFT, adhesion=Adhesion(math.pi * 1e-12, 2e-3))
+    weak = pulled(1.0, of=SOFT, adhesion=cs.Adhesion(math.pi * 1e-12, 2e-3))
     yield StabilityCase("gamma~ = 1e-12, elastic", weak, known.faint(weak, TOP))
     for gamma, zone in ((1e-12, 2e-3), (1.6e-4, 0.013), (1e-2, 0.02)):
-        law = Adhesion(math.pi * gamma, zone)
-        adhering = scene((Hold(1.0), Ramp(-2.0, SPEED)), adhesion=law, **SETTLED)
+        law = cs.Adhesion(math.pi * gamma, zone)
+        adhering = scene((cs.Hold(1.0), cs.Ramp(-2.0, SPEED)), adhesion=law, **SETTLED)
         yield StabilityCase(f"gamma~ = {gamma:g}", adhering, PULL, PULLED)
-    strong = scene(press_and_pull(1e6), adhesion=Adhesion(math.pi * 1e-2, 0.02))
+    strong = scene(press_and_pull(1e6), adhesion=cs.Adhesion(math.pi * 1e-2, 0.02))
     yield StabilityCase("gamma~ = 1e-2, fast", strong, known.elastic_cycle(strong, TOP, "Einf"))
 
 
@@ -321,7 +300,7 @@ def zones() -> Rows:
     finer = {one.name: 3 * one.coarse_resolution(adhesive=True) for one in solvers()}
     shortest = 1e-6
     for share in (shortest, 1e-4, 1e-3, 1e-2, 0.1, 1.0 / 3.0, 0.5):
-        law, label, wide = Adhesion(WORK, share * radius), f"da/a = {share:.3g}", share > 0.3
+        law, label, wide = cs.Adhesion(WORK, share * radius), f"da/a = {share:.3g}", share > 0.3
         more: dict[str, Any] = {"tolerance": PULLED, "resolutions": finer if wide else {}}
         elastic = pulled(1.0, of=SOFT, adhesion=law)
         names = ("pull_off_force",) if wide else known.PULLED[2:]
@@ -329,11 +308,11 @@ def zones() -> Rows:
         yield StabilityCase(f"{label}, elastic", elastic, expected, **more)
         runs = ReferenceRuns(("start_force", "pull_off_force"), 40, 20) if wide else PEELED
         yield StabilityCase(f"{label}, V tau/R = 0.02", pulled(SPEED, adhesion=law), runs, **more)
-    law = Adhesion(WORK, shortest * radius)
+    law = cs.Adhesion(WORK, shortest * radius)
     slow = pulled(0.3 * law.zone, adhesion=law)
     yield StabilityCase(f"da/a = {shortest:.3g}, V tau/da = 0.3", slow, PEELED, PULLED)
     for share in (1.5, 100.0):
-        longer = pulled(SPEED, adhesion=Adhesion(WORK, share * radius))
+        longer = pulled(SPEED, adhesion=cs.Adhesion(WORK, share * radius))
         nothing = NoSolution("a process zone longer than the contact")
         yield StabilityCase(f"da/a = {share:.3g}", longer, nothing)
 
@@ -341,8 +320,8 @@ def zones() -> Rows:
 def hysteresis() -> Rows:
     """An edge that closes at less than it opens, elastic and viscoelastic."""
 
-    def closing(share: float) -> Adhesion:
-        return Adhesion(WORK, ZONE, share * WORK)
+    def closing(share: float) -> cs.Adhesion:
+        return cs.Adhesion(WORK, ZONE, share * WORK)
 
     same = scene(press_and_pull(), adhesion=closing(1.0))
     yield StabilityCase("closing as opening", same, EquivalentScene(PLAIN), SAME)
@@ -358,7 +337,7 @@ def hysteresis() -> Rows:
         yield StabilityCase(f"{label}, elastic", elastic, branches)
 
 
-def opening(laws: Mapping[str, Adhesion]) -> Rows:
+def opening(laws: Mapping[str, cs.Adhesion]) -> Rows:
     """Cycles of an edge that opens without end: no instant of detachment is compared."""
     names = ReferenceRuns(("approach_force", "pull_off_force", "loop_energy"))
     for label, law in laws.items():
@@ -366,40 +345,40 @@ def opening(laws: Mapping[str, Adhesion]) -> Rows:
 
 
 RATES = {
-    f"v0 tau/R = {speed:g}, n = 0.5": Adhesion(WORK, ZONE, None, PowerRate(speed, 0.5))
+    f"v0 tau/R = {speed:g}, n = 0.5": cs.Adhesion(WORK, ZONE, None, cs.PowerRate(speed, 0.5))
     for speed in (1e-6, 1e-3, 1e3)
 } | {
-    "n = 2": Adhesion(WORK, ZONE, None, PowerRate(1e-2, 2.0)),
-    "table of two rows": Adhesion(WORK, ZONE, None, RateTable((1e-4, 1e-1), (1.2 * WORK, 4.0 * WORK))),
+    "n = 2": cs.Adhesion(WORK, ZONE, None, cs.PowerRate(1e-2, 2.0)),
+    "table of two rows": cs.Adhesion(WORK, ZONE, None, cs.RateTable((1e-4, 1e-1), (1.2 * WORK, 4.0 * WORK))),
 }
 """An edge that takes up more the faster it opens."""
-STRESSES = {f"s/E0* = {value:g}": Adhesion(WORK, stress=value) for value in (0.15, 0.3)}
+STRESSES = {f"s/E0* = {value:g}": cs.Adhesion(WORK, stress=value) for value in (0.15, 0.3)}
 """Process zones of fixed stress; at rest 0.018 and 0.0044 of ``R`` long."""
 
 
-def table(noise: float) -> TabulatedProfile:
+def table(noise: float) -> cs.TabulatedProfile:
     """The sphere at 41 radii, relative noise of this size on every height."""
     radii = np.linspace(0.0, 0.6, 41)
     scatter = 1.0 + noise * np.random.default_rng(7).standard_normal(radii.size)
-    return TabulatedProfile(tuple(radii.tolist()), tuple((0.5 * radii**2 * scatter).tolist()))
+    return cs.TabulatedProfile(tuple(radii.tolist()), tuple((0.5 * radii**2 * scatter).tolist()))
 
 
 def indenters() -> Rows:
     """Punch, cones, a steep power law, tables with noise; without and with adhesion."""
-    punch, power, rough = FlatPunch(0.2), PowerLaw(8.0, 1.0), ("table, noise 0.1 %", table(1e-3))
-    pressed = scene((Ramp(TOP, PUSH),), adhesion=None, indenter=punch)
+    punch, power, rough = cs.FlatPunch(0.2), cs.PowerLaw(8.0, 1.0), ("table, noise 0.1 %", table(1e-3))
+    pressed = scene((cs.Ramp(TOP, PUSH),), adhesion=None, indenter=punch)
     ramp = known.punch_ramp(BASE, 0.2, PUSH, TOP)
     yield StabilityCase("flat punch, adhesionless", pressed, ramp)
-    cones = ((f"cone {angle:g}°", Cone(angle)) for angle in (89.9, 85.0, 45.0, 10.0))
+    cones = ((f"cone {angle:g}°", cs.Cone(angle)) for angle in (89.9, 85.0, 45.0, 10.0))
     for label, shape in (*cones, ("power law 8", power), rough):
         top = float(sneddon.depth(shape, 0.1))  # the contact radius of the sphere at ``TOP``
         cycle = scene(press_and_pull(top, top, -10.0 * top), adhesion=None, indenter=shape)
         yield StabilityCase(f"{label}, adhesionless", cycle, known.adhesionless_cycle(cycle))
-    short = Adhesion(WORK, 1e-4)  # contact is lost at 3e-4
-    held: tuple[tuple[str, Indenter, float, Adhesion], ...] = (
+    short = cs.Adhesion(WORK, 1e-4)  # contact is lost at 3e-4
+    held: tuple[tuple[str, cs.Indenter, float, cs.Adhesion], ...] = (
         ("flat punch", punch, 0.0, ADHESION),
-        ("cone 85°", Cone(85.0), 0.01, ADHESION),
-        ("cone 45°", Cone(45.0), 0.001, short),
+        ("cone 85°", cs.Cone(85.0), 0.01, ADHESION),
+        ("cone 45°", cs.Cone(45.0), 0.001, short),
         ("power law 8", power, 0.0, ADHESION),
         (*rough, TOP, ADHESION),
     )
@@ -407,8 +386,8 @@ def indenters() -> Rows:
         pull = pulled(SPEED, top - 1.0, depth=top, adhesion=law, indenter=shape)
         yield StabilityCase(label, pull, PULL, PULLED)
     try:
-        falling: Scene | SceneError = scene(press_and_pull(), indenter=table(0.3))
-    except SceneError as error:
+        falling: cs.Scene | cs.SceneError = scene(press_and_pull(), indenter=table(0.3))
+    except cs.SceneError as error:
         falling = error
     yield StabilityCase("table that falls, noise 30 %", falling, NoSolution("a profile that falls"))
 
@@ -416,14 +395,19 @@ def indenters() -> Rows:
 def loading() -> Rows:
     """Holds of no length, reversals within a step, jumps, many cycles, starts without equilibrium."""
     up, down = press_and_pull()
-    with_holds = scene((Hold(0.0), up, Hold(0.0), Hold(0.0), down))
+    with_holds = scene((cs.Hold(0.0), up, cs.Hold(0.0), cs.Hold(0.0), down))
     yield StabilityCase("holds of no length", with_holds, EquivalentScene(PLAIN), SAME)
-    flick = Table((0.0, 0.2, 0.2 + 1e-6, 0.2 + 2e-6, 0.5), (0.0, 0.004, 0.006, 0.004, TOP))
+    flick = cs.Table((0.0, 0.2, 0.2 + 1e-6, 0.2 + 2e-6, 0.5), (0.0, 0.004, 0.006, 0.004, TOP))
     yield StabilityCase("reversal within 1e-6 tau", scene((flick, down)), replace(CYCLE, of_largest=()))
-    ends: tuple[tuple[str, Step, float, str], ...] = (
-        ("oscillation far faster than tau", Oscillate(2e-3, 1e6, 1.25 * (2.0 * math.pi / 1e6)), 2e-3, "Einf"),
-        ("jump of the penetration", Table((0.0, 1e-9), (TOP, TOP)), TOP, "Einf"),
-        ("jump, then rest", Table((0.0, 1e5), (TOP, TOP)), TOP, "E0"),
+    ends: tuple[tuple[str, cs.Step, float, str], ...] = (
+        (
+            "oscillation far faster than tau",
+            cs.Oscillate(2e-3, 1e6, 1.25 * (2.0 * math.pi / 1e6)),
+            2e-3,
+            "Einf",
+        ),
+        ("jump of the penetration", cs.Table((0.0, 1e-9), (TOP, TOP)), TOP, "Einf"),
+        ("jump, then rest", cs.Table((0.0, 1e5), (TOP, TOP)), TOP, "E0"),
     )
     for label, step, depth, which in ends:
         moved = scene((step,))
@@ -432,17 +416,17 @@ def loading() -> Rows:
     duration = 2.0 * math.pi * cycles
     many: dict[str, Any] = {"tolerance": SWUNG, "max_steps": 200_000, "seconds": 600.0}
     whole = duration + 0.5 * math.pi
-    shaken = scene((Oscillate(size, 1.0, whole),), adhesion=None, indenter=FlatPunch(radius), **SETTLED)
+    shaken = scene((cs.Oscillate(size, 1.0, whole),), adhesion=None, indenter=cs.FlatPunch(radius), **SETTLED)
     swung = known.punch_cycles(BASE, radius, TOP, size, whole, cycles)
     yield StabilityCase(f"{cycles} cycles of a punch", shaken, swung, **many)
-    sticking = scene((Oscillate(size, 1.0, duration), Hold(1e4)), start="relaxed")
+    sticking = scene((cs.Oscillate(size, 1.0, duration), cs.Hold(1e4)), start="relaxed")
     final = ReferenceRuns(("final_force", "final_radius", "loop_energy"), fine=8, coarse=4)
     many["resolutions"] = dict.fromkeys(SOLVERS, 4)
     yield StabilityCase(f"{cycles} cycles of a sphere, then rest", sticking, final, **many)
     for start, which in (("relaxed", "E0"), ("jump-in", "Einf")):
         limit = zone_law(PLAIN, which).pull_off_penetration_control().penetration
         for factor in (0.99, 1.01, 100.0):
-            begun = scene((Hold(0.0),), start=start, depth=factor * limit)
+            begun = scene((cs.Hold(0.0),), start=start, depth=factor * limit)
             stable = factor < 1.0
             expected = known.started(begun, which) if stable else NoSolution("no contact is stable there")
             label = f"{start} start at {factor:g} of the last stable penetration"
@@ -458,8 +442,8 @@ def dead_loads() -> Rows:
     """
     slow = -zone_law(PLAIN).pull_off_force_control().force
 
-    def loaded(tension: float) -> Scene:
-        return scene((Force(-tension, 1e6),), **SETTLED)
+    def loaded(tension: float) -> cs.Scene:
+        return scene((cs.Force(-tension, 1e6),), **SETTLED)
 
     for margin in (0.3, 0.1, 0.03, 0.01, 3e-3):
         share = 2.0 * margin
@@ -486,19 +470,43 @@ def springs() -> Rows:
         lost, first = spring.pull_off(), spring.stage(law.at_penetration(TOP))
         last = spring.stage(lost)
         beyond = last - 0.5 * (first - last)
-        pull = pulled(1.0, beyond, of=SOFT, machine=Machine(share * unit))
+        pull = pulled(1.0, beyond, of=SOFT, machine=cs.Machine(share * unit))
         point = known.limit_point(spring, lost, last, first - last)
         yield StabilityCase(f"elastic, k = {share:g}", pull, point, ELASTIC)
-    rigid = scene(press_and_pull(), machine=Machine(math.inf))
+    rigid = scene(press_and_pull(), machine=cs.Machine(math.inf))
     yield StabilityCase("rigid", rigid, EquivalentScene(PLAIN), SAME)
     runs = ReferenceRuns(("pull_off_force", "stage_at_detachment", "loop_energy", CURVE))
     level = 4.0 / 3.0 * TOP**1.5  # of the relaxed contact at ``TOP``, without adhesion
     for share in (1e-3, 0.1, 1.0, 10.0, 1e3):
         speed = SPEED * (1.0 + 1.0 / share)  # of the stage, to move the indenter as without a spring
         far = 10.0 * (TOP + level / (share * unit))
-        there, back = Ramp(far, speed, until_force=level), Ramp(-far, speed)
-        cycle = scene((there, back), machine=Machine(share * unit))
+        there, back = cs.Ramp(far, speed, until_force=level), cs.Ramp(-far, speed)
+        cycle = scene((there, back), machine=cs.Machine(share * unit))
         yield StabilityCase(f"cycle, k = {share:g}", cycle, runs)
+
+
+_LAYERS: tuple[tuple[float, Literal["bonded", "frictionless"]], ...] = (
+    (0.5, "bonded"),
+    (0.3, "bonded"),
+    (0.3, "frictionless"),
+)
+"""Poisson's ratio and base."""
+
+
+def layers() -> Rows:
+    """Contact radius over thickness: an elastic contact pressed to it, and a relaxed one pulled off."""
+    radius = 0.2
+    for poisson, base in _LAYERS:
+        for ratio in (0.02, 0.3, 3.0, 10.0, 29.0):
+            body, label = cs.Layer(radius / ratio, base), f"a/h = {ratio:g}, {base}, nu = {poisson:g}"
+            layer = ElasticLayer(body, poisson, SPHERE)
+            press = cs.Ramp(layer.state(radius).penetration, PUSH)
+            pressed = replace(scene((press,), material(1.0, poisson=poisson), None), body=body)
+            yield StabilityCase(f"{label}, adhesionless", pressed, known.pressed_layer(pressed))
+            law = cs.Adhesion(WORK, min(ZONE, 0.1 * body.thickness))
+            depth = layer.state(radius, WORK).penetration
+            pull = pulled(SPEED, of=material(poisson=poisson), adhesion=law, depth=depth)
+            yield StabilityCase(f"{label}, pulled", replace(pull, body=body), PULL, PULLED)
 
 
 def units() -> Rows:
@@ -513,10 +521,10 @@ def units() -> Rows:
         ("millimetres, GPa, milliseconds", 1e3, 1e-9, 1e3),
     )
     for label, length, stress, time in systems:
-        of = Material(stress * MODULUS, POISSON, (Branch(stress * SHARE, time),))
-        law = Adhesion(stress * length * WORK, length * ZONE)
+        of = cs.Material(stress * MODULUS, POISSON, (cs.Branch(stress * SHARE, time),))
+        law = cs.Adhesion(stress * length * WORK, length * ZONE)
         cycle = press_and_pull(length / time * SPEED, length * TOP, length * AWAY)
-        scaled = scene(cycle, of, law, Sphere(length))
+        scaled = scene(cycle, of, law, cs.Sphere(length))
         yield StabilityCase(label, scaled, EquivalentScene(PLAIN, length, stress, time), SAME)
 
 
@@ -535,6 +543,7 @@ AXES: Mapping[str, Mapping[str, Callable[[], Rows]]] = {
     "loading": {"loading": loading},
     "dead-load": {"dead load": dead_loads},
     "spring": {"spring": springs},
+    "layer": {"layer": layers},
     "scale": {"scale": units},
 }
 """Axes by the name of the option that asks for them alone."""

@@ -7,7 +7,6 @@ other than ``completed`` and ``detached``. Anything else is a fault; the worst i
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -15,32 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from contact_scene import Material, Scene, SceneError, Trace
-from validation.runs.pool import Task, TaskEnding, TaskResult, processes, run_tasks
-from validation.runs.provenance import fingerprint
+from contact_scene import Material, Scene, Trace
+from validation.cases import Case
+from validation.runs.pool import Task, TaskEnding, TaskResult, processes, run_of, run_task, run_tasks
+from validation.runs.run import Run
 from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
 from validation.stability.cases import StabilityCase
 from validation.stability.expected import ClosedForm, EquivalentScene, NoSolution, ReferenceRuns
-
-
-@dataclass(frozen=True)
-class CaseRun:
-    """One run: solver by name, scene, divisions per process zone, step budget."""
-
-    solver: str
-    scene: Scene
-    resolution: int
-    max_steps: int
-
-
-@dataclass(frozen=True)
-class CaseAnswer:
-    """A trace, or the words of a refusal; processor time of the run in seconds."""
-
-    trace: Trace | None = None
-    refusal: str = ""
-    seconds: float = 0.0
 
 
 class CellVerdict(StrEnum):
@@ -50,12 +31,11 @@ class CellVerdict(StrEnum):
     DECLINED = "reports no answer"
     WRONG = "SILENTLY WRONG"
     CRASH = "CRASHED"
-    NOT_FINITE = "NOT FINITE"
     HANG = "HUNG"
     UNKNOWN = "not compared: no expected values"
 
 
-FAULTS = (CellVerdict.WRONG, CellVerdict.CRASH, CellVerdict.NOT_FINITE, CellVerdict.HANG)
+FAULTS = (CellVerdict.WRONG, CellVerdict.CRASH, CellVerdict.HANG)
 
 
 @dataclass(frozen=True)
@@ -118,55 +98,30 @@ class StabilityMatrix:
         return tuple(cell for cell in self.cells if cell.fault)
 
 
-def solve_case(run: CaseRun) -> CaseAnswer:
-    """Run the solver; a refusal is an answer, anything else that is raised is a crash."""
-    solver = SOLVERS[run.solver]
-    solver.load()
-    begin = time.process_time()
-    try:
-        trace = solver.solve(run.scene, run.resolution, max_steps=run.max_steps)
-    except SceneError as error:
-        return CaseAnswer(refusal=str(error), seconds=time.process_time() - begin)
-    return CaseAnswer(trace, seconds=time.process_time() - begin)
-
-
 def run(
     cases: Sequence[StabilityCase],
     jobs: int = 1,
     solvers: Collection[str] = SOLVERS,
     on_cell: Callable[[Cell, list[Cell]], None] = lambda cell, cells: None,
-    solve: Callable[[CaseRun], CaseAnswer] = solve_case,
+    task: Callable[..., Task] = run_task,
     store: Store | None = None,
 ) -> StabilityMatrix:
     """Run every case with every solver, ``jobs`` at a time; a cell is judged as soon as its runs are there.
 
-    ``on_cell`` is given each cell and all so far; ``solve`` carries out one run. Runs in the ``store`` are
+    ``on_cell`` is given each cell and all so far; ``task`` makes the task of a run. Runs in the ``store`` are
     not repeated; crashed or hung ones are not stored.
     """
     store = store or Store()
     columns = [(case, solver) for case in cases for solver in solvers]
-    needed = [
-        [
-            Task(
-                fingerprint("stability", one),
-                f"{case.name}: {one.solver}",
-                solve,
-                (one,),
-                CaseAnswer,
-                case.seconds,
-            )
-            for one in _runs(case, solver)
-        ]
-        for case, solver in columns
-    ]
+    needed = [_tasks(case, solver, task) for case, solver in columns]
     results: dict[str, TaskResult] = {}
     cells: dict[int, Cell] = {}
 
     def on_result(*found: TaskResult) -> None:
         results.update({result.task.key: result for result in found})
         for index, tasks in enumerate(needed):
-            if index not in cells and all(task.key in results for task in tasks):
-                cells[index] = cell_of(*columns[index], *(results[task.key] for task in tasks))
+            if index not in cells and all(one.key in results for one in tasks):
+                cells[index] = cell_of(*columns[index], *(results[one.key] for one in tasks))
                 on_cell(cells[index], in_order())
 
     def in_order() -> list[Cell]:
@@ -174,24 +129,24 @@ def run(
 
     on_result()  # cells without any run
     with processes(jobs, isolated=True) as executor:
-        unique = {task.key: task for tasks in needed for task in tasks}
-        longest_first = sorted(unique.values(), key=lambda task: -(task.time_limit or 0.0))
+        unique = {one.key: one for tasks in needed for one in tasks}
+        longest_first = sorted(unique.values(), key=lambda one: -(one.time_limit or 0.0))
         run_tasks(longest_first, executor, store, on_result=on_result)
     return StabilityMatrix(tuple(in_order()), store.seconds)
 
 
-def _runs(case: StabilityCase, solver: str) -> list[CaseRun]:
+def _tasks(case: StabilityCase, solver: str, task: Callable[..., Task]) -> list[Task]:
     """Runs that a cell rests on: the solver's own first, then those that give the expected answer."""
     if not isinstance(case.scene, Scene):
         return []
     expected, own = case.expected, case.resolution(solver)
-    runs = [CaseRun(solver, case.scene, own, case.max_steps)]
+    runs = [(solver, case.scene, own)]
     if isinstance(expected, ReferenceRuns):
-        tracked = (expected.fine, expected.coarse)
-        runs += [CaseRun(REFERENCE, case.scene, divisions, case.max_steps) for divisions in tracked]
+        runs += [(REFERENCE, case.scene, divisions) for divisions in (expected.fine, expected.coarse)]
     elif isinstance(expected, EquivalentScene):
-        runs.append(CaseRun(solver, expected.scene, own, case.max_steps))
-    return runs
+        runs.append((solver, expected.scene, own))
+    budget = {"max_steps": case.max_steps, "time_limit": case.seconds}
+    return [task(Case(case.name, scene), name, divisions, **budget) for name, scene, divisions in runs]
 
 
 def cell_of(
@@ -211,47 +166,39 @@ def cell_of(
 
     if result is None or not isinstance(case.scene, Scene):
         return declined("refused", str(case.scene))
-    if result.ending is TaskEnding.TIMED_OUT:
-        return cell(CellVerdict.HANG, "hung", result.failure)
     if result.ending is not TaskEnding.ANSWERED:
-        return cell(CellVerdict.CRASH, str(result.ending), result.failure)
-    answer: CaseAnswer = result.value
-    trace, facts = answer.trace, {"seconds": answer.seconds}
-    if trace is None:
-        return declined("refused", answer.refusal, **facts)
-    kind, reason = str(trace.outcome.kind), trace.outcome.reason
-    facts |= {"steps": trace.counters.steps, "rejected_steps": trace.counters.rejected_steps}
-    broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
-    if broken or not np.isfinite(trace.outcome.time):
-        where = ", ".join(broken or ["time of the outcome"])
-        return cell(CellVerdict.NOT_FINITE, kind, f"not finite: {where}", **facts)
-    if not trace.outcome.finished:
-        return declined(kind, reason, **facts)
-    residual = energy_residual(trace, case.scene.material)
-    judged = _judged(case, solver, trace, [_trace(one) for one in expected_runs])
-    return cell(judged.pop("verdict"), kind, reason, residual=residual, **facts, **judged)
+        hung = result.ending is TaskEnding.TIMED_OUT
+        return cell(CellVerdict.HANG if hung else CellVerdict.CRASH, str(result.ending), result.failure)
+    found = run_of(result)
+    if found.breakdown:
+        return cell(CellVerdict.CRASH, found.outcome, found.failure)
+    facts: dict[str, Any] = {"seconds": found.cpu_seconds}
+    if found.trace is not None:
+        counters = found.trace.counters
+        facts |= {"steps": counters.steps, "rejected_steps": counters.rejected_steps}
+    if found.trace is None or not found.finished:
+        return declined(found.outcome, found.reason, **facts)
+    facts["residual"] = energy_residual(found.trace, case.scene.material)
+    return cell(
+        outcome=found.outcome,
+        reason=found.reason,
+        **facts,
+        **_judged(case, solver, found, list(map(run_of, expected_runs))),
+    )
 
 
-def _trace(result: TaskResult) -> Trace | None:
-    trace = result.value.trace if result.ending is TaskEnding.ANSWERED else None
-    return trace if trace is not None and trace.outcome.finished else None
-
-
-def _judged(case: StabilityCase, solver: str, trace: Trace, found: Sequence[Trace | None]) -> dict[str, Any]:
+def _judged(case: StabilityCase, solver: str, run: Run, bases: Sequence[Run]) -> dict[str, Any]:
     """Verdict on a run that reports an answer, its errors and where the expected values come from."""
     expected, own = case.expected, 0.0
-    runs = [one for one in found if one is not None]
     if isinstance(expected, NoSolution):
         return {"verdict": CellVerdict.WRONG, "source": expected.source}
-    if len(runs) < len(found):
+    if not all(base.finished for base in bases):
         return {"verdict": CellVerdict.UNKNOWN, "source": "the run it is measured against has no answer"}
-    if isinstance(expected, ClosedForm):
-        errors, endings = expected.errors(trace), expected.endings
-    else:
-        errors, endings = expected.errors(trace, runs[0]), (runs[0].outcome.kind,)
+    endings = expected.endings if isinstance(expected, ClosedForm) else (bases[0].outcome,)
+    errors = expected.errors(run, *bases[:1])
     if isinstance(expected, ReferenceRuns):
-        own = expected.own_error(*runs)
-    if trace.outcome.kind not in endings:
+        own = expected.own_error(*bases)
+    if run.outcome not in endings:
         errors[f"ending ({' or '.join(endings)})"] = math.inf
     within = max(errors.values()) <= case.tolerance.limit(solver) + own
     verdict = CellVerdict.WITHIN if within else CellVerdict.WRONG

@@ -1,5 +1,9 @@
 """The matrix as a chapter, a page, Markdown and JSON: limits in words, heat maps, growth of work.
 
+A heat map has one row an axis, one field a case, numbered as in the table: colour is the error, the letter
+how the run ended. The colours are those of cividis, which a colour-blind reader sees alike; a fault is framed
+and crossed out, so that no colour is needed to find it.
+
 The keys of ``stability.json`` are a fixed contract with whoever reads it.
 """
 
@@ -10,34 +14,41 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from validation.drawing import export
+from validation.drawing.styles import INK, VERMILION
 from validation.measure.difference import Check
+from validation.report import document as doc
 from validation.report import markdown, report
-from validation.report.document import (
-    Bullets,
-    DataTable,
-    Document,
-    Figure,
-    Figures,
-    Fold,
-    Paragraph,
-    Record,
-    Section,
-    VerdictCell,
-    counted,
-    with_drawing,
-)
 from validation.report.report import Chapter
 from validation.report.tables import environment
 from validation.runs.folder import to_json, write_whole
 from validation.runs.provenance import stamp
-from validation.stability import heat_map
 from validation.stability.matrix import Cell, CellVerdict, StabilityMatrix
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Drawing
+
+LEAST, MOST = -8.0, 0.0  # log10 of the errors that are told apart
+BLANK = "#c9c9c9"  # a field without an error: an answer that there is none
+FAULT = VERMILION
+LETTERS = {
+    "completed": "c", "detached": "d", "refused": "R", "no equilibrium at the start": "N",
+    "step underflow": "U", "step budget exhausted": "B", "not finite": "F", "out of range": "O",
+    "out of the model's range": "Z", "trigger not reached": "T", "breakdown": "L", "interrupted": "I",
+    "hung": "H", "failed": "X", "died": "X",
+}  # fmt: skip
+LEGEND = (
+    "c completed, d detached, R refused, N no equilibrium, U step underflow, B step budget, F not finite, "
+    "O out of range, Z contact as short as the process zone, T trigger not reached, L contact lost while "
+    "pressed in, I interrupted, H hung, X crashed, "
+    "? not compared; underlined: reports no answer; framed and crossed out: silently wrong, crashed "
+    "or hung"
+)
 FORMAT = 1
 TITLE = "Stiff and extreme cases"
 EXPLAINED = (
@@ -96,11 +107,11 @@ def write(matrix: StabilityMatrix, folder: Path) -> None:
     """Write ``index.html``, ``stability.md``, ``stability.json`` and ``figures/``."""
     faults = len(matrix.faults)
     verdict = f"{faults} at fault" if faults else "no fault"
-    lead = (Paragraph(f"{counted(len(matrix.cells), 'cell')}: {verdict}.", not faults),)
+    lead = (doc.Paragraph(f"{doc.counted(len(matrix.cells), 'cell')}: {verdict}.", not faults),)
     parts = section(matrix), environment(stamp(), matrix.wall_seconds)
-    short = Document("crosscontact stability", lead, (summary(matrix),))
+    short = doc.Document("crosscontact stability", lead, (summary(matrix),))
     texts = {"stability.json": _json(matrix, True), "stability.md": markdown.text(short)}
-    report.write(folder, Document("crosscontact stability", lead, parts), texts)
+    report.write(folder, doc.Document("crosscontact stability", lead, parts), texts)
 
 
 def write_cells(cells: Sequence[Cell], folder: Path) -> None:
@@ -112,24 +123,24 @@ def _json(matrix: StabilityMatrix, complete: bool) -> str:
     return to_json({"format": FORMAT} | data(matrix, complete))
 
 
-def section(matrix: StabilityMatrix) -> Section:
+def section(matrix: StabilityMatrix) -> doc.Section:
     """Everything about the matrix."""
     growth = tuple(one.words for one in work_growth(matrix.cells))
-    work = Bullets(growth) if growth else Paragraph("No series was long enough.")
+    work = doc.Bullets(growth) if growth else doc.Paragraph("No series was long enough.")
     parts = (
-        Paragraph(EXPLAINED),
-        Section("Limits found", (Bullets(tuple(limits(matrix.cells))), _maps(matrix))),
-        Section("Work against stiffness", (work,)),
-        Fold(f"All {len(matrix.cells)} cells", (_table(matrix, matrix.cells),)),
+        doc.Paragraph(EXPLAINED),
+        doc.Section("Limits found", (doc.Bullets(tuple(limits(matrix.cells))), _maps(matrix))),
+        doc.Section("Work against stiffness", (work,)),
+        doc.Fold(f"All {len(matrix.cells)} cells", (_table(matrix, matrix.cells),)),
     )
-    return Section(TITLE, parts, "stability")
+    return doc.Section(TITLE, parts, "stability")
 
 
-def summary(matrix: StabilityMatrix) -> Section:
+def summary(matrix: StabilityMatrix) -> doc.Section:
     """The limits, and every cell that is not simply within its tolerance."""
     shown = [cell for cell in matrix.cells if cell.verdict is not CellVerdict.WITHIN]
     table = (_table(matrix, shown),) if shown else ()
-    return Section(TITLE, (Bullets(tuple(limits(matrix.cells))), *table))
+    return doc.Section(TITLE, (doc.Bullets(tuple(limits(matrix.cells))), *table))
 
 
 def numbers(cells: Sequence[Cell]) -> dict[tuple[str, str], int]:
@@ -137,31 +148,31 @@ def numbers(cells: Sequence[Cell]) -> dict[tuple[str, str], int]:
     return {key: i for i, key in enumerate(dict.fromkeys((cell.axis, cell.label) for cell in cells), 1)}
 
 
-def _maps(matrix: StabilityMatrix) -> Figures:
+def _maps(matrix: StabilityMatrix) -> doc.Figures:
     """A heat map for every solver."""
     numbered, figures = numbers(matrix.cells), []
     for solver in dict.fromkeys(cell.solver for cell in matrix.cells):
         name = f"stability-{solver}"
-        drawing = heat_map.draw([cell for cell in matrix.cells if cell.solver == solver], numbered)
+        drawing = draw([cell for cell in matrix.cells if cell.solver == solver], numbered)
         files = {f"{name}.png": export.png(drawing, MAP_DOTS)}
-        figure = Figure(name, f"{solver}: {heat_map.LEGEND}.", wide=True, files=files)
-        figures.append(with_drawing(figure, drawing, f"Heat map, {solver}"))
-    return Figures(tuple(figures))
+        figure = doc.Figure(name, f"{solver}: {LEGEND}.", wide=True, files=files)
+        figures.append(doc.with_drawing(figure, drawing, f"Heat map, {solver}"))
+    return doc.Figures(tuple(figures))
 
 
-def _table(matrix: StabilityMatrix, cells: Sequence[Cell]) -> DataTable:
+def _table(matrix: StabilityMatrix, cells: Sequence[Cell]) -> doc.DataTable:
     numbered = numbers(matrix.cells)
-    return DataTable.of(_row(cell, numbered[cell.axis, cell.label]) for cell in cells)
+    return doc.DataTable.of(_row(cell, numbered[cell.axis, cell.label]) for cell in cells)
 
 
-def _row(cell: Cell, number: int) -> Record:
+def _row(cell: Cell, number: int) -> doc.Record:
     meets = cell.verdict is CellVerdict.WITHIN
     return {
         "no.": str(number),
         "axis": cell.axis,
         "place": cell.label,
         "solver": cell.solver,
-        "verdict": VerdictCell(str(cell.verdict), False if cell.fault else True if meets else None),
+        "verdict": doc.VerdictCell(str(cell.verdict), False if cell.fault else True if meets else None),
         "error": _short(cell.error),
         "in": cell.worst,
         "tolerance": _short(cell.tolerance),
@@ -285,3 +296,68 @@ def work_growth(cells: Sequence[Cell]) -> list[WorkGrowth]:
             power = float(np.polyfit(decades, np.log10(steps), 1)[0])
             found.append(WorkGrowth(*key, stiffness, steps, at_first, per_decade, power))
     return found
+
+
+# Heat maps
+
+
+def draw(cells: Sequence[Cell], numbers: dict[tuple[str, str], int]) -> Drawing:
+    """The map of one solver; ``numbers`` are those of the cases, by axis and label."""
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure as Drawing
+
+    axes_names = list(dict.fromkeys(cell.axis for cell in cells))
+    rows = {name: [cell for cell in cells if cell.axis == name] for name in axes_names}
+    widest = max(len(row) for row in rows.values())
+    figure = Drawing(figsize=(2.2 + 0.36 * widest, 0.9 + 0.42 * len(rows)), layout="constrained")
+    axes = figure.add_subplot()
+    colours = ScalarMappable(Normalize(LEAST, MOST), colormaps["cividis"])
+    for down, name in enumerate(axes_names):
+        for across, cell in enumerate(rows[name]):
+            _field(axes, across, down, cell, numbers[cell.axis, cell.label], colours)
+    axes.set_xlim(0, widest)
+    axes.set_ylim(len(rows), 0)
+    axes.set_yticks([down + 0.5 for down in range(len(rows))], axes_names, color=INK)
+    axes.set_xticks([])
+    axes.tick_params(length=0)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    bar = figure.colorbar(colours, ax=axes, shrink=0.8, pad=0.01, extend="both")
+    bar.set_label("relative error", color=INK)
+    bar.set_ticks([-8, -6, -4, -2, 0], labels=["1e-8", "1e-6", "1e-4", "1e-2", "1"], color=INK)
+    return figure
+
+
+def level(cell: Cell) -> float | None:
+    """``log10`` of the error within the range of the colours; ``None`` without an error."""
+    error = cell.error
+    if error is None:
+        return None
+    if error <= 0.0:
+        return LEAST
+    return min(max(math.log10(error), LEAST), MOST) if math.isfinite(error) else MOST
+
+
+def letter(cell: Cell) -> str:
+    """How the run ended."""
+    return "?" if cell.verdict is CellVerdict.UNKNOWN else LETTERS.get(cell.outcome, "?")
+
+
+def _field(axes: Axes, across: int, down: int, cell: Cell, number: int, colours) -> None:
+    from matplotlib.patches import Rectangle
+
+    value = level(cell)
+    colour = BLANK if value is None else colours.to_rgba(value)
+    axes.add_patch(Rectangle((across + 0.04, down + 0.06), 0.92, 0.88, facecolor=colour, linewidth=0))
+    light = value is None or value > 0.55 * LEAST + 0.45 * MOST
+    ink = "#000000" if light else "#ffffff"
+    axes.text(across + 0.5, down + 0.45, letter(cell), ha="center", va="center", fontsize=9, color=ink)
+    axes.text(across + 0.9, down + 0.86, str(number), ha="right", va="center", fontsize=5.5, color=ink)
+    if cell.verdict is CellVerdict.DECLINED:
+        axes.plot([across + 0.25, across + 0.75], [down + 0.7, down + 0.7], color=ink, linewidth=1.2)
+    if cell.fault:
+        frame = Rectangle((across + 0.08, down + 0.1), 0.84, 0.8, fill=False, edgecolor=FAULT, linewidth=2.2)
+        axes.add_patch(frame)
+        axes.plot([across + 0.12, across + 0.88], [down + 0.86, down + 0.14], color=FAULT, linewidth=1.6)

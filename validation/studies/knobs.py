@@ -33,17 +33,8 @@ from validation.drawing.styles import curve_style
 from validation.measure.curves import CURVES
 from validation.measure.difference import Difference, of_curves, of_numbers
 from validation.reference.creep_compliance import creep_compliance
+from validation.report import document as doc
 from validation.report import markdown
-from validation.report.document import (
-    ABSENT,
-    DataTable,
-    Document,
-    Paragraph,
-    Record,
-    Section,
-    formatted,
-    plain,
-)
 from validation.report.tables import estimates
 from validation.runs.folder import to_json, write_whole
 from validation.runs.pool import TaskEnding, TellProgress, run_of, run_task, run_tasks
@@ -117,7 +108,7 @@ def write(knob: Zones | Poisson, case: Case, runs: Sequence[KnobRun], folder: Pa
     """
     shown, path = knob.section(case.name, runs), folder / f"{knob.name}-{case.name}.json"
     write_whole(path, to_json({"scene": case.name, "premises": of_case(case)} | knob.data(runs)))
-    write_whole(path.with_suffix(".md"), markdown.text(Document(shown.title, (), shown.parts)))
+    write_whole(path.with_suffix(".md"), markdown.text(doc.Document(shown.title, (), shown.parts)))
     if isinstance(knob, Zones):
         figure = knob.draw(runs)
         write_whole(path.with_suffix(".png"), export.png(figure))
@@ -205,24 +196,29 @@ zone^-p over all zones of a solver; 0 where a shorter zone costs no more than it
         found = one.differences(self.observed)
         return {name: found[name].error for name in self.observed if name in found}
 
-    def section(self, name: str, runs: Sequence[KnobRun]) -> Section:
+    def section(self, name: str, runs: Sequence[KnobRun]) -> doc.Section:
         by_solver = {label: [one for one in runs if one.label == label] for label in _labels(runs)}
         fits = (
             {"solver": solver}
-            | {f"growth of {n}": formatted(growth(own, n), ".2f") for n in ("steps", "updates", "seconds")}
+            | {
+                f"growth of {n}": doc.formatted(growth(own, n), ".2f")
+                for n in ("steps", "updates", "seconds")
+            }
             for solver, own in by_solver.items()
         )
-        tables = DataTable.of(map(self._row, runs)), DataTable.of(fits)
-        return Section(f"{name}: cost over the process zone", (*tables, Paragraph(self.notes)))
+        tables = doc.DataTable.of(map(self._row, runs)), doc.DataTable.of(fits)
+        return doc.Section(f"{name}: cost over the process zone", (*tables, doc.Paragraph(self.notes)))
 
-    def _row(self, one: KnobRun) -> Record:
+    def _row(self, one: KnobRun) -> doc.Record:
         errors, finished = self.errors(one), one.run is None or one.run.finished
         return {
             "zone / radius": f"{one.value:.0e}",
             "solver": one.label,
-            **{name: formatted(one.costs.get(name), form) for name, (form, _) in COSTS.items()},
-            **{f"{plain(name)}: error": formatted(errors.get(name), "+.1e") for name in self.observed},
-            "not finished": one.run.ending if one.run and not finished else one.skipped or ABSENT,
+            **{name: doc.formatted(one.costs.get(name), form) for name, (form, _) in COSTS.items()},
+            **{
+                f"{doc.plain(name)}: error": doc.formatted(errors.get(name), "+.1e") for name in self.observed
+            },
+            "not finished": one.run.ending if one.run and not finished else one.skipped or doc.ABSENT,
         }
 
     def failures(self, runs: Sequence[KnobRun]) -> Iterator[str]:
@@ -236,7 +232,7 @@ zone^-p over all zones of a solver; 0 where a shorter zone costs no more than it
         from matplotlib.figure import Figure
 
         panels = [words for _, words in COSTS.values()]
-        panels += [f"error of {plain(name)} (relative)" for name in self.observed]
+        panels += [f"error of {doc.plain(name)} (relative)" for name in self.observed]
         numbers = [one.costs | {name: abs(error) for name, error in self.errors(one).items()} for one in runs]
         figure = Figure(figsize=(3 * SIZE[0], 2 * SIZE[1]), layout="constrained")
         names = (*COSTS, *self.observed)
@@ -269,7 +265,7 @@ def _patiently(
     one: KnobRun, executor: Executor | None, store: Store | None, max_steps: int | None
 ) -> KnobRun:
     """The run, or that it took too long."""
-    task = replace(run_task(one.case, one.label, max_steps=max_steps), time_limit=PATIENCE)
+    task = run_task(one.case, one.label, max_steps=max_steps, time_limit=PATIENCE)
     (answer,) = run_tasks([task], executor, store)
     if answer.ending is TaskEnding.TIMED_OUT:
         return replace(one, skipped=answer.failure)
@@ -388,12 +384,12 @@ takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if meas
             "differences": {name: found[name].error if name in found else None for name in names},
         }
 
-    def section(self, name: str, runs: Sequence[KnobRun]) -> Section:
+    def section(self, name: str, runs: Sequence[KnobRun]) -> doc.Section:
         rows = (row for ratio, here in _by_value(runs) for row in self._rows(ratio, here))
         title = f"{name}: elastic bulk against a constant Poisson's ratio"
-        return Section(title, (DataTable.of(rows), Paragraph(self.notes)))
+        return doc.Section(title, (doc.DataTable.of(rows), doc.Paragraph(self.notes)))
 
-    def _rows(self, ratio: float, here: dict[str, KnobRun]) -> Iterator[Record]:
+    def _rows(self, ratio: float, here: dict[str, KnobRun]) -> Iterator[doc.Record]:
         """One row for every quantity."""
         found = {label: one.differences(self.observed) for label, one in here.items()}
         material = here[FULL].case.scene.material
@@ -404,10 +400,10 @@ takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if meas
                 "K/G": f"{ratio:g}",
                 "ν(0)": f"{glassy_poisson(material):.4f}",
                 "ν(∞)": f"{material.poisson:.4f}",
-                "quantity": plain(name) + (" (curve)" if name in CURVES else ""),
-                "full − E*(t)": formatted(full.error if full else None, "+.1e"),
-                "estimates": ABSENT if full is None else estimates(full.own, full.known_to),
-            } | {label: formatted(one.error if one else None, "+.1e") for label, one in costs.items()}
+                "quantity": doc.plain(name) + (" (curve)" if name in CURVES else ""),
+                "full − E*(t)": doc.formatted(full.error if full else None, "+.1e"),
+                "estimates": doc.ABSENT if full is None else estimates(full.own, full.known_to),
+            } | {label: doc.formatted(one.error if one else None, "+.1e") for label, one in costs.items()}
 
     def failures(self, runs: Sequence[KnobRun]) -> Iterator[str]:
         for ratio, here in _by_value(runs):

@@ -20,15 +20,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from contact_scene import Scene, Trace
-from validation.measure.windows import cycle_times
+from contact_scene import Scene
+from validation.cases import Case
+from validation.runs.run import Run, run
 from validation.solvers import SOLVERS, Solver
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.front_tracking import FrontTracking
 
 BEM, FEM, REFERENCE = BoundaryElements.name, FiniteElements.name, FrontTracking.name
-PAPER, VOLUME = "paper-scheme", f"{FEM}-volume"
+PAPER = "paper-scheme"
 FINEST, FINEST_ADHESIONLESS = (80, 60, 40), (16, 8)
 """Resolutions of the front tracking that errors are measured against; the first that reaches its end. Without
 adhesion per hundredth of the largest contact radius."""
@@ -40,15 +41,13 @@ class Settings:
 
     ``resolution`` is in divisions per process zone (without adhesion: per hundredth of the largest contact
     radius), ``tolerance`` that of the time steps, ``step`` the fixed one of the paper's scheme. Of finite
-    elements: divisions that the steps resolve, where they differ from those of the mesh; growth of the
-    element size; domain radius over the largest contact radius; whether the displacement of the total force
-    is prescribed on the far boundary, or it is held. The scene's process zone is multiplied by
-    ``zone_factor``, which changes the model.
+    elements: growth of the element size; domain radius over the largest contact radius; whether the
+    displacement of the total force is prescribed on the far boundary, or it is held. The scene's process zone
+    is multiplied by ``zone_factor``, which changes the model.
     """
 
     resolution: int
     tolerance: float | None = None
-    step_resolution: int | None = None
     step: float | None = None
     grading: float | None = None
     domain_ratio: float | None = None
@@ -58,7 +57,7 @@ class Settings:
     @property
     def of_solver(self) -> dict[str, Any]:
         """Settings that are fields of a solver object, those left to the solver omitted."""
-        names = ("step_resolution", "step", "grading", "domain_ratio")
+        names = ("step", "grading", "domain_ratio")
         settings = {name: value for name in names if (value := getattr(self, name)) is not None}
         return settings if self.far_field else settings | {"far_field": False}
 
@@ -83,17 +82,13 @@ class Scheme:
         """Line properties for matplotlib, marker included."""
         return {**self.solver.curve_style, "marker": self.solver.marker, **(self.line or {})}
 
-    def solve(self, scene: Scene, settings: Settings, max_steps: int | None = None) -> Trace:
-        """Solve a scene with the settings of one level; the ends of cycles are stepped onto."""
+    def run(self, case: Case, settings: Settings, max_steps: int | None = None) -> Run:
+        """Run a scene with the settings of one level; a breakdown is part of the answer."""
         changes: Any = settings.of_solver
         solver: Solver = replace(self.solver, **changes) if changes else self.solver  # type: ignore[type-var]
-        return solver.solve(
-            with_zone(scene, settings.zone_factor),
-            settings.resolution,
-            step_tolerance=settings.tolerance,
-            stop_times=cycle_times(scene.loading),
-            max_steps=max_steps,
-        )
+        asked = replace(case, scene=with_zone(case.scene, settings.zone_factor), profile_times=())
+        tolerance = settings.tolerance
+        return run(asked, solver, settings.resolution, max_steps=max_steps, step_tolerance=tolerance)
 
 
 def with_zone(scene: Scene, factor: float) -> Scene:
@@ -111,9 +106,7 @@ _ELEMENTS = (
 )
 _STRAIGHT = "Loading and history are straight within a step: second order in the step."
 _ANNULI = BoundaryElements(annuli="uniform", scheme="backward-euler")
-_HISTORY = FiniteElements(path="quadrature", cached_mesh=False)
 _DOTTED = {"color": "#009e73", "linestyle": (0, (1, 1.2)), "marker": "^"}
-_DASHED = {"color": "#cc79a7", "linestyle": (0, (5, 1.5, 1, 1.5)), "marker": "v"}
 SCHEMES: dict[str, Scheme] = {
     scheme.name: scheme
     for scheme in (
@@ -121,12 +114,11 @@ SCHEMES: dict[str, Scheme] = {
         Scheme(PAPER, "the paper's uniform annuli with backward Euler", 1.0, _FIRST, _ANNULI, _DOTTED),
         Scheme(
             FEM,
-            "finite elements, condensed on the surface",
+            "finite elements, history on the surface",
             2.0,
             _ELEMENTS,
             FiniteElements(cached_mesh=False),
         ),
-        Scheme(VOLUME, "finite elements, history in the volume", 2.0, _ELEMENTS, _HISTORY, _DASHED),
         Scheme(REFERENCE, FrontTracking.title, 2.0, _STRAIGHT, SOLVERS[REFERENCE]),
     )
 }
@@ -175,20 +167,16 @@ def ladders(scene: Scene) -> list[Ladder]:
     adhesive = scene.is_adhesive
     four, annuli = (4, 8, 16, 32), (4, 8, 16, 32, 64) if adhesive else (4, 8, 16, 32)
     first, bodies = (4, (4, 6, 8, 12)) if adhesive else (2, (2, 4, 6, 8))
-    coarse, meshes, steps = (
-        ((3, 4, 5, 6), (3, 4, 6, 8), (5, 10, 20, 40))
-        if adhesive
-        else ((2, 4, 6, 8), (2, 4, 6, 8), (4, 6, 8, 12))
-    )
+    meshes, steps = ((3, 4, 6, 8), (5, 10, 20, 40)) if adhesive else ((2, 4, 6, 8), (4, 6, 8, 12))
 
     def elements(n: float) -> Settings:
         return Settings(int(n), tolerance=5e-3 * (first / n) ** 2)
 
     def mesh(n: float) -> Settings:
-        return Settings(int(n), step_resolution=12, tolerance=6e-4, grading=0.5 * meshes[0] / n)
+        return Settings(int(n), tolerance=2e-4, grading=0.5 * meshes[0] / n)
 
     def step(n: float) -> Settings:
-        return Settings(4, step_resolution=int(n), tolerance=5e-3 * (4 / n) ** 2)
+        return Settings(4, tolerance=5e-3 * (4 / n) ** 2)
 
     def tolerance(n: float) -> Settings:
         return Settings(8, tolerance=0.01 / n**2)
@@ -197,7 +185,6 @@ def ladders(scene: Scene) -> list[Ladder]:
         return Settings(4, domain_ratio=n, far_field=far_field)
 
     graded = "elements per zone; step tolerance with their square"
-    price = "as the condensed form, whose answer it repeats: only the price is of interest"
     held = partial(
         domain, far_field=False
     )  # which the displacement F/r of a force makes wrong to first order
@@ -205,7 +192,6 @@ def ladders(scene: Scene) -> list[Ladder]:
         _ladder(BEM, "together", "annuli per zone; step tolerance with their square", annuli),
         _ladder(PAPER, "together", "annuli per zone; fixed step in proportion", annuli),
         _ladder(FEM, "together", graded, bodies, elements),
-        _ladder(VOLUME, "together", price, coarse, elements),
         _ladder(REFERENCE, "together", "steps per zone; tolerance with their square", steps),
         _ladder(
             BEM, "step", "step tolerance, by 4, on 8 annuli per zone", (1, 2, 4, 8), tolerance,
@@ -216,7 +202,7 @@ def ladders(scene: Scene) -> list[Ladder]:
             BEM, "mesh", "annuli per zone, at step tolerance 6e-4", four,
             lambda n: Settings(int(n), tolerance=6e-4),
         ),
-        _ladder(FEM, "mesh", "elements per zone, grading, at 12 steps per zone", meshes, mesh),
+        _ladder(FEM, "mesh", "elements per zone, grading, at step tolerance 2e-4", meshes, mesh),
         # the far boundary carries the displacement of the total force, so the error is small
         _ladder(
             FEM, "domain", "domain radius over the largest contact radius", (12.5, 25.0, 50.0, 100.0), domain,

@@ -16,25 +16,8 @@ from typing import TYPE_CHECKING, Any
 from validation.drawing import export
 from validation.drawing.axes import SIZE, format_axes
 from validation.drawing.styles import INK
+from validation.report import document as doc
 from validation.report import markdown, report
-from validation.report.document import (
-    ABSENT,
-    DataTable,
-    Document,
-    Figure,
-    Figures,
-    Fold,
-    Paragraph,
-    Record,
-    Section,
-    VerdictCell,
-    counted,
-    formatted,
-    number,
-    plain,
-    valid_id,
-    with_drawing,
-)
 from validation.report.tables import COUNTERS, environment
 from validation.report.tables import in_words as fact_in_words
 from validation.runs.folder import to_json
@@ -146,32 +129,34 @@ def _data_of(scene: SceneStudy) -> dict[str, Any]:
     }
 
 
-def document(study: Study, figures: bool = True) -> Document:
+def document(study: Study, figures: bool = True) -> doc.Document:
     """The whole study; ``figures`` leaves them out where nobody looks at them."""
     parts = [_scene(scene, study, figures) for scene in study.scenes]
     parts.append(environment(study.environment, study.wall_seconds))
-    return Document(TITLE, (Paragraph(verdict(study)), Paragraph(METHODS)), tuple(parts), contents_depth=2)
+    return doc.Document(
+        TITLE, (doc.Paragraph(verdict(study)), doc.Paragraph(METHODS)), tuple(parts), contents_depth=2
+    )
 
 
-def short(study: Study) -> Section:
+def short(study: Study) -> doc.Section:
     """What a terminal shows: the orders of each scene, and the prices in words."""
     scenes = []
     for scene in study.scenes:
-        words = map(Paragraph, prices.in_words(scene.timed))
+        words = map(doc.Paragraph, prices.in_words(scene.timed))
         title = f"{scene.case.name}: {scene.reference}"
-        scenes.append(Section(title, (_headline_table(scene), *words)))
-    return Section(TITLE, (*scenes, Paragraph(verdict(study))))
+        scenes.append(doc.Section(title, (_headline_table(scene), *words)))
+    return doc.Section(TITLE, (*scenes, doc.Paragraph(verdict(study))))
 
 
 def verdict(study: Study) -> str:
     """How many levels there are, and how many failed."""
     levels = sum(len(entry.runs) for scene in study.scenes for entry in scene.ladders)
     failed = sum(len(scene.failed) for scene in study.scenes)
-    size = f"{counted(len(study.scenes), 'scene')}, {counted(levels, 'level')}"
+    size = f"{doc.counted(len(study.scenes), 'scene')}, {doc.counted(levels, 'level')}"
     return f"{size}, {failed} failed, {study.wall_seconds:.0f} s."
 
 
-def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
+def _scene(scene: SceneStudy, study: Study, figures: bool) -> doc.Section:
     threads = fact_in_words(study.environment.get("threads", "unknown"))
     orders, costs = (_charts(scene, charts) if figures else () for charts in (ORDER_CHARTS, PRICE_CHARTS))
     title = "Observed orders, everything refined together"
@@ -183,19 +168,21 @@ def _scene(scene: SceneStudy, study: Study, figures: bool) -> Section:
     zones = [study for study in scene.ladders if study.ladder.kind == "zone"]
     if zones:
         rows = (
-            {"observable": plain(row.observable), "solver": study.ladder.scheme}
-            | _by_level(zones[0], (number(value, 6) for value in row.values))
-            | {"Richardson, no zone": number(row.alone.richardson if row.alone else None, 6)}
+            {"observable": doc.plain(row.observable), "solver": study.ladder.scheme}
+            | _by_level(zones[0], (doc.number(value, 6) for value in row.values))
+            | {"Richardson, no zone": doc.number(row.alone.richardson if row.alone else None, 6)}
             for study, row in _headlines(zones)
         )
         title = "Shorter and longer process zones"
-        parts.append(_section(title, [KIND_NOTES["zone"]], DataTable.of(rows)))
-    folded = (Fold(one.title, one.parts) for one in map(_ladder, scene.ladders))
-    return Section(scene.case.scene.title or scene.case.name, (*parts, *folded))
+        parts.append(_section(title, [KIND_NOTES["zone"]], doc.DataTable.of(rows)))
+    folded = (doc.Fold(one.title, one.parts) for one in map(_ladder, scene.ladders))
+    return doc.Section(scene.case.scene.title or scene.case.name, (*parts, *folded))
 
 
-def _section(title: str, words: Sequence[str], *tables: DataTable, first: Sequence[Figures] = ()) -> Section:
-    return Section(title, (*first, *map(Paragraph, words), *tables))
+def _section(
+    title: str, words: Sequence[str], *tables: doc.DataTable, first: Sequence[doc.Figures] = ()
+) -> doc.Section:
+    return doc.Section(title, (*first, *map(doc.Paragraph, words), *tables))
 
 
 def _stated(scene: SceneStudy) -> list[str]:
@@ -205,7 +192,9 @@ def _stated(scene: SceneStudy) -> list[str]:
         stated = [f"N{scene.reference[1:]}. Values are judged by themselves only."]
     if scene.uncertainty:
         shares = ", ".join(
-            f"{plain(name)} {scene.uncertainty[name]:.0e}" for name in HEADLINE if name in scene.uncertainty
+            f"{doc.plain(name)} {scene.uncertainty[name]:.0e}"
+            for name in HEADLINE
+            if name in scene.uncertainty
         )
         stated.append(f"The reference's own relative error, from its ladder and second order: {shares}.")
     refused = {
@@ -223,86 +212,86 @@ def _headlines(studies: Sequence[Convergence]) -> Iterator[tuple[Convergence, Ro
         yield from ((study, row) for study in studies for row in study.rows if row.observable == name)
 
 
-def _headline_table(scene: SceneStudy) -> DataTable:
+def _headline_table(scene: SceneStudy) -> doc.DataTable:
     """The orders and errors that matter most, every scheme beside the others."""
-    return DataTable.of(_headline(study, row) for study, row in _headlines(scene.timed))
+    return doc.DataTable.of(_headline(study, row) for study, row in _headlines(scene.timed))
 
 
-def _headline(study: Convergence, row: Row) -> Record:
+def _headline(study: Convergence, row: Row) -> doc.Record:
     alone, error = row.alone, row.errors[-1]
     bound = alone.bound if alone else None
-    covers = ABSENT if bound is None or error is None else "yes" if abs(error) <= bound else "NO"
+    covers = doc.ABSENT if bound is None or error is None else "yes" if abs(error) <= bound else "NO"
     return {
-        "observable": plain(row.observable),
+        "observable": doc.plain(row.observable),
         "scheme": study.ladder.scheme,
         "levels": " ".join(run.level.label for run in study.runs),
         "order against the reference": _orders(row.orders),
-        "fitted": formatted(row.fitted, ".2f"),
-        "order of values alone": _orders(alone.orders) if alone else ABSENT,
-        "error of the finest": formatted(error, "+.1e"),
-        "index of the finest": formatted(bound, ".1e"),
+        "fitted": doc.formatted(row.fitted, ".2f"),
+        "order of values alone": _orders(alone.orders) if alone else doc.ABSENT,
+        "error of the finest": doc.formatted(error, "+.1e"),
+        "index of the finest": doc.formatted(bound, ".1e"),
         "covers it": covers,
-        "values alone say": alone.verdict if alone else ABSENT,
+        "values alone say": alone.verdict if alone else doc.ABSENT,
     }
 
 
 def _orders(values: Sequence[float | None]) -> str:
-    return " ".join(formatted(value, ".2f") for value in values) or ABSENT
+    return " ".join(doc.formatted(value, ".2f") for value in values) or doc.ABSENT
 
 
 def _by_level(study: Convergence, values: Iterable[str]) -> dict[str, str]:
     return dict(zip((run.level.label for run in study.runs), values, strict=True))
 
 
-def _ladder(study: Convergence) -> Section:
+def _ladder(study: Convergence) -> doc.Section:
     """One ladder in full: what each level did, and every observable."""
     method, note = scheme(study.ladder.scheme), KIND_NOTES.get(study.ladder.kind)
     stated = [f"Refined: {study.ladder.refined}. Nominal order {study.nominal:g}."]
     stated += [method.why] if study.ladder.nominal is None else []
     stated += [note] if note else []
     values = (
-        {"observable": plain(row.observable)}
-        | _by_level(study, (number(value, 8) for value in row.values))
+        {"observable": doc.plain(row.observable)}
+        | _by_level(study, (doc.number(value, 8) for value in row.values))
         | {
             "orders": _orders(alone.orders),
-            "Richardson": number(alone.richardson, 8),
-            "index": formatted(alone.bound, ".1e"),
-            "safety": number(alone.safety),
-            "asymptotic": formatted(alone.asymptotic, ".2f"),
+            "Richardson": doc.number(alone.richardson, 8),
+            "index": doc.formatted(alone.bound, ".1e"),
+            "safety": doc.number(alone.safety),
+            "asymptotic": doc.formatted(alone.asymptotic, ".2f"),
             "verdict": alone.verdict,
         }
         for row in study.rows
         if (alone := row.alone) is not None
     )
     errors = (
-        {"observable": plain(row.observable)}
-        | _by_level(study, (formatted(e, ".1e" if row.alone is None else "+.1e") for e in row.errors))
-        | {"orders": _orders(row.orders), "fitted": formatted(row.fitted, ".2f")}
+        {"observable": doc.plain(row.observable)}
+        | _by_level(study, (doc.formatted(e, ".1e" if row.alone is None else "+.1e") for e in row.errors))
+        | {"orders": _orders(row.orders), "fitted": doc.formatted(row.fitted, ".2f")}
         for row in study.rows
         if any(error is not None for error in row.errors)
     )
     tables = (
-        DataTable.of(map(_level, study.runs), "Levels"),
-        DataTable.of(values, "Values alone"),
-        DataTable.of(errors, "Errors against the reference"),
+        doc.DataTable.of(map(_level, study.runs), "Levels"),
+        doc.DataTable.of(values, "Values alone"),
+        doc.DataTable.of(errors, "Errors against the reference"),
     )
     return _section(f"{method.title}: {study.ladder.kind}", stated, *(one for one in tables if one.rows))
 
 
-def _level(run: LevelRun) -> Record:
+def _level(run: LevelRun) -> doc.Record:
     """What a level cost, and how it ended."""
     failed = run.failed and not run.refused
-    ending = VerdictCell(f"FAILED: {run.failure}", False) if failed else run.failure or run.outcome
+    ending = doc.VerdictCell(f"FAILED: {run.failure}", False) if failed else run.failure or run.outcome
     return (
         {
             "level": run.level.label,
             "ending": ending,
-            "seconds": number(run.wall_seconds, 3),
-            "processor": number(run.cpu_seconds, 3),
-            "repeats": str(run.repeats) if run.repeats else ABSENT,
+            "seconds": doc.number(run.wall_seconds, 3),
+            "processor": doc.number(run.cpu_seconds, 3),
+            "repeats": str(run.repeats) if run.repeats else doc.ABSENT,
         }
-        | {title: number(run.counters.get(name)) for title, name in COUNTERS.items()}
-        | {"force, RMS": formatted(run.errors.get("force, RMS"), ".1e")}
+        | {title: doc.number(run.counters.get(name)) for title, name in COUNTERS.items()}
+        | {"force, RMS": doc.formatted(run.errors.get("force, RMS"), ".1e")}
     )
 
 
@@ -324,34 +313,34 @@ def _stated_prices(studies: list[Convergence], threads: str) -> list[str]:
     return stated
 
 
-def _price_table(studies: list[Convergence]) -> DataTable:
+def _price_table(studies: list[Convergence]) -> doc.DataTable:
     rows = []
     for measure in prices.measures(studies):
         for asked in prices.ERRORS:
             best, found = prices.cheapest(studies, measure, asked)
             shown = {
-                one.scheme: ABSENT
+                one.scheme: doc.ABSENT
                 if one.seconds is None
                 else f"{'≤ ' if one.at_most else ''}{one.seconds:.2g} s"
                 for one in found
             }
-            first = {"error in": plain(measure), "asked": f"{asked:.0e}"}
-            rows.append(first | shown | {"cheapest": best.scheme if best else ABSENT})
-    return DataTable.of(rows, "Processor seconds to an error")
+            first = {"error in": doc.plain(measure), "asked": f"{asked:.0e}"}
+            rows.append(first | shown | {"cheapest": best.scheme if best else doc.ABSENT})
+    return doc.DataTable.of(rows, "Processor seconds to an error")
 
 
-def _growth_table(studies: list[Convergence]) -> DataTable:
+def _growth_table(studies: list[Convergence]) -> doc.DataTable:
     rows = []
     for study in studies:
-        fitted = {plain(work): prices.growth(study, work) for work in prices.WORK}
-        by_resolution = {work: formatted(one.with_resolution, ".2f") for work, one in fitted.items()}
-        by_error = {work: formatted(one.with_error, ".2f") for work, one in fitted.items()}
+        fitted = {doc.plain(work): prices.growth(study, work) for work in prices.WORK}
+        by_resolution = {work: doc.formatted(one.with_resolution, ".2f") for work, one in fitted.items()}
+        by_error = {work: doc.formatted(one.with_error, ".2f") for work, one in fitted.items()}
         rows.append({"scheme": study.ladder.scheme} | by_resolution)
         rows.append({"scheme": f"{study.ladder.scheme}, over 1/error"} | by_error)
-    return DataTable.of(rows, "Exponents of cost over resolution, and over 1/error of F(t)")
+    return doc.DataTable.of(rows, "Exponents of cost over resolution, and over 1/error of F(t)")
 
 
-def _charts(scene: SceneStudy, charts: Sequence[Chart]) -> tuple[Figures]:
+def _charts(scene: SceneStudy, charts: Sequence[Chart]) -> tuple[doc.Figures]:
     """Charts in which something is known, with their copies as PNG and SVG."""
     figures = []
     for name, caption, error, work in charts:
@@ -359,9 +348,9 @@ def _charts(scene: SceneStudy, charts: Sequence[Chart]) -> tuple[Figures]:
         if drawing is not None:
             file = f"{scene.case.name}-{name}"
             files = {f"{file}.png": export.png(drawing), f"{file}.svg": export.svg_file(drawing)}
-            figure = Figure(f"study-{valid_id(file)}", caption, files=files)
-            figures.append(with_drawing(figure, drawing, f"{caption}, {scene.case.name}"))
-    return (Figures(tuple(figures)),)
+            figure = doc.Figure(f"study-{doc.valid_id(file)}", caption, files=files)
+            figures.append(doc.with_drawing(figure, drawing, f"{caption}, {scene.case.name}"))
+    return (doc.Figures(tuple(figures)),)
 
 
 def draw(studies: Sequence[Convergence], error: str, work: str = "") -> Drawing | None:
@@ -369,13 +358,13 @@ def draw(studies: Sequence[Convergence], error: str, work: str = "") -> Drawing 
 
     ``None`` if nothing in it is known and nothing failed.
     """
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure as Drawing
     from matplotlib.ticker import NullFormatter
 
-    figure = Figure(figsize=SIZE, layout="constrained")
+    figure = Drawing(figsize=SIZE, layout="constrained")
     axes = figure.add_subplot()
     axes.set(xscale="log", yscale="log")
-    axes.set(xlabel=WORK_LABELS[work], ylabel=f"relative error, {plain(error)}")
+    axes.set(xlabel=WORK_LABELS[work], ylabel=f"relative error, {doc.plain(error)}")
     drawn: list[tuple[float, float]] = []
     for row, study in enumerate(studies):
         name, coarsest = study.ladder.scheme, study.runs[0].level.size

@@ -8,27 +8,21 @@ alone. A level that failed keeps its place.
 from __future__ import annotations
 
 import math
-import time
-import traceback
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, field, replace
 
-import numpy as np
-
-from contact_scene import SceneError, Trace
-from contact_scene.errors import one_line
+from contact_scene import SceneError
 from validation.cases import Case
 from validation.measure.curves import distance
 from validation.measure.difference import of_numbers
 from validation.measure.events import is_located
-from validation.measure.observables import measure
 from validation.measure.scaling import Magnitudes
 from validation.runs.pool import Task, TaskResult, processes, run_tasks
 from validation.runs.progress import Progress
 from validation.runs.provenance import fingerprint, stamp
 from validation.runs.run import Run
 from validation.runs.store import Store
-from validation.studies.ladders import REFERENCE, Ladder, Level, Settings, finest, ladders, scheme, with_zone
+from validation.studies.ladders import REFERENCE, Ladder, Level, Settings, finest, ladders, scheme
 from validation.studies.orders import Extrapolation, extrapolate, fitted_slope, reference_orders
 
 SCALARS = (
@@ -78,10 +72,18 @@ class LevelRun:
         """Whether this level has no complete result."""
         return bool(self.failure)
 
+
+@dataclass(frozen=True)
+class TimedRun:
+    """A run with the least times of several ``repeats``."""
+
+    run: Run
+    repeats: int
+
     @property
     def breakdown(self) -> str:
-        """Why there is no result, where another attempt may give one."""
-        return "" if self.outcome else self.failure
+        """Why there is no answer, where another attempt may give one."""
+        return self.run.breakdown
 
 
 @dataclass(frozen=True)
@@ -182,7 +184,7 @@ def _study_scene(
     arguments = (case, max_steps)
     (found,) = run([Task(key, f"{case.name} reference", _finest_reference, arguments, FinestReference)])
     reference, resolution, words = found.value or (None, 0, f"no reference; {found.failure}")
-    tasks = {ladder: _level_tasks(case, ladder, reference, max_steps) for ladder in taken}
+    tasks = {ladder: _level_tasks(case, ladder, max_steps) for ladder in taken}
     results = {ladder: run(tasks[ladder]) for ladder in taken if ladder.timed}
     shared = [ladder for ladder in taken if not ladder.timed]
     with processes(min(workers, sum(len(tasks[ladder]) for ladder in shared))) as executor:
@@ -191,8 +193,10 @@ def _study_scene(
     convergences = []
     for ladder in all_ladders:
         reason = declined[ladder.scheme]
-        refused = [LevelRun(level, failure=reason, refused=True) for level in ladder.levels]
-        runs = refused if reason else list(map(_level_run, results[ladder]))
+        runs = [LevelRun(level, failure=reason, refused=True) for level in ladder.levels]
+        if not reason:
+            answered = zip(ladder.levels, results[ladder], strict=True)
+            runs = [measured(case, level, result, reference) for level, result in answered]
         convergences.append(read(ladder, tuple(runs), reference, case))
     return SceneStudy(case, words, _uncertainty(resolution, convergences), convergences)
 
@@ -206,92 +210,62 @@ def _refusal(case: Case, name: str) -> str:
     return ""
 
 
-def _level_tasks(case: Case, ladder: Ladder, reference: Run | None, max_steps: int | None) -> list[Task]:
+def _level_tasks(case: Case, ladder: Ladder, max_steps: int | None) -> list[Task]:
     """The levels of a ladder; timed ones are repeated, and the coarsest is run before to warm up."""
     warmed_up = False
 
-    def run_timed(*arguments: object) -> LevelRun:
+    def run_timed(case: Case, name: str, level: Level, max_steps: int | None) -> TimedRun:
         nonlocal warmed_up
         if not warmed_up:  # imports, caches, pages of memory
-            run_level(case, ladder.scheme, ladder.levels[0], None, max_steps)
+            run_level(case, name, ladder.levels[0], max_steps)
             warmed_up = True
-        return run_level(*arguments, REPEATS)  # type: ignore[arg-type, call-arg]
+        return run_level(case, name, level, max_steps, REPEATS)
 
     return [
         Task(
             fingerprint("level", case.scene, ladder.scheme, ladder.kind, level, ladder.timed, max_steps),
             f"{case.name} {ladder.scheme} {ladder.kind} {level.label}",
             run_timed if ladder.timed else run_level,
-            # there is no reference for a scene whose process zone was changed
-            (case, ladder.scheme, level, reference if level.settings.zone_factor == 1.0 else None, max_steps),
-            LevelRun,
+            (case, ladder.scheme, level, max_steps),
+            TimedRun,
         )
         for level in ladder.levels
     ]
 
 
-def _level_run(result: TaskResult) -> LevelRun:
-    """The result of a level, or its failure where its process died."""
-    if result.value is None:
-        return LevelRun(result.task.arguments[2], failure=result.failure, details=result.details)
-    return result.value
-
-
 def run_level(
-    case: Case,
-    name: str,
-    level: Level,
-    reference: Run | None,
-    max_steps: int | None = None,
-    repeats: int = 1,
-) -> LevelRun:
-    """Run a level of a scheme, repeatedly while that is cheap; a breakdown becomes part of the result.
-
-    Without a reference there are no errors; of up to ``repeats`` runs the fastest is timed.
-    """
-    method = scheme(name)
-    wall: list[float] = []
-    cpu: list[float] = []
-    try:
-        method.solver.load()  # imports are not part of a run
-        while True:
-            begin, spent = time.perf_counter(), time.process_time()
-            trace = method.solve(case.scene, level.settings, max_steps)
-            wall.append(time.perf_counter() - begin)
-            cpu.append(time.process_time() - spent)
-            if len(wall) >= repeats or sum(wall) > ENOUGH_SECONDS:
-                break
-    except Exception as error:
-        failure = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        return LevelRun(level, failure=failure, details=traceback.format_exc())
-    found = LevelRun(
-        level,
-        counters=asdict(trace.counters),
-        wall_seconds=min(wall),
-        cpu_seconds=min(cpu),
-        repeats=len(wall),
-        outcome=str(trace.outcome.kind),
-    )
-    if not trace.outcome.finished:
-        return replace(found, failure=f"{trace.outcome.kind}: {trace.outcome.reason}")
-    broken = [column for column, rows in trace.columns().items() if not np.isfinite(rows).all()]
-    if broken:
-        return replace(found, failure=f"not finite: {', '.join(broken)}")
-    scene = with_zone(case.scene, level.settings.zone_factor)
-    result = _measured(replace(case, scene=scene), name, trace)
-    values = {name: result.measures.get(name) for name in SCALARS}
-    errors = {} if reference is None else _errors(result, reference, case)
-    return replace(found, values=values, errors=errors)
+    case: Case, name: str, level: Level, max_steps: int | None = None, repeats: int = 1
+) -> TimedRun:
+    """Run a level of a scheme, up to ``repeats`` times while that is cheap."""
+    runs: list[Run] = []
+    while len(runs) < repeats and sum(one.wall_seconds for one in runs) <= ENOUGH_SECONDS:
+        runs.append(scheme(name).run(case, level.settings, max_steps))
+        if runs[-1].trace is None:
+            break
+    wall, cpu = (min(getattr(one, clock) for one in runs) for clock in ("wall_seconds", "cpu_seconds"))
+    return TimedRun(replace(runs[-1], wall_seconds=wall, cpu_seconds=cpu), len(runs))
 
 
-def _measured(case: Case, solver: str, trace: Trace) -> Run:
-    return Run(case.name, solver, trace, measures=measure(trace, case.scene, 0.0))
+def measured(case: Case, level: Level, result: TaskResult, reference: Run | None) -> LevelRun:
+    """What came of a level; there are errors where the reference has an answer to the same scene."""
+    if result.value is None:
+        return LevelRun(level, failure=result.failure, details=result.details)
+    run, repeats = result.value.run, result.value.repeats
+    if run.trace is None:
+        return LevelRun(level, failure=run.failure, details=run.details)
+    times = {"wall_seconds": run.wall_seconds, "cpu_seconds": run.cpu_seconds, "repeats": repeats}
+    found = LevelRun(level, counters=asdict(run.trace.counters), outcome=run.outcome, **times)
+    if not run.finished:
+        return replace(found, failure=run.ending)
+    values = {name: run.measures.get(name) for name in SCALARS}
+    base = reference if level.settings.zone_factor == 1.0 else None
+    return replace(found, values=values, errors=_errors(run, base, case))
 
 
-def _errors(result: Run, reference: Run, case: Case) -> dict[str, float]:
+def _errors(result: Run, reference: Run | None, case: Case) -> dict[str, float]:
     """Signed relative errors of the scalars of a run, and norms of its curves (:data:`NORMS`)."""
-    assert result.trace is not None
-    assert reference.trace is not None
+    if reference is None or reference.trace is None or result.trace is None:
+        return {}
     located = [name for name in SCALARS if is_located(name, reference.trace, case.scene.loading)]
     numbers = of_numbers(result, reference, located)
     errors = {one.quantity: one.error for one in numbers if math.isfinite(one.error)}
@@ -332,17 +306,13 @@ def read(ladder: Ladder, runs: tuple[LevelRun, ...], reference: Run | None, case
 
 def _finest_reference(case: Case, max_steps: int | None) -> FinestReference:
     """The finest front tracking that reaches its end, its resolution, and why the finer ones failed."""
-    failures = []
+    failures: list[str] = []
     for resolution in finest(case.scene):
-        try:
-            trace = scheme(REFERENCE).solve(case.scene, Settings(resolution), max_steps)
-        except Exception as error:
-            failures.append(f"{resolution} failed: {one_line(error)}")
-            continue
-        if trace.outcome.finished:
+        found = scheme(REFERENCE).run(case, Settings(resolution), max_steps)
+        if found.finished:
             words = "; ".join([f"front tracking at resolution {resolution}", *failures])
-            return _measured(case, REFERENCE, trace), resolution, words
-        failures.append(f"{resolution} failed: {trace.outcome.kind}: {trace.outcome.reason}")
+            return found, resolution, words
+        failures.append(f"{resolution} failed: {found.failure or found.ending}")
     return None, 0, "; ".join(["no reference", *failures])
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from support.faults.injection import by, changed, table, takes, times
 
-from bem_solver.trigger import Located
+from bem_solver.step import Located
 
 
 def _without_stage_work(true):
@@ -35,14 +35,14 @@ FAULTS = table("reference", "contact_scene", [
      "temperature"),
 ])  # fmt: skip
 FAULTS += table("bem", "bem_solver", [
-    (WHOLE, "trigger:to_level", lambda true: lambda step, trigger, candidate: Located(
+    (WHOLE, "step:to_level", lambda true: lambda step, trigger, candidate: Located(
         candidate, true(step, trigger, candidate).reached), "level"),
 ])  # fmt: skip
 FAULTS += table("fem", "fem_solver", [
-    (WHOLE, "trigger:step_to_level", lambda true: lambda run, segment, trigger, dt, contact: (
+    (WHOLE, "time_step:step_to_level", lambda true: lambda run, segment, trigger, dt, contact: (
         contact if true(run, segment, trigger, dt, contact) is not None else None), "level"),
 ])  # fmt: skip
 FAULTS += table("reference", "validation.reference.path", [
-    (WHOLE, "events:to_level", lambda true: lambda tracker, planned, correction: (
-        true(tracker, planned, correction) and correction), "level"),
+    (WHOLE, "continuation:Continuation._to_level", lambda true: lambda self, plan, correction: (
+        true(self, plan, correction) and correction), "level"),
 ])  # fmt: skip

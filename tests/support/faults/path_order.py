@@ -24,15 +24,15 @@ def _three_kept(true):
 
 ONE_LESS, ONE_KEPT = "path through one row less", "one row less kept for the path"
 FAULTS = table("bem", "bem_solver", [
-    ("straight path", "bent_path:BentPath.through",
+    ("straight path", "motion:BentPath.through",
      lambda true: lambda cls, rows, edge, duration, end, *_: cls.straight(edge, end)),
-    (ONE_LESS, "bent_path:BentPath.through", takes(rows=lambda rows: rows[:1])),
-    ("points passed a tenth too early", "bent_path:BentPath.left", times(1.1)),
+    (ONE_LESS, "motion:BentPath.through", takes(rows=lambda rows: rows[:1])),
+    ("points passed a tenth too early", "motion:BentPath.left", times(1.1)),
 ])  # fmt: skip
-FAULTS += table("fem", "fem_solver.following", [
+FAULTS += table("fem", "fem_solver", [
     ("straight path", "path:EdgePolynomial.through", takes(before=lambda _: ())),
     (ONE_LESS, "path:EdgePolynomial.through", takes(before=lambda rows: rows[:1])),
-    (ONE_KEPT, "state:FollowingState.rows_and_this", gives(lambda rows: rows[:1])),
+    (ONE_KEPT, "state:ComponentState.rows_and_this", gives(lambda rows: rows[:1])),
     ("nodes passed at the end of the step", "path:EdgePolynomial.passed",
      gives(lambda share: np.where(share > 0.0, 1.0, 0.0))),
     ("nodes passed 1 % too early", "path:EdgePolynomial.passed", times(0.99)),

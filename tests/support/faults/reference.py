@@ -32,7 +32,7 @@ def _energy_without_a_branch(true):
 def _trapezoidal(true):
     def end(self):
         y = 0.5 * float(self.clock.sum()) / self.times
-        return 2.0 * y / (1.0 + y) * self.moduli * self.rate * self.times, true(self)[1]
+        return (2.0 * y / (1.0 + y) * self.moduli * self.rate * self.times)[None], true(self)[1]
 
     return end
 
@@ -56,7 +56,7 @@ FAULTS = table("reference", "validation.reference.path", [
      lambda true: lambda self, units, strain: units @ self.branches_of_units),
     ("released points forget their relaxation", "rheology:Rheology.release", takes(branches=by(0.0))),
     ("internal variables in contact not advanced", "memory:ConstantRate.end",
-     lambda true: lambda self: (0.0 * self.moduli, true(self)[1])),
+     lambda true: lambda self: (0.0 * true(self)[0], true(self)[1])),
     ("start with the other modulus", "equilibrium:start_state", takes(glassy=lambda glassy: not glassy)),
     ("edge passes every point at the end of the step", "numerics:inverse",
      lambda true: lambda way, rise: np.ones_like(rise)),
@@ -72,7 +72,7 @@ FAULTS = table("reference", "validation.reference.path", [
     ("the spring 2 % too soft in the balance", "run:timed_legs",
      takes(segment=changed(compliance=by(1.02))), "spring-elastic"),
     ("the wake recovers 1 % too slowly", "rheology:rheology", _recovery(1.01), SLOWEST),
-    ("the interface takes up 1 % more", "energies:_taken_up", times(1.01), RATED),
+    ("the interface takes up 1 % more", "edge_law:EdgeLaw.taken_up", times(1.01), RATED),
     ("points of a step over zones released at its end", "numerics:inverse",
      lambda true: lambda way, rise: np.ones_like(rise), SHORT),
     ("points of a step over zones released 1 % too early", "numerics:inverse", times(0.99), SHORT),

@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 from support.invariants.coarse_solvers import CoarseSolver
 
+import contact_scene as cs
 from benchmarks.trace_invariants import (
     CLEAR,
     ROUND_OFF,
@@ -24,38 +25,24 @@ from benchmarks.trace_invariants import (
     energy_gained,
     in_contact,
 )
-from contact_scene import (
-    Adhesion,
-    Branch,
-    FlatPunch,
-    Hold,
-    Loading,
-    Material,
-    Outcome,
-    OutcomeKind,
-    Scene,
-    SceneError,
-    Table,
-    Trace,
-)
 
 ROOTS = 0.01
 """Accuracy of roots, in what a run promises of a step."""
 ENERGIES = ("stored_energy", "external_work", "dissipated_energy")  # each the difference of the others
 
 
-def answered(solver: CoarseSolver, scene: Scene, **asked) -> Trace | None:
+def answered(solver: CoarseSolver, scene: cs.Scene, **asked) -> cs.Trace | None:
     """A trace, or ``None`` for a refusal, which has to be one line."""
     try:
         return solver.solve(scene, **asked)
-    except SceneError as error:
+    except cs.SceneError as error:
         refusal = str(error)
     assert refusal
     assert "\n" not in refusal
     return None
 
 
-def profiled(solver: CoarseSolver, scene: Scene) -> Trace | None:
+def profiled(solver: CoarseSolver, scene: cs.Scene) -> cs.Trace | None:
     """The answer with profiles at the start, within and at the end of the first load step.
 
     The same for all invariants of the same scenes, so that these are solved once.
@@ -64,18 +51,18 @@ def profiled(solver: CoarseSolver, scene: Scene) -> Trace | None:
     return answered(solver, scene, times=(0.0, first.start + 0.4 * (first.end - first.start), first.end))
 
 
-def answers_or_refuses(solver: CoarseSolver, scene: Scene) -> None:
+def answers_or_refuses(solver: CoarseSolver, scene: cs.Scene) -> None:
     """Nothing but finite numbers, time that never runs back, a typed outcome, the load reached."""
     trace = profiled(solver, scene)
     if trace is None:
         return
-    assert isinstance(trace.outcome, Outcome)
-    assert isinstance(trace.outcome.kind, OutcomeKind)
+    assert isinstance(trace.outcome, cs.Outcome)
+    assert isinstance(trace.outcome.kind, cs.OutcomeKind)
     assert trace.outcome.finished or trace.outcome.kind in CLEAR
     assert broken(scene, trace) == []
 
 
-def accounts_for_the_interface(solver: CoarseSolver, scene: Scene) -> None:
+def accounts_for_the_interface(solver: CoarseSolver, scene: cs.Scene) -> None:
     """Opening takes up at least the work of adhesion, closing gives its energy back; the rest is balanced."""
     trace = answered(solver, scene)
     if trace is None or len(trace) == 0 or scene.adhesion is None:
@@ -96,7 +83,7 @@ def accounts_for_the_interface(solver: CoarseSolver, scene: Scene) -> None:
     assert np.all(change[~closes] >= scene.adhesion.work * opened[~closes] - rounding)
 
 
-def stays_within_the_step_budget(solver: CoarseSolver, scene: Scene, budget: int) -> None:
+def stays_within_the_step_budget(solver: CoarseSolver, scene: cs.Scene, budget: int) -> None:
     """A run stops at its budget of steps and says so."""
     trace = answered(solver, scene, budget=budget)
     if trace is None:
@@ -104,11 +91,11 @@ def stays_within_the_step_budget(solver: CoarseSolver, scene: Scene, budget: int
     spent = trace.counters.steps + trace.counters.rejected_steps
     assert spent <= budget
     if spent < budget:
-        assert trace.outcome.kind is not OutcomeKind.STEP_BUDGET
+        assert trace.outcome.kind is not cs.OutcomeKind.STEP_BUDGET
     assert all(np.isfinite(column).all() for column in trace.columns().values())
 
 
-def gains_no_energy(solver: CoarseSolver, scene: Scene) -> None:
+def gains_no_energy(solver: CoarseSolver, scene: cs.Scene) -> None:
     """Branches only dissipate; no energy is stored that is negative; without adhesion nothing is gained."""
     trace = profiled(solver, scene)
     if trace is None or len(trace) == 0:
@@ -117,7 +104,7 @@ def gains_no_energy(solver: CoarseSolver, scene: Scene) -> None:
     assert energy_gained(scene, trace, solver.declared(scene)) == []
 
 
-def closes_the_energy_balance(solver: CoarseSolver, scene: Scene) -> None:
+def closes_the_energy_balance(solver: CoarseSolver, scene: cs.Scene) -> None:
     """What the branches dissipate is the work done, less what is stored and the tip takes; it takes time.
 
     A sharp edge takes the glassy ``K^2/(2 Einf*)`` per area; as soon as an edge that rested or receded
@@ -146,7 +133,7 @@ def closes_the_energy_balance(solver: CoarseSolver, scene: Scene) -> None:
     assert np.abs(residual).max(initial=0.0) <= solver.declared(scene) * effort(scene, trace)
 
 
-def _tip_work(scene: Scene, columns: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _tip_work(scene: cs.Scene, columns: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """What the tip releases in each step, and what rows cannot tell of that.
 
     The latter where its rate jumps within the step, as an edge comes to ground where it has been before. The
@@ -170,7 +157,7 @@ def _tip_work(scene: Scene, columns: dict[str, np.ndarray]) -> tuple[np.ndarray,
     return work, np.where(jumps, 0.5 * np.abs(two - one) * swept, 0.0)
 
 
-def separates_contact_from_gap(solver: CoarseSolver, scene: Scene) -> None:
+def separates_contact_from_gap(solver: CoarseSolver, scene: cs.Scene) -> None:
     """No pressure outside the contact; no gap inside; outside none that is negative beyond one division."""
     trace = profiled(solver, scene)
     if trace is None:
@@ -194,24 +181,26 @@ def separates_contact_from_gap(solver: CoarseSolver, scene: Scene) -> None:
         assert profile.gap[under].min() >= -solver.declared(scene) * scale
 
 
-def is_relaxed_when_slow(solver: CoarseSolver, scene: Scene, depth: float) -> None:
+def is_relaxed_when_slow(solver: CoarseSolver, scene: cs.Scene, depth: float) -> None:
     """A ramp far slower than every relaxation time ends as an elastic contact of ``E0``."""
     slowest = max((branch.time for branch in scene.material.branches), default=1.0)
     _same_as_elastic(solver, scene, depth, scene.material.modulus, 1e10 * slowest)
 
 
-def is_glassy_when_fast(solver: CoarseSolver, scene: Scene, depth: float) -> None:
+def is_glassy_when_fast(solver: CoarseSolver, scene: cs.Scene, depth: float) -> None:
     """A ramp far faster than every relaxation time ends as an elastic contact of ``Einf``."""
     fastest = min((branch.time for branch in scene.material.branches), default=1.0)
     _same_as_elastic(solver, scene, depth, scene.material.glassy_modulus, 1e-10 * fastest)
 
 
-def _same_as_elastic(solver: CoarseSolver, scene: Scene, depth: float, modulus: float, span: float) -> None:
+def _same_as_elastic(
+    solver: CoarseSolver, scene: cs.Scene, depth: float, modulus: float, span: float
+) -> None:
     start = scene.loading.penetration
-    ramp = Table((0.0, span), (start, depth))
-    ramped = solver.end(replace(scene, loading=Loading("jump-in", start, (ramp,))))
-    elastic = Material(modulus, scene.material.poisson)
-    still = solver.end(replace(scene, material=elastic, loading=Loading("relaxed", depth)))
+    ramp = cs.Table((0.0, span), (start, depth))
+    ramped = solver.end(replace(scene, loading=cs.Loading("jump-in", start, (ramp,))))
+    elastic = cs.Material(modulus, scene.material.poisson)
+    still = solver.end(replace(scene, material=elastic, loading=cs.Loading("relaxed", depth)))
     _agree(ramped, still)
 
 
@@ -221,10 +210,10 @@ def _agree(one: dict[str, tuple[float, float]], two: dict[str, tuple[float, floa
         assert abs(value - other) <= error + its_error, f"{name}: {value} +- {error}, {other} +- {its_error}"
 
 
-def dissipates_over_a_closed_cycle(solver: CoarseSolver, scene: Scene) -> None:
+def dissipates_over_a_closed_cycle(solver: CoarseSolver, scene: cs.Scene) -> None:
     """From a relaxed state around and back: the work done is what is lost, and never negative."""
     trace = answered(solver, scene)
-    if trace is None or trace.outcome.kind is not OutcomeKind.COMPLETED:
+    if trace is None or trace.outcome.kind is not cs.OutcomeKind.COMPLETED:
         return
     assert trace.penetration[-1] == trace.penetration[0]
     assert trace.external_work[-1] >= -solver.declared(scene) * effort(scene, trace)
@@ -233,7 +222,7 @@ def dissipates_over_a_closed_cycle(solver: CoarseSolver, scene: Scene) -> None:
 
 
 def is_independent_of_units(
-    solver: CoarseSolver, scene: Scene, other: Scene, units: dict[str, float]
+    solver: CoarseSolver, scene: cs.Scene, other: cs.Scene, units: dict[str, float]
 ) -> None:
     """The same scene in other units: the same answer (see :func:`differences_in_units`)."""
     found = differences_in_units(solver, scene, other, units)
@@ -241,7 +230,7 @@ def is_independent_of_units(
 
 
 def differences_in_units(
-    solver: CoarseSolver, scene: Scene, other: Scene, units: dict[str, float]
+    solver: CoarseSolver, scene: cs.Scene, other: cs.Scene, units: dict[str, float]
 ) -> list[str]:
     """What differs where a scene is stated in other units: the rows beyond 1e-9, energies of the effort.
 
@@ -288,25 +277,25 @@ def differences_in_units(
     return [name for name, missed in apart.items() if not missed.max(initial=0.0) <= close]
 
 
-def is_independent_of_a_relaxed_hold(solver: CoarseSolver, scene: Scene, rest: float) -> None:
+def is_independent_of_a_relaxed_hold(solver: CoarseSolver, scene: cs.Scene, rest: float) -> None:
     """A relaxed state held before the loading begins changes nothing but the time."""
     steps = scene.loading.steps
-    held = replace(scene, loading=replace(scene.loading, steps=(Hold(rest), *steps)))
+    held = replace(scene, loading=replace(scene.loading, steps=(cs.Hold(rest), *steps)))
     _agree(solver.end(scene), solver.end(held))
 
 
 def superposes_at_fixed_radius(
-    solver: CoarseSolver, material: Material, histories: tuple, start: str
+    solver: CoarseSolver, material: cs.Material, histories: tuple, start: str
 ) -> None:
     """At a fixed contact radius the force is linear in the history of the penetration."""
     times, first, second, shares = histories
     both = [shares[0] * a + shares[1] * b for a, b in zip(first, second, strict=True)]
     forces = []
     for depths in (first, second, both):
-        loading = Loading(start, depths[0], (Table(times, tuple(depths)),))
+        loading = cs.Loading(start, depths[0], (cs.Table(times, tuple(depths)),))
         # held so strongly that it never lets go
-        trace = solver.solve(Scene(material, FlatPunch(0.2), loading, Adhesion(1e6, 0.02)))
-        assert trace.outcome.kind is OutcomeKind.COMPLETED
+        trace = solver.solve(cs.Scene(material, cs.FlatPunch(0.2), loading, cs.Adhesion(1e6, 0.02)))
+        assert trace.outcome.kind is cs.OutcomeKind.COMPLETED
         assert np.all(trace.contact_radius == 0.2)
         rows = [np.flatnonzero(trace.time == time)[-1] for time in times]
         forces.append(trace.force[rows])
@@ -315,12 +304,12 @@ def superposes_at_fixed_radius(
     assert np.abs(forces[2] - sum_of_both).max() <= 1e-9 * scale
 
 
-def ignores_a_branch_without_modulus(solver: CoarseSolver, scene: Scene, time: float, place: int) -> None:
+def ignores_a_branch_without_modulus(solver: CoarseSolver, scene: cs.Scene, time: float, place: int) -> None:
     """Of no modulus, or of one below rounding: the same bits."""
     plain = answered(solver, scene)
     for modulus in (0.0, 1e-32 * scene.material.modulus):
         branches = list(scene.material.branches)
-        branches.insert(place, Branch(modulus, time))
+        branches.insert(place, cs.Branch(modulus, time))
         more = answered(solver, replace(scene, material=replace(scene.material, branches=tuple(branches))))
         assert (plain is None) == (more is None)
         if plain is None or more is None:

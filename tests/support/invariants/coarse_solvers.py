@@ -69,23 +69,20 @@ def _answer(
         return bem_solver.solve(scene, bem_solver.Options(divisions, **asked))
     if name == "reference":
         return reference.solve(scene, reference.Options(divisions, **asked))
-    options = fem_solver.Options(divisions, FEM_TOLERANCE / finer**2, **asked)
+    options = fem_solver.Options(FEM_TOLERANCE / finer**2, **asked)
     return fem_solver.solve(scene, _mesh(scene, divisions, finer), options)
 
 
-def _mesh(scene: Scene, divisions: int, finer: int) -> meshes.HalfSpaceMesh:
-    """Structured, grading fast; without adhesion a fiftieth of the largest contact takes the zone's place.
+def _mesh(scene: Scene, divisions: int, finer: int) -> meshes.EdgeMeshes:
+    """Places that grade fast; without adhesion a fortieth of the largest contact takes the zone's place.
 
     The largest contact is rounded up to ten binary digits, so that it scales exactly with powers of two.
     """
     mantissa, exponent = math.frexp(largest_contact_radius(scene))
     largest = math.ldexp(math.ceil(mantissa * 1024.0) / 1024.0, exponent)
-    edge = scene.indenter.edge if np.isfinite(scene.indenter.edge) else None
-    zone = scene.adhesion.zone if scene.adhesion is not None and scene.is_adhesive else 0.02 * largest
-    grading = 0.4 / finer
-    return meshes.structured_half_space(
-        meshes.fit(edge or 0.0, largest, zone, divisions, grading=grading, family="structured", edge=edge)
-    )
+    if scene.adhesion is None or not scene.is_adhesive:
+        return meshes.EdgeMeshes(0.05 * largest, 2 * divisions, largest, 0.4 / finer)
+    return meshes.EdgeMeshes(scene.adhesion.zone, divisions, largest, 0.4 / finer)
 
 
 SOLVERS: Mapping[str, CoarseSolver] = {

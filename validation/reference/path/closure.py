@@ -27,13 +27,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from validation.reference.path.numerics import bracketed, gauss, powers
+from validation.reference.path.numerics import bracketed, chebyshev, chebyshev_series, gauss, powers
 
 Array = NDArray[np.float64]
 
@@ -133,7 +131,7 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
     place = np.log1p((s - s[0]) / x[0])
     reach = float(place[-1])
     order = TERMS + int(TERMS_A_FACTOR * reach)
-    moments = _polynomials(2.0 * place / reach - 1.0, order)
+    moments = chebyshev(2.0 * place / reach - 1.0, order)
     return Closure(
         zone, s, weight, main, moments, moments * (width / x), kernel_slope(x[0], reach, zone, order)
     )
@@ -141,23 +139,9 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
 
 def kernel_slope(start: float, reach: float, zone: float, order: int) -> Array:
     """``x dK/dx`` as a series (order, order) in the places of ``y - zone`` and ``x``."""
-    knots, series = _series(order)
+    knots, series = chebyshev_series(order)
     at = start * np.exp(0.5 * reach * (1.0 + knots))
     return np.asarray(series @ (at * _kernel_slopes(at, at[:, None], zone)) @ series.T)
-
-
-def _polynomials(x: Array, order: int) -> Array:
-    """Chebyshev's, (order, m)."""
-    return np.asarray(chebvander(x, order - 1).T, float)
-
-
-@cache
-def _series(order: int) -> tuple[Array, Array]:
-    """Chebyshev's knots, and what makes of values there the coefficients of a series."""
-    knots = np.cos(np.pi * (np.arange(order) + 0.5) / order)
-    series = 2.0 / order * _polynomials(knots, order)
-    series[0] *= 0.5
-    return knots, series
 
 
 def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:

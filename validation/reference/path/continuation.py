@@ -4,31 +4,74 @@ A step goes a way ``h`` in the plane of ``p/T`` and ``a/L``, predicted by the po
 since the last kink. Then either the radius is what was predicted, and the load parameter is the root of the
 edge condition, which needs one geometry; or, where the edge hardly moves, the other way about; or the edge
 rests. At a limit point of the load the radius is fixed, and nothing special happens.
+
+``T`` is half the time since the leg began: a leg may last 1e8 times as long as what happens first in it.
+``L`` is half the way since the edge turned. Both start anew at a turn of the edge.
+
+A step ends at an event, seen ahead on the predictor:
+
+- the end of the leg;
+- a turn of the edge; the start of one that has rested;
+- a fold: the load parameter has a maximum over the radius. It is approached from this side and landed on
+  when its place no longer changes; there the contact jumps to another radius, or is lost;
+- the smallest contact that is followed, or the rim of the indenter.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path import events
+from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.equilibrium import (
+    pressed_depth,
+    pressed_force,
+    pressed_radius,
+    start_state,
+    touching_radius,
+)
 from validation.reference.path.numerics import DEGREE, bracketed
-from validation.reference.path.tracker import RESIDUAL, Correction, Ending, Fixed, Plan, Tracker
+from validation.reference.path.path import Leg, Predictor, Rows
+from validation.reference.path.rheology import Body
+from validation.reference.path.state import State, faded
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
+Level = Callable[[float, float, float], float]
+"""How far penetration, force and radius are beyond a level."""
 
+FIRST_STEP = 1e-3
+"""First step of a leg, in parts of the shortest time and of the zone."""
+SEEN_TIME = 1e-9
+"""Least first step, in the scale of time, where no branch holds anything that would relax sooner."""
+STILL = 1e-6
+"""Travel of the edge, in zones, below which it is at rest."""
+LOST_FORCE = 1e-12
+"""Force without adhesion, in the largest, at which contact is lost."""
+LEAST_CHANGE = 1e-9
+"""Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
+FIRST_RADIUS = 1e-2
+"""Least radius of the first step of a new contact, in the scale of the radius."""
+SMALL_PART = 0.1
+"""Scales of radius and penetration, in the largest of the run."""
+RESIDUAL = 1e-12
+"""At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
+SOLVED = 100.0
+"""Rounding of what is solved for an image, in units of the last place and the ratio of image and surface."""
 REJECTED = 2.5
 """Error, in tolerances, above which a step is repeated."""
 LEAST_WEIGHT = 0.3
 """Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
 LEAST_SHARE = 0.1
 """Of what all steps over one scale may add up to: shorter steps are those after a kink, and few."""
-LARGEST_GROWTH, LEAST_GROWTH = 3.0, 0.3
-"""Ratio of successive steps."""
+LARGEST_GROWTH = 2.0
+"""Ratio of successive steps. At 3, errors of 1e-2 tolerances, which are rounding, choose the rows."""
 RUNG = 2.0**0.25
 """Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
 ALIKE = 0.99
@@ -37,21 +80,81 @@ SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
 UNSEEN = 0.25
 """Next step, in one that no correction was found for."""
-DEPARTURES = 3
-"""Times that a departure is looked for, each with the step that ended at the one before."""
-TURNED = 0.01
-"""Slope back, in the mean slope of a step, from which on the edge has turned: 1e-5 of the step is lost."""
-SPEED = 100.0
-"""Misprediction, in tolerances, as bad as one of all of the duration of a step, where the law asks for the
-speed of the edge: a collapse takes no time to speak of, and is not seen on the scale of time."""
 NARROW = 1e-4
 """Change of a root by a secant, relative to it and in tolerances, with which it is found."""
 SECANTS = 12
 """Most secants: they converge in four, or do not."""
-SEEN = 1e6
-"""Difference of two radii, in zones and the rounding of the residual, that tells the slope."""
+SEEN = 1e-5
+"""Least difference of two radii, in zones, that tells a slope beside the rounding of the residual."""
 UNFORESEEN = 1e-2
 """Longest first step after a kink, whichever way the path then goes."""
+MOVING = 3e-3
+"""Share of the radius in the direction of the path from which on a step ends at a radius."""
+AFTER_TURN = 0.1
+"""First step after a turn, in the step before: nothing else tells whether it is short enough."""
+TOWARDS = 0.75
+"""Share of the way to an event that a step goes at most if it does not end there."""
+SAME_FOLD = 0.1
+"""Change of the place of a fold foreseen, in tolerances, below which it is landed on."""
+FILLED = 1.0 - 1e-5
+"""Zone of fixed stress, in the contact radius, at which the contact ends."""
+LARGEST_JUMP = 1e4
+"""Radius up to which a stable contact is looked for, in that at which one runs away."""
+
+
+class Ending(StrEnum):
+    """What a step came to."""
+
+    NONE = ""
+    REJECTED = "rejected"
+    END = "end of the leg"
+    LEVEL = "level"
+    TURN = "turn"
+    DEPARTURE = "departure"
+    FOLD = "fold"
+    LEAST = "smallest radius"
+    RIM = "rim"
+    LOST = "lost"
+
+
+SIGHTS = {
+    Ending.END: (0, 0, 1.0),
+    Ending.LEAST: (0, 1, -1.0),
+    Ending.RIM: (0, 1, 1.0),
+    Ending.TURN: (1, 1, 0.0),
+    Ending.FOLD: (1, 0, -1.0),
+}
+"""Events as functions of the path ahead: derivative, component, and the way it passes a level."""
+
+
+class Fixed(StrEnum):
+    """What a step ends at."""
+
+    RADIUS = "radius"
+    LOAD = "load"
+    REST = "rest"
+
+
+@dataclass
+class Plan:
+    """Where a step is to go: ``z = (p/T, a/L, F, (D, C)/depth)`` after a way ``h``, and its slopes there.
+
+    ``p`` and ``a`` are those since the step began.
+    """
+
+    h: float
+    z: Array
+    tangent: Array
+    fixed: Fixed
+    event: Ending = Ending.NONE
+
+
+@dataclass(frozen=True)
+class Correction:
+    """A step that satisfies the edge condition, and its arclength."""
+
+    arrival: Arrival
+    s: float
 
 
 def on_ladder(ratio: float) -> float:
@@ -59,320 +162,560 @@ def on_ladder(ratio: float) -> float:
     return float(RUNG ** math.floor(math.log(ratio) / math.log(RUNG)))
 
 
-class Continuation(Tracker):
-    """A run that goes on along its path."""
+@dataclass
+class Continuation:
+    """A run in progress.
+
+    ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration; ``L_run`` the largest of the
+    radius. ``lasted``, ``travelled``: since the leg began and the edge set off. ``slopes``: of the residual
+    over the load parameter and the radius, as last seen; they save evaluations.
+    """
+
+    body: Body
+    law: EdgeLaw
+    state: State
+    tolerance: float
+    L_run: float
+    depth: float
+    accepted: Callable[[Arrival, State, float], None] = lambda *_: None
+    leg: Leg = None  # type: ignore[assignment]
+    rows: Rows = None  # type: ignore[assignment]
+    T: float = 1.0
+    L: float = 1.0
+    lasted: float = 0.0
+    travelled: float = 0.0
+    T_leg: float = 1.0
+    T_first: float = 1.0
+    h: float = 1.0
+    tangent: Array = field(default_factory=lambda: np.array([1.0, 0.0]))
+    slopes: dict[Fixed, float] = field(default_factory=dict)
+    fails: int = 0
+    evaluations: int = 0
+    geometries: int = 0
+    steps: int = 0
+    rejected: int = 0
+    moving: bool = False
+    direction: float = -1.0
+    vertex: float = math.nan
+    stuck_at: int = -1
+    level: Level | None = None
+    largest_force: float = 0.0
+    borne: float = 0.0
+
+    @property
+    def noise(self) -> float:
+        """Residual below which there is only rounding.
+
+        Where a load is given, that of the largest borne. The image of a thin layer is that many times its
+        surface, and as many times what is solved for it rounds.
+        """
+        force, noise = abs(self.state.force), 10.0 * RESIDUAL
+        if self.law.adhesion is None and self.leg.free and force > 0.0:
+            noise = max(noise, math.ulp(1.0) * self.borne / force)
+        if self.body.image.is_layer and self.state.radius > 0.0:
+            image, surface = np.abs(self.state.depths[1:]).max(), self.body.shape(self.state.radius)
+            surface += abs(self.state.depth)
+            edge = self.law.strain(self.state.radius, self.body.rheology.glassy) or surface
+            noise = max(noise, SOLVED * math.ulp(1.0) * image**2 / (surface * edge))
+        return noise
+
+    @property
+    def least_scale(self) -> float:
+        """Scale of the radius where the edge sets off."""
+        return self.law.zone or 1e-2 * self.L_run
+
+    @property
+    def still(self) -> float:
+        """Travel that changes nothing an edge can see."""
+        return STILL * self.least_scale
+
+    def trial(self, travel: float, s: float, order: int = DEGREE) -> Trial:
+        """The step that goes that far."""
+        self.geometries += 1
+        segment = self.rows.segment(s, travel, order)
+        return Trial(self.body, self.law, self.state, self.leg, segment)
+
+    def arrive(self, trial: Trial, rise: float) -> Arrival:
+        """The end of a trial after a rise of the load parameter."""
+        self.evaluations += 1
+        return trial.arrive(rise)
+
+    def begin(self, leg: Leg, T_leg: float) -> None:
+        """A new leg: a kink of the path."""
+        self.leg, self.T_leg, self.T = leg, T_leg, T_leg
+        self.L, self.lasted = min(self.L_run, self.least_scale), 0.0
+        self.state = replace(self.state, parameter=leg.start)
+        state = self.state
+        self.rows = Rows.at(state.force, state.depths)
+        if state.radius == 0.0 and state.depth >= 0.0 and leg.presses:
+            self._touch()
+            return
+        self._restart(np.array([1.0, 0.0]))
+        self.moving = False
+        if leg.timed:
+            self.T_first = self.T = T_leg * self.h
+            self.h = 1.0
+
+    def _touch(self) -> None:
+        """The first step of a new contact, as if it were elastic: to a small part of the largest penetration.
+
+        Until the shortest relaxation time only the load changes with time. A plane tip is in contact as a
+        whole.
+        """
+        if self.law.tip:
+            begun = start_state(self.body, self.state.depth, self.law.tip, True)
+            self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
+            self._restart()
+            return
+        leg, deepest = self.leg, LEAST_CHANGE * self.depth / SMALL_PART
+        a = min(max(touching_radius(self.body, deepest, self.law.rim), FIRST_RADIUS * self.L_run), self.L_run)
+        load = pressed_depth(self.body, a)
+        if leg.control == "force":
+            load = 2.0 * self.body.rheology.glassy * pressed_force(self.body, a)
+        whole, start = leg.end - leg.start, leg.value(leg.start)
+        change = leg.value(leg.end) - start
+        p = whole * min(load / (abs(change) or load), 1.0)
+        if change > load:
+            p = bracketed(lambda at: leg.value(leg.start + at) - start - load, 0.0, whole)
+        elastic = min(self.T_leg, self.body.rheology.shortest)
+        self.T_first, self.L = max(2.0 * p, elastic, 1e-300) if leg.timed else SMALL_PART, a
+        self.T, self.lasted = self.T_first, 0.0
+        way = np.array([p / self.T, a / self.L])
+        self._restart(way / np.hypot(*way), float(np.hypot(*way)))
+        self.moving = True
+
+    def _restart(self, tangent: Array | None = None, h: float | None = None) -> None:
+        """A kink at the last row."""
+        self.rows.restart()
+        self.slopes = {}
+        self.moving, self.vertex = tangent is not None and self.moving, math.nan
+        self.tangent = np.array([1.0, 0.0]) if tangent is None else tangent
+        zone = self.law.zone
+        if h is None:
+            quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
+            h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
+            least = 0.0 if self.state.held.any() else SEEN_TIME
+            h = max(h, least if self.leg.timed else 1e-4)
+        self.h, self.travelled = h, 0.0
+        self.state = faded(self.state, self.body, zone, self.tolerance)
+
+    def _rescale(self) -> None:
+        """Scales grow with the time since the leg began and the way since the edge turned.
+
+        Segments keep their polynomials; only chords change.
+        """
+        T, L = self.T, self.L_run
+        if self.leg.timed:
+            T = min(self.T_leg, max(0.5 * self.lasted, self.T_first))
+        L = min(L, max(0.5 * abs(self.travelled), self.least_scale))
+        if (T, L) == (self.T, self.L):
+            return
+        ratio = np.array([self.T / T, self.L / L])
+        table = self.rows.table
+        direction = self.tangent
+        if len(table) > 1:
+            direction = -table[-2, 1:3] / (self.T, self.L)
+            direction = direction / np.hypot(*direction)
+        self.h *= math.hypot(*(direction * ratio))
+        self.tangent = self.tangent * ratio
+        self.tangent = self.tangent / np.hypot(*self.tangent)
+        self.T, self.L = T, L
+        self.rows.measure(T, L)
+
+    @property
+    def let_go(self) -> bool:
+        """Whether a contact without adhesion has come to a force that is nothing."""
+        forces = self.rows.table[-2:, 3]
+        falling = len(forces) > 1 and forces[1] < forces[0]
+        return falling and self.law.adhesion is None and forces[1] <= LOST_FORCE * self.largest_force
+
+    @property
+    def least_radius(self) -> float:
+        """Radius below which no contact is followed: one zone, at rest if its stress is fixed.
+
+        Without adhesion a plane tip is let go as a whole; other contacts end in a point. A force only tells a
+        penetration where it is not lost in rounding.
+        """
+        end_in_a_point = self._vanishing if self.leg.control == "force" else 0.0
+        return self.law.zone or self.law.tip or end_in_a_point
+
+    @cached_property
+    def _vanishing(self) -> float:
+        """Radius of an elastic contact whose force is lost in the rounding of the largest."""
+        body, radius = self.body, self.L_run / SMALL_PART
+        least = 2.0 * body.rheology.relaxed * LOST_FORCE * pressed_force(body, radius)
+        return max(pressed_radius(body, least, self.law.rim), STILL * self.L_run)
+
+    # a step ---
 
     def step(self) -> Ending:
         """One attempt; what it came to."""
-        self.rescale()
-        plan = events.plan(self)
+        self._rescale()
+        plan = self._plan()
         correction = self._correct(plan)
-        error = math.inf if correction is None else correction.error / self._allowed(plan)
+        errors = np.array([math.inf]) if correction is None else self._errors(plan, correction)
         first = len(self.rows) == 1
-        if first and correction is not None:
-            error *= 0.0  # nothing to judge by: the first step is small; no number stays none
-            far = correction.s > max(UNFORESEEN, LARGEST_GROWTH * plan.h)
-            if far and plan.fixed is Fixed.RADIUS:  # it is not: the path goes elsewhere
-                way = np.array([correction.arrival.rise / self.T, correction.trial.travel / self.L])
-                error, self.tangent = math.inf, way / np.hypot(*way)
-        if correction is not None and error <= REJECTED:
-            passed_by = self._falls(plan, correction) or self._turns(correction.trial)
-            error = math.inf if passed_by else error
+        error, (order, ratio) = errors[min(self.rows.order, len(errors)) - 1], self._longest(errors)
         if correction is None or not error <= REJECTED:
-            return self._reject(plan, correction, error)
+            return self._reject(plan, order, ratio)
         self.fails = 0
-        correction = events.to_level(self, plan, correction)
-        order, growth = self._order(plan, correction, error)
-        events.finish(self, plan, correction)
+        correction = self._to_level(plan, correction)
+        self._finish(plan, correction)
         self.rows.order = min(len(self.rows), order)
         if plan.event is Ending.NONE:
-            self.h = (correction.s if first else plan.h) * on_ladder(max(LEAST_GROWTH, growth))
+            self.h = (correction.s if first else plan.h) * on_ladder(ratio)
         return plan.event
 
-    def _allowed(self, plan: Plan) -> float:
-        """Misprediction by the tolerance over a way of one scale: what a step leaves counts with its way.
+    def _errors(self, plan: Plan, correction: Correction) -> Array:
+        """Errors of a step, in tolerances, had the last 1, 2, ... rows predicted it.
 
-        Where the penetration follows from a force its error is one of the whole contact, and counts as it is.
-        Under a load that stands still nothing brings the edge back to where it should be at that time: the
-        errors of all steps add up, and each may make its share.
+        Distances from the path in the plane of load parameter and radius, and what depth and force are off.
+        What a step leaves in the fields counts with its way. Where the penetration follows from a force its
+        error is one of the whole contact, and counts as it is. Under a load that stands still nothing brings
+        the edge back to where it should be at that time: errors of all steps add up, and each may make its
+        share.
         """
-        way = min(1.0, plan.h)
+        arrival, tangent = correction.arrival, plan.tangent
+        self.borne = max(self.borne, abs(self.state.force))
+        self.largest_force = max(self.largest_force, self.borne)
+        row = np.array([arrival.rise, arrival.trial.travel, arrival.force, arrival.depth])
+        force = max(abs(self.state.force), SMALL_PART * self.largest_force) or 1.0
+        scales = np.array([self.T, self.L, force, self.depth])
+        way = correction.s if plan.fixed is Fixed.REST else plan.h
+        p, a, F, D = self.rows.mispredicted(way, row, scales).T
+        if len(p) == 1:  # nothing to judge by: the first step is small
+            return np.where(np.isfinite(F), 0.0, math.inf)
+        across, along = p * tangent[1] - a * tangent[0], p * tangent[0] + a * tangent[1]
+        depth = D - along * tangent[3] if self.leg.free else 0.0
+        load = F - along * tangent[2] / scales[2]
+        errors = np.sqrt(across**2 + depth**2 + load**2)
+        way, weight = min(plan.h, 1.0), 1.0
         if not self.leg.free:
-            return self.tolerance / max(LEAST_WEIGHT, way)
-        return self.tolerance * (max(LEAST_SHARE, way) if self.leg.stands else 1.0)
+            weight = max(LEAST_WEIGHT, way)
+        elif self.leg.stands:
+            weight = 1.0 / max(LEAST_SHARE, way)
+        return np.where(np.isfinite(errors), weight * errors / self.tolerance, math.inf)
 
-    def _falls(self, plan: Plan, correction: Correction) -> bool:
-        """Whether a step ends beyond a limit point that was not foreseen."""
-        trial = correction.trial
-        if plan.fixed is not Fixed.RADIUS or plan.event in (Ending.FOLD, Ending.END):
-            return False
-        rise = trial.segment.parameter + correction.arrival.rise * trial.segment.basis
-        return float(rise @ np.arange(len(rise))) < 0.0 and (self.law.zone > 0.0 or trial.direction > 0.0)
-
-    def _turns(self, trial: Trial) -> bool:
-        """Whether the edge turns within a step: then its path is no function of the radius."""
-        if not trial.direction:
-            return False
-        way, orders = trial.segment.way, np.arange(DEGREE + 1)
-        slopes = np.array([way[1], way @ orders]) * trial.direction
-        return bool(slopes.min() < -TURNED * abs(trial.travel) - self.still)
-
-    def _order(self, plan: Plan, correction: Correction, error: float) -> tuple[int, float]:
-        """How many rows are to predict the next step for it to be longest, and how long it is in this one.
+    def _longest(self, errors: Array) -> tuple[int, float]:
+        """How many rows are to predict a step for it to be longest, and how long it is in this one.
 
         The more of them where the step may grow as it likes: turns and folds are seen on the predictor.
         Beyond a bend of the path a parabola goes farther than a polynomial that reaches back over it.
         """
+        rows = np.arange(1.0, len(errors) + 1.0)
+        ratios = np.minimum(np.maximum(errors, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH)
+        ratios[: len(errors) > 1] = 0.0  # one row knows no direction
+        best = len(errors) - int((ratios[::-1] >= ALIKE * ratios.max()).argmax())
+        return best + (best == len(errors)), float(ratios[best - 1])
 
-        def growth(off: Array, rows: Array) -> Array:
-            return np.minimum(np.maximum(off, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH)
-
-        known, off = len(self.rows), np.array([error])
-        if plan.fixed is not Fixed.REST and known > 1:
-            off = self._errors(plan, correction)
-            each = growth(off, np.arange(1.0, known + 1.0))
-            best = known - int((each[:0:-1] > ALIKE * each[1:].max()).argmax())
-            if best < known:
-                return best, float(each[best - 1])
-        rows = min(known + 1, self.rows.kept)
-        return rows, float(growth(off[-1:], np.array([rows]))[0])
-
-    def _errors(self, plan: Plan, correction: Correction) -> Array:
-        """Errors of a step had the last 1, 2, ... rows predicted it."""
-        trial, arrival = correction.trial, correction.arrival
-        force = trial.force_at(arrival)
-        row = np.array([arrival.rise, trial.travel, arrival.depth, force])
-        scales = np.array([self.T, self.L, self.depth, self.largest_force or 1.0])
-        p, a, D, F = self.rows.mispredicted(plan.h, row, scales).T
-        across, along = (
-            p * plan.tangent[1] - a * plan.tangent[0],
-            p * plan.tangent[0] + a * plan.tangent[1],
-        )
-        depth = D - along * plan.tangent[2] if self.leg.free else 0.0
-        load = F - along * plan.tangent[3] / scales[3]
-        return np.asarray(np.sqrt(across**2 + depth**2 + load**2) / self._allowed(plan))
-
-    def _reject(self, plan: Plan, correction: Correction | None, error: float) -> Ending:
-        """Try a shorter step; where none is short enough, look what became of the contact.
-
-        It has come to a bend of the path, beyond which it is mispredicted by the square of the way.
-        """
+    def _reject(self, plan: Plan, order: int, ratio: float) -> Ending:
+        """Try a shorter step; where none is short enough, look what became of the contact."""
         self.rejected += 1
         self.fails += 1
-        share = UNSEEN
-        if correction is not None and math.isfinite(error):
-            if plan.fixed is not Fixed.REST and len(self.rows) > 2:
-                off = self._errors(plan, correction)[1:]
-                if off.min() < error:
-                    error, self.rows.order = float(off.min()), 2 + int(off.argmin())
-            share = on_ladder(min(max(error ** (-1.0 / 3.0), 0.1), 0.8))
-        self.h = plan.h * share
-        self.slopes = {}
+        self.h = plan.h * on_ladder(min(max(ratio, UNSEEN), 0.8))
+        self.rows.order, self.slopes = min(len(self.rows), order), {}
         if self.h < SMALLEST_STEP or self.fails > 40:
             self.fails = 0
             known = self.tolerance * self.state.radius
-            return Ending.FOLD if self.moving and events.runs_away(self, known) else Ending.LOST
+            return Ending.FOLD if self.moving and self._runs_away(known) else Ending.LOST
         return Ending.REJECTED
 
     def _correct(self, plan: Plan) -> Correction | None:
-        if plan.fixed is Fixed.RADIUS:
-            return self._at_radius(plan)
-        if plan.fixed is Fixed.REST:
-            rested = self._at_rest(plan)
-            if rested is not None:
-                return rested
-            plan.fixed = Fixed.LOAD
-        elif self.law.rests(self.state.radius):
-            stopped = self._stopped(plan)
-            if stopped is not None:
-                return stopped
-        return self._at_load(plan)
+        return self._at_radius(plan) if plan.fixed is Fixed.RADIUS else self._at_load(plan)
 
-    def chord(self, p: float, a: float) -> float:
+    def _chord(self, p: float, a: float) -> float:
         """Arclength from the last row of a point that far from it."""
         return math.hypot(p / self.T, a / self.L)
 
-    def mispredicted(self, plan: Plan, trial: Trial, arrival: Arrival) -> float:
-        """Distance of a corrected point from the predicted one: across the path, and in depth and force."""
-        off_p, off_a = arrival.rise / self.T - plan.z[0], trial.travel / self.L - plan.z[1]
-        across = off_p * plan.tangent[1] - off_a * plan.tangent[0]
-        depth = arrival.depth / self.depth - plan.z[2] if self.leg.free else 0.0
-        force = trial.force_at(arrival)
-        self.largest_force = max(self.largest_force, abs(self.state.force))
-        load = (force - plan.z[3]) / (self.largest_force or 1.0)
-        speed = 0.0
-        if self.law.rated and self.leg.timed and trial.direction < 0.0 < arrival.rise:
-            speed = SPEED * self.tolerance * abs(off_p) * self.T / arrival.rise
-        return max(math.hypot(across, depth, load), speed)
-
     def _at_radius(self, plan: Plan) -> Correction | None:
         """The load parameter at which the edge is at the predicted radius."""
-        p, a = plan.z[0] * self.T, plan.z[1] * self.L
-        s = self.chord(p, a)
+        p, a, new = plan.z[0] * self.T, plan.z[1] * self.L, len(self.rows) == 1
+        s, ends = self._chord(p, a), {}
         trial = self.trial(a, s)
-        found = self.solve_parameter(trial, p, 1e-3 * (p if p > 0.0 else self.h * self.T))
-        if found is None:
-            return None
-        arrival, steepness = found
-        new = len(self.rows) == 1
-        far = abs(arrival.rise - p) > 10.0 * plan.h * self.T
-        left = self.leg.end - self.state.parameter
-        if new and arrival.rise > left:  # the leg ends before
-            plan.event, plan.z[1] = Ending.END, plan.z[1] * left / arrival.rise
-            return self._at_load(plan)
-        if (far and not new) or arrival.rise > left + 1e-12 * self.leg.end:
-            return None
-        error = self.mispredicted(plan, trial, arrival)
-        rounding = self.noise / abs(steepness or math.inf) / self.T
-        s = self.chord(arrival.rise, a) if new else s  # no load was predicted
-        return Correction(trial, arrival, max(error - rounding, 0.0), s)
-
-    def solve_parameter(self, trial: Trial, p: float, size: float) -> tuple[Arrival, float] | None:
-        """The end of a trial at which the edge condition holds, and the slope of the residual."""
-        ends: dict[float, Arrival] = {}
 
         def function(at: float) -> float:
-            value, ends[at] = self.residual(trial, at)
-            return value
+            ends[at] = self.arrive(trial, at)
+            return ends[at].residual
 
-        root = self._secants(function, max(p, 0.0), size, Fixed.RADIUS, 0.0)
-        return None if root is None else (ends[root], self.slopes.get(Fixed.RADIUS, math.inf))
-
-    def _load(self, plan: Plan) -> float:
-        """The rise that a step is to end at: exactly that at the end of a leg."""
-        return self.leg.end - self.state.parameter if plan.event is Ending.END else plan.z[0] * self.T
+        size = 1e-3 * (p if p > 0.0 else self.h * self.T)
+        rise = self._secants(function, max(p, 0.0), size, Fixed.RADIUS)
+        if rise is None or rise > self.leg.end - self.state.parameter + 1e-12 * self.leg.end:
+            return None
+        if not new and abs(rise - p) > 10.0 * plan.h * self.T:
+            return None
+        if plan.event is not Ending.FOLD and self._folds(a) and ends[rise].pace < 0.0:
+            return None  # beyond a fold that was not foreseen
+        return Correction(ends[rise], self._chord(rise, a) if new else s)  # at first no load is predicted
 
     def _at_load(self, plan: Plan) -> Correction | None:
-        """The radius at which the edge is at the predicted load."""
-        p, guess = self._load(plan), plan.z[1] * self.L
+        """The radius at which the edge is at the predicted load: where it was, if it rests there.
+
+        The residual rises with the radius. At an edge that may rest it jumps: what opening asks for, and what
+        closing does, have zero between them. A resting edge that would move departs where that ends.
+        """
+        p, guess = plan.z[0] * self.T, plan.z[1] * self.L
+        if plan.event is Ending.END:
+            p = self.leg.end - self.state.parameter
         if p <= 0.0:
             return None
-        zone = self.law.zone
-        trials: dict[float, tuple[Trial, Arrival]] = {}
+        ends: dict[float, Arrival] = {}
 
         def function(a: float) -> float:
             if not self.least_radius <= self.state.radius + a <= self.law.rim:
                 return math.nan
-            trial = self.trial(a, self.chord(p, a))
-            value, arrival = self.residual(trial, p)
-            trials[a] = trial, arrival
-            return value
+            ends[a] = self.arrive(self.trial(a, self._chord(p, a)), p)
+            return ends[a].residual
 
-        size = 1e-3 * max(plan.h, 1e-6) * self.L * min(1.0, zone / self.L if zone else 1.0)
-        size = max(size, zone * min(0.01, SEEN * self.noise))
         # after a kink no direction is known
-        near = self.L * (10.0 * max(plan.h, 1e-9) if len(self.rows) > 1 else UNFORESEEN)
-        if self.law.rated and guess >= 0.0 and self.leg.timed:
-            function(0.0)
-            allowed = self.law.allowed_speed(trials[0.0][1].integral)
-            if allowed > 0.0:
-                guess = -min(allowed * p, near)
-                size = -0.5 * guess
-        root = self._secants(function, guess, size, Fixed.LOAD, -math.inf)
+        near = self.L * (10.0 * plan.h if len(self.rows) > 1 else UNFORESEEN)
+        size = max(1e-3 * plan.h, SEEN) * min(self.L, self.law.zone or self.L)
+        rests = self.law.rests(self.state.radius)
+        if rests or self.law.adhesion is None:
+            rested = plan.fixed is Fixed.REST
+            trial = self.trial(0.0, self._chord(p, 0.0))
+            ends[0.0] = self.arrive(trial, p)
+            pulled, speed = ends[0.0].pull(-self.noise if rests and not rested else self.noise), 0.0
+            if pulled > 0.0 and self.law.rated and self.leg.timed:  # it has a speed, seen or not
+                speed = self.law.allowed_speed(ends[0.0].integral)
+                pulled = 0.0 if rested and speed * p < 0.1 * self.still else pulled
+            if pulled == 0.0:
+                if rests and not rested:
+                    plan.event = plan.event or Ending.TURN
+                return Correction(ends[0.0], self._chord(p, 0.0))
+            if rested and not speed and self.arrive(trial, 0.0).pull(self.noise) == 0.0:
+                plan.event = Ending.DEPARTURE
+                return self._departure(p)
+            plan.fixed = Fixed.LOAD
+            if guess * pulled >= 0.0:  # it goes the other way
+                guess = -math.copysign(min(speed * p, near) or size, pulled)
+                size = 0.5 * abs(guess)
+        root = self._secants(function, guess, size, Fixed.LOAD)
+        if root is None:
+            root = self._between(function, {a: end.residual for a, end in ends.items()})
         if root is None or abs(root - guess) > near:
             return None
-        trial, arrival = trials[root]
-        error = self.mispredicted(plan, trial, arrival)
-        return Correction(trial, arrival, error, self.chord(p, root))
+        return Correction(ends[root], self._chord(p, root))
 
-    def _at_rest(self, plan: Plan) -> Correction | None:
-        """The edge stays; if it would set off, the step ends there. ``None``: it moves at once."""
-        p = self._load(plan)
-        trial = self.trial(0.0, self.chord(p, 0.0))
+    def _departure(self, end: float) -> Correction:
+        """The least rise at which a resting edge sets off: by halves, as the pull is zero before."""
+        p = end
+        for _ in range(2):  # the second is the step that ends there
+            trial, low, p = self.trial(0.0, self._chord(p, 0.0)), 0.0, end
+            while p - low > max(1e-13 * self.T, 2.0 * math.ulp(p)):
+                middle = 0.5 * (low + p)
+                rests = self.arrive(trial, middle).pull(self.noise) == 0.0
+                low, p = (middle, p) if rests else (low, middle)
+        return Correction(trial.arrive(p), self._chord(p, 0.0))
 
-        def pull(at: float) -> tuple[float, Arrival]:
-            self.evaluations += 1
-            arrival = trial.arrive(at)
-            return self.law.pulls(trial, arrival, not self.leg.timed, self.noise), arrival
-
-        value, arrival = pull(p)
-        if value > 0.0 and self.law.rated and self.leg.timed:  # it has a speed, seen or not
-            travel = self.law.allowed_speed(arrival.integral) * p
-            if travel > 0.1 * self.still:
-                return None
-            value = 0.0
-        elif value != 0.0 and self.law.adhesion is not None and not self._sets_off(p, value):
-            value = 0.0
-        if value != 0.0:
-            end = p
-            if pull(0.0)[0] != 0.0:
-                return None
-            for _ in range(DEPARTURES):
-                p = events.departure(lambda at: pull(at)[0], end, 1e-13 * self.T)
-                trial = self.trial(0.0, self.chord(p, 0.0))
-            arrival = trial.arrive(p)
-            plan.event = Ending.DEPARTURE
-        error = 0.0 if plan.event is Ending.DEPARTURE else self.mispredicted(plan, trial, arrival)
-        return Correction(trial, arrival, error, self.chord(p, 0.0))
-
-    def _sets_off(self, p: float, pull: float) -> bool:
-        """Whether an edge that is pulled at the load is so still after a travel that is seen."""
-        travel = -math.copysign(self.still, pull)
-        trial = self.trial(travel, self.chord(p, travel), 1)
-        return self.residual(trial, p)[0] * pull > 0.0
-
-    def _stopped(self, plan: Plan) -> Correction | None:
-        """The edge, which moved, is at rest at the load: what it still travels in the step is the error."""
-        p = self._load(plan)
-        trial = self.trial(0.0, self.chord(p, 0.0), 1)
-        arrival = trial.arrive(p)
-        pulled = self.law.pulls(trial, arrival, not self.leg.timed, -self.noise)
-        if p <= 0.0 or pulled != 0.0:
+    def _between(self, function: Callable[[float], float], known: dict[float, float]) -> float | None:
+        """A root between two known points, the residual rising; without adhesion it may be a jump."""
+        sides = [(b - a, a, b) for a in known for b in known if a < b and known[a] < 0.0 < known[b]]
+        if not sides:
             return None
-        if plan.event is Ending.NONE:
-            plan.event = Ending.TURN
-        return Correction(trial, arrival, self.mispredicted(plan, trial, arrival), self.chord(p, 0.0))
+        _, a, b = min(sides)
+        root = bracketed(function, a, b, NARROW * self.tolerance * max(abs(a), abs(b)))
+        return root if self.law.adhesion is None or abs(function(root)) < 10.0 * self.noise else None
 
-    def _secants(
-        self,
-        function: Callable[[float], float],
-        x: float,
-        size: float,
-        of: Fixed,
-        least: float,
-    ) -> float | None:
-        """Root by secants; where rounding stops them, the best point if it is one.
-
-        Where they lose their way, it is looked for between points on either side of it. Without adhesion the
-        residual rises with the radius at rest, too, and jumps where the edge has left a jump: there it rests.
-        """
-        f = function(x)
-        enough = RESIDUAL if of is Fixed.RADIUS else self.noise
-        timeless = of is Fixed.RADIUS and not self.law.rated  # a speed is known closer than the time
-        rounding = 4.0 * math.ulp(self.state.parameter) if timeless else 0.0
+    def _secants(self, function: Callable[[float], float], x: float, size: float, of: Fixed) -> float | None:
+        """Root by secants; where rounding stops them, the best point if it is one."""
+        f, of_load = function(x), of is Fixed.RADIUS
+        enough = RESIDUAL if of_load else self.noise
+        rounding = 4.0 * math.ulp(self.state.parameter) if of_load and not self.law.rated else 0.0
         if abs(f) < enough:
             return x
-        slope = self.slopes.get(of)
-        after = x - f / slope if slope else (x + size if of is Fixed.RADIUS else x - math.copysign(size, f))
-        best, sides = (abs(f), x), {f > 0.0: x}
-        for count in range(SECANTS):
-            if slope and after == x:  # no number lies closer
+        slope, best = self.slopes.get(of), (abs(f), x)
+        after = x - f / slope if slope else (x + size if of_load else x - math.copysign(size, f))
+        for _ in range(SECANTS):
+            if after == x:  # no number lies closer
                 return x
-            after = max(after, least)
+            after = max(after, 0.0) if of_load else after
             value = function(after)
-            if not math.isfinite(value) or value == f or after == x:
+            if not math.isfinite(value) or value == f:
                 break
-            if count and self.noise > abs(value) > 0.1 * abs(f):  # rounding: no secant leads closer
-                return min(best, (abs(value), after))[1]
-            slope = (value - f) / (after - x)
-            best, sides[value > 0.0] = min(best, (abs(value), after)), after
+            slope, best = (value - f) / (after - x), min(best, (abs(value), after))
             x, f = after, value
             after = x - f / slope
-            found = max(NARROW * self.tolerance * abs(x), rounding)
-            if abs(f) < enough or abs(after - x) < found:
+            if abs(f) < enough or abs(after - x) < max(NARROW * self.tolerance * abs(x), rounding):
                 self.slopes[of] = slope
                 return x
-        first, last = sides.get(True, 0.0), sides.get(False, 0.0)
-        one_way = of is Fixed.LOAD and first * last > 0.0  # at rest the edge changes its law
-        jumps = of is Fixed.LOAD and not self.law.zone and len(sides) > 1 and last < first
-        if jumps and last < 0.0 < first:
-            value = function(0.0)
-            if value == 0.0:
-                return 0.0
-            first, last = (0.0, last) if value > 0.0 else (first, 0.0)
-        if best[0] >= 10.0 * self.noise and (one_way or jumps):
-            x = bracketed(function, first, last, NARROW * self.tolerance * max(abs(first), abs(last)))
-            if jumps:
-                return x
-            best = abs(function(x)), x
         return best[1] if best[0] < 10.0 * self.noise else None
+
+    # events ---
+
+    def _to_level(self, plan: Plan, correction: Correction) -> Correction:
+        """The step cut where the path comes to the level, or its zone fills the contact."""
+        level = self.level if self.leg.timed else None
+
+        def excess(arrival: Arrival) -> tuple[float, Ending]:
+            found, trial = [(-math.inf, Ending.NONE)], arrival.trial
+            if level is not None:
+                found.append((level(arrival.depth, arrival.force, trial.radius), Ending.LEVEL))
+            if self.law.cohesive:
+                zone = trial.zone_at_stress(arrival.motion)
+                found.append((zone / trial.radius - FILLED, Ending.LEAST))
+            return max(found)
+
+        def along(u: float) -> float:
+            return excess(correction.arrival.part(u))[0]
+
+        if excess(correction.arrival)[0] < 0.0:
+            return correction
+        at = bracketed(along, 1e-9, 1.0, 1e-13) if along(1e-9) < 0.0 < along(1.0) else 1.0
+        end = correction.arrival.part(at)
+        plan.event = excess(end)[1]
+        return replace(correction, arrival=end, s=at * correction.s)
+
+    def _plan(self) -> Plan:
+        """The next step: to the first event on its way, or not close to it.
+
+        The way left after a row next to an event would be lost in what rounding leaves of the row.
+        """
+        path = self.rows.predictor(self.T, self.L, self.depth, self.tangent)
+        levels = {
+            Ending.END: (self.leg.end - self.state.parameter) / self.T,
+            Ending.LEAST: (self.least_radius - self.state.radius) / self.L,
+            Ending.RIM: (self.law.rim - self.state.radius) / self.L,
+            Ending.TURN: 0.0,
+            Ending.FOLD: 0.0,
+        }
+        rests = self.law.rests(self.state.radius) and not self.moving
+        at, kind = self._first(path, dict([*levels.items()][: 1 if rests else 5]), self.h / TOWARDS)
+        if kind is Ending.NONE:
+            at = self.h
+        elif at > self.h or (kind is Ending.FOLD and not self._settled(path, at)):
+            at, kind = TOWARDS * at, Ending.NONE
+        there, tangent = path.place(at), path.slope(at)
+        tangent = tangent / np.hypot(*tangent[:2])
+        if kind is Ending.END:
+            there[0] = levels[kind]
+        elif kind in (Ending.LEAST, Ending.RIM):
+            there[1] = levels[kind]
+        moves = abs(tangent[1]) > MOVING and abs(there[1]) * self.L > self.still
+        fixed = Fixed.RADIUS if moves and kind not in (Ending.END, Ending.TURN) else Fixed.LOAD
+        return Plan(at, there, tangent, Fixed.REST if rests else fixed, kind)
+
+    def _first(self, path: Predictor, levels: dict[Ending, float], reach: float) -> tuple[float, Ending]:
+        """The first event within reach, and where it is."""
+        found, slope = [(math.inf, Ending.NONE)], float(path.slope(0.0)[1])
+        runs = abs(slope) * reach * self.L > self.still
+        for kind, level in levels.items():
+            if kind is Ending.END or (runs and (kind is not Ending.FOLD or self._folds(slope))):
+                at = path.passage(*SIGHTS[kind], level, reach)
+                if kind is not Ending.TURN or path.place(min(at, reach))[0] > 0.0:
+                    found.append((at, kind))
+        return min(found)
+
+    def _folds(self, way: float) -> bool:
+        """Whether an edge that goes that way may run away."""
+        return self.law.folds or way > 0.0
+
+    def _settled(self, path: Predictor, at: float) -> bool:
+        """Whether the place of a fold foreseen no longer changes, or is too near in time to be told."""
+        near, vertex = float(path.place(at)[0]) * self.T, float(path.place(at)[1]) * self.L
+        change, self.vertex = abs(vertex - self.vertex), vertex
+        return change < SAME_FOLD * self.tolerance * self.L or near < 8.0 * math.ulp(self.state.parameter)
+
+    def _finish(self, plan: Plan, correction: Correction) -> None:
+        """Take a step, and what its event asks for next."""
+        self._accept(correction.arrival, correction.s)
+        if self.state.parameter >= self.leg.end * (1.0 - 1e-14) and plan.event is not Ending.LEVEL:
+            plan.event = Ending.END  # an event that rounds onto it
+        match plan.event:
+            case Ending.TURN:  # the scales grow anew from there
+                self._restart(h=AFTER_TURN * plan.h)
+                if self.leg.timed:
+                    self.lasted, self.T_first = 0.0, self.h * self.T
+            case Ending.DEPARTURE if self.state.radius == 0.0:
+                self._touch()
+            case Ending.DEPARTURE:
+                self.direction = -1.0 if correction.arrival.pull() >= 0.0 else 1.0
+                if self.direction < 0.0 and self.state.radius <= self.least_radius:
+                    plan.event = Ending.LEAST
+                    return
+                if self.law.rated and self.direction > 0.0:  # its drive may be lost in rounding
+                    self._restart()
+                else:
+                    way = np.array([0.0, self.direction])
+                    self._restart(way, FIRST_STEP * self.least_scale / self.L)
+                self.moving = True
+                if self._runs_away():
+                    plan.event = Ending.FOLD
+            case Ending.RIM:
+                self._restart()
+
+    def _accept(self, arrival: Arrival, s: float) -> None:
+        """Commit a step."""
+        state, rise, trial = arrival.after(), arrival.rise, arrival.trial
+        self.accepted(arrival, state, s)
+        self.rows.append(s, rise, trial.travel, state.force, state.depths)
+        self.state = state
+        self.lasted, self.travelled = self.lasted + rise, self.travelled + trial.travel
+        self.vertex -= trial.travel
+        self.depth = max(self.depth, SMALL_PART * abs(state.depth))
+        self.steps += 1
+        if trial.direction:
+            self.moving, self.direction = True, trial.direction
+
+    def _runs_away(self, known: float = 0.0) -> bool:
+        """Whether an edge that sets off, or has come to a kink, is driven the more the farther it gets.
+
+        ``known``: how well its place is.
+        """
+        values = []
+        for share in (0.01, 0.02):
+            size = max(share * (self.law.zone or self.state.radius), 100.0 * share * known)
+            trial = self.trial(self.direction * size, share, 1)
+            values.append(self.arrive(trial, 0.0).residual * self.direction)
+        return values[0] < 0.0 and values[1] < values[0]
+
+    def unstable(self) -> bool:
+        """Whether a contact that another control held runs away under this one, where the load drives it."""
+        radius = self.state.radius
+        if radius == 0.0 or self.law.adhesion is None or self.law.rests(radius):
+            return False
+        here = self.trial(0.0, self.h, 1)
+        start, soon = (self.arrive(here, rise).residual for rise in (0.0, self.h * self.T))
+        self.direction = 1.0 if soon < start else -1.0
+        return self._runs_away()
+
+    def lost(self, at_fold: bool) -> bool:
+        """Whether there is no other stable edge at the same load; if there is, the contact goes there."""
+        self._restart()
+        zone, a, way, least = self.law.zone, self.state.radius, self.direction, self.least_radius
+        ends = {}
+
+        def residual(travel: float) -> float:
+            trial = self.trial(travel, abs(travel) / self.L, 1)
+            ends[travel] = self.arrive(trial, 0.0)
+            filled = self.law.cohesive and trial.zone > FILLED * trial.radius
+            return math.nan if filled else ends[travel].residual  # no contact is followed there
+
+        if at_fold:
+            first = way * max(0.05 * zone, 1e-3 * a)
+        else:  # what a row has left of the residual may drive the edge either way
+            sides = way * self.still, -way * self.still
+            first = next(
+                (side for side in sides if a + side > least and residual(side) * side < 0.0), sides[0]
+            )
+            way = math.copysign(1.0, first)
+        before = first, residual(first) if a + first > least else math.nan
+        if before[1] * way > 0.0:
+            if self.stuck_at == self.steps:
+                return True
+            self.stuck_at = self.steps
+            return False
+        travels = (
+            (least - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5
+            if way < 0.0
+            else a * (np.geomspace(1.0, LARGEST_JUMP, 129)[1:] - 1.0)
+        )
+        for travel in travels[way * (travels - first) > 0.0].tolist():
+            value = residual(travel)
+            if before[1] * way < 0.0 <= value * way:
+                at = bracketed(residual, before[0], travel, 1e-14 * a)
+                residual(at)
+                self._accept(ends[at], abs(at) / self.L)
+                self._restart()
+                return False
+            before = travel, value
+        return True

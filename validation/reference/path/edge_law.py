@@ -1,4 +1,4 @@
-"""What the edge asks for: a residual that rises with the radius through zero where the edge is stable.
+"""What the edge asks for.
 
 An edge that opens takes up ``work``, or ``w(v)``; one that closes ``closing``. In between it rests, as it
 does at the rim of a flat face as long as it does not open, and where it has a rate law at fixed time. Without
@@ -10,10 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from contact_scene import Adhesion
-from validation.reference.path.trial import Arrival, Trial
 from validation.reference.rated_edge import opening_speed
 
 
@@ -49,6 +46,10 @@ class EdgeLaw:
         """Speed at which the rate law lets an edge open."""
         return opening_speed(self.adhesion, integral) if self.adhesion else 0.0
 
+    def strain(self, radius: float, modulus: float) -> float:
+        """Size of ``w^`` at an edge that closes; 0 without adhesion."""
+        return math.sqrt(2.0 * math.pi * radius * self.adhesion.closing / modulus) if self.adhesion else 0.0
+
     def at_rim(self, radius: float) -> bool:
         """Whether the edge is that of the indenter."""
         return radius >= self.rim * (1.0 - 1e-12)
@@ -58,48 +59,32 @@ class EdgeLaw:
         adhesion = self.adhesion
         return radius == 0.0 or self.at_rim(radius) or (adhesion is not None and not adhesion.reversible)
 
-    def pulls(self, trial: Trial, arrival: Arrival, at_once: bool = False, slack: float = 0.0) -> float:
-        """How far a resting edge is beyond its range: positive opens, negative closes, 0 rests."""
-        value, adhesion = arrival.integral, self.adhesion
-        if adhesion is None:  # a flat face, or an indenter that has not touched yet
-            return max(-value, 0.0) if trial.radius > 0.0 else min(-arrival.depth, 0.0)
-        taken = adhesion.opening(math.inf) if at_once else adhesion.work  # no speed is infinite
-        opens, closes = value / taken - 1.0, value / adhesion.closing - 1.0
-        if opens > slack:
-            return opens
-        return closes if closes < -slack and not self.at_rim(trial.radius) else 0.0
+    def closing(self, integral: float) -> float:
+        """Residual of an edge that closes."""
+        return integral / self.adhesion.closing - 1.0 if self.adhesion else math.nan
 
-    def residual(self, trial: Trial, arrival: Arrival, at_once: bool) -> float:
-        """Residual at an edge that has come to the end of a trial; ``at_once``: time stands."""
-        value, adhesion = arrival.integral, self.adhesion
-        if not math.isfinite(value):
-            return math.nan
-        if adhesion is None:
-            if trial.direction == 0.0:  # it rests where it is pressed behind and open ahead
-                overlap = 0.0 if self.at_rim(trial.radius) else trial.overlap(arrival.motion)
-                value = min(value, 0.0) + max(overlap, 0.0)
-            widest = max(trial.radius, trial.state.radius)
-            strain = abs(arrival.depth) + float(trial.body.transform(np.array([widest]))[0])
-            return -value / strain if strain > 0.0 else 0.0
-        if trial.direction == 0.0 and self.rests(trial.radius):
-            return self.pulls(trial, arrival, at_once)
-        if trial.direction > 0.0:
-            return value / adhesion.closing - 1.0
-        if not self.rated or trial.direction == 0.0:
-            return value / adhesion.work - 1.0
-        speed = 0.0 if at_once else -trial.speed(arrival)
-        if at_once or not arrival.duration > 0.0 or not 0.0 <= speed < math.inf:  # in no time, or less
-            return value / adhesion.opening(math.inf) - 1.0
-        return self._rated(adhesion, value, speed, arrival.duration)
-
-    def _rated(self, adhesion: Adhesion, value: float, speed: float, duration: float) -> float:
-        """How far an opening edge is from its rate law, in work and in travel over the zone at once.
+    def opening(self, integral: float, speed: float, duration: float) -> float:
+        """Residual of an edge that opens, at a speed that counts as infinite if nothing can tell it.
 
         ``I - w(v)`` has an infinite slope at rest, ``v(I) - v`` where the law saturates. Their harmonic sum
         has the smaller of both: a slow edge is told by its travel, a quick one by its work.
         """
-        travel = (self.allowed_speed(value) - speed) * duration / self.zone
-        if value <= adhesion.work:
-            return travel + min(value / adhesion.closing - 1.0, 0.0)  # it would close
-        work = (value - adhesion.opening(max(speed, 0.0))) / adhesion.work
+        adhesion = self.adhesion
+        if adhesion is None:
+            return math.nan
+        if not self.rated:
+            return integral / adhesion.work - 1.0
+        if not duration > 0.0 or not 0.0 <= speed < math.inf:  # in no time, or less
+            return integral / adhesion.opening(math.inf) - 1.0
+        travel = (self.allowed_speed(integral) - speed) * duration / self.zone
+        if integral <= adhesion.work:
+            return travel + min(integral / adhesion.closing - 1.0, 0.0)  # it would close
+        work = (integral - adhesion.opening(speed)) / adhesion.work
         return work / (1.0 + work / travel) if work * travel > 0.0 else 0.0
+
+    def taken_up(self, speed: float, closes: bool, released: float = 0.0) -> float:
+        """Energy per area at an edge; where its law has no bound at any speed, what is ``released``."""
+        if self.adhesion is None:
+            return 0.0
+        taken = self.adhesion.closing if closes else self.adhesion.opening(max(speed, 0.0))
+        return taken if math.isfinite(taken) else released

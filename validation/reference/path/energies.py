@@ -18,7 +18,7 @@ direction and speed.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,9 +44,22 @@ _SIZE = 2 * COLLOCATION + 1
 def stored_energy(body: Body, state: State) -> float:
     """``U``, both sides of the edge."""
     rheology = body.rheology
-    elastic = rheology.relaxed * body.strain_squared(state.depth, state.radius)
-    branches = float((state.held_squares / rheology.moduli).sum())
-    return elastic + branches + float((state.free_squares / rheology.compliances).sum())
+    elastic = rheology.relaxed * body.strain_squared(state.depths, state.radius)
+    held = float((state.held_squares / rheology.moduli).sum())
+    image = elastic + held + float((state.free_squares / rheology.compliances).sum())
+    strain, branches = _coupled(body, state)
+    return image - rheology.relaxed * strain - float((branches / rheology.moduli).sum())
+
+
+def _coupled(body: Body, state: State) -> tuple[float, Array]:
+    """``int int f M f`` of the image and of each of its branches (n,)."""
+    if not body.image.is_layer:
+        return 0.0, 0.0 * state.held_squares
+    gram, shape = body.integrals(state.radius)
+    strain = gram @ state.depths - shape + state.free.sum(axis=1)
+    branches = state.held + state.free @ body.rheology.branches_of_units
+    coupling = body.image.coupling
+    return float(strain @ coupling @ strain), (branches * (coupling @ branches)).sum(axis=0)
 
 
 def stored_when_free(body: Body, state: State) -> float:
@@ -56,8 +69,17 @@ def stored_when_free(body: Body, state: State) -> float:
     width = np.diff(breaks)[:, None]
     x = (breaks[:-1, None] + width * _POINTS).ravel()
     units = body.rheology.release(*state.in_contact(body, x))
-    squares = (width * _WEIGHTS).ravel() @ units**2 + state.free_squares
-    return float((squares / body.rheology.compliances).sum())
+    weights = (width * _WEIGHTS).ravel()
+    moments = (body.image.functions(state.radius + x).T * weights) @ units
+    released = replace(
+        state,
+        radius=0.0,
+        held=0.0 * state.held,
+        held_squares=0.0 * state.held_squares,
+        free=state.free + moments,
+        free_squares=state.free_squares + weights @ units**2,
+    )
+    return stored_energy(body, released)
 
 
 @dataclass(frozen=True)
@@ -81,30 +103,23 @@ class Course:
         return powers(u, len(coefficients) - 1) @ coefficients
 
 
-def course(
-    body: Body,
-    law: EdgeLaw,
-    trial: Trial,
-    arrival: Arrival,
-    after: State,
-    first: Array,
-    before: tuple[float, Array] | None,
-) -> Course:
+def course(arrival: Arrival, after: State, first: Array, before: tuple[float, Array] | None) -> Course:
     """The course of a step from the row ``first``; ``before``: ``u < 0`` and the row before that."""
-    way, clock, depth = trial.segment.way, arrival.motion.clock, arrival.motion.depth_slope()
-    u, stress = trial.edge_stress(arrival)
+    trial, body, law = arrival.trial, arrival.trial.body, arrival.trial.law
+    way, clock, depth = trial.segment.way, arrival.motion.clock, arrival.motion.depth_slopes()
+    u, stress = arrival.edge_stress()
     end = np.array([after.force, stored_energy(body, after), first[TIP], first[SEPARATION]])
     ends = np.empty((2, 4))
     changes = clock, depth, way
-    ends[0] = _slopes(body, law, trial.state, stress[0], *(float(change[1]) for change in changes))
-    arriving = (float(change @ np.arange(len(change))) for change in changes)
-    ends[1] = _slopes(body, law, after, stress[-1], *arriving)
+    ends[0] = _slopes(body, law, trial.state, stress[0], [change[1] for change in changes])
+    arriving = [np.arange(len(change)) @ change for change in changes]
+    ends[1] = _slopes(body, law, after, stress[-1], arriving)
     rated = law.rated and trial.direction < 0.0
     if trial.passed is not None:
         end[2] += trial.direction * float(trial.passed.sweep.weight @ stress**2) / body.rheology.glassy
-        end[3] += _separation_at_speed(law, trial, arrival) if rated else 0.0
+        end[3] += _separation_at_speed(arrival) if rated else 0.0
     coefficients = np.zeros((_SIZE, STRESS))
-    for column, change in ((TIME, clock), (DEPTH, depth), (RADIUS, way)):
+    for column, change in ((TIME, clock), (DEPTH, depth[:, 0]), (RADIUS, way)):
         coefficients[: len(change), column] = change
     coefficients[0, :FORCE] = first[:FORCE]
     if arrival.rise == 0.0:  # at a fixed load: no way of equilibria
@@ -118,7 +133,7 @@ def course(
     smooth = _smooth(first[_SMOOTH], end, ends, before and (before[0], before[1][_SMOOTH]))
     coefficients[: len(smooth), _SMOOTH] = smooth
     if not rated:
-        spent = _separation(law, trial)
+        spent = _separation(trial)
         coefficients[:, SEPARATION] = 0.0
         coefficients[: len(spent), SEPARATION] = spent
         coefficients[0, SEPARATION] = first[SEPARATION]
@@ -131,14 +146,6 @@ def course(
     return Course(coefficients, u, stress)
 
 
-def force_slope(body: Body, law: EdgeLaw, trial: Trial, arrival: Arrival) -> float:
-    """``dF/du`` at the end of a step."""
-    changes = arrival.motion.clock, arrival.motion.depth_slope(), trial.segment.way
-    arriving = (float(change @ np.arange(len(change))) for change in changes)
-    q = float(trial.edge_stress(arrival)[1][-1])
-    return _slopes(body, law, trial.state_after(arrival), q, *arriving)[0]
-
-
 def _parabola(first: Array, end: Array, before: tuple[float, Array] | None) -> Array:
     """Slopes (2, m) at both ends of the parabola through them and a row before; of the chord without one."""
     chord = end - first
@@ -146,44 +153,41 @@ def _parabola(first: Array, end: Array, before: tuple[float, Array] | None) -> A
     return np.array([chord - bend, chord + bend])
 
 
-def _slopes(
-    body: Body, law: EdgeLaw, state: State, q: float, t: float, D: float, a: float
-) -> tuple[float, ...]:
-    """Slopes of force, stored, tip and separation energy from those of time, penetration and radius."""
-    rheology = body.rheology
-    relaxing = float((state.held / rheology.times).sum())
-    power = float((state.held_squares / (rheology.moduli * rheology.times)).sum())
+def _slopes(body: Body, law: EdgeLaw, state: State, q: float, rates: list[Array]) -> tuple[float, ...]:
+    """Slopes of force, stored, tip and separation energy from those of time, penetrations and radius."""
+    t, D, a = float(rates[0]), rates[1], float(rates[2])
+    rheology, gram = body.rheology, body.integrals(state.radius)[0]
+    relaxing = float((state.held[0] / rheology.times).sum())
+    squares = state.held_squares - _coupled(body, state)[1]
+    power = float((squares / (rheology.moduli * rheology.times)).sum())
     power += float((state.free_squares / (rheology.compliances * rheology.retardation)).sum())
     tip = q * q / rheology.glassy * a
-    force = 2.0 * (rheology.glassy * state.radius * D - t * relaxing + q * a)
-    taken = _taken_up(law, -a / t if t > 0.0 else math.inf, a > 0.0, 0.0)
-    return force, state.force * D - 2.0 * power * t + tip, tip, -taken * 2.0 * math.pi * state.radius * a
+    force = 2.0 * (rheology.glassy * float(gram[0] @ D) - t * relaxing + q * a)
+    taken = law.taken_up(-a / t if t > 0.0 else math.inf, a > 0.0)
+    return (
+        force,
+        state.force * float(D[0]) - 2.0 * power * t + tip,
+        tip,
+        -taken * 2.0 * math.pi * state.radius * a,
+    )
 
 
-def _taken_up(law: EdgeLaw, speed: float, closes: bool, released: float) -> float:
-    """Energy per area at an edge; where its law has no bound at any speed, what is ``released``."""
-    adhesion = law.adhesion
-    if adhesion is None:
-        return 0.0
-    taken = adhesion.closing if closes else adhesion.opening(max(speed, 0.0))
-    return taken if math.isfinite(taken) else released
-
-
-def _separation(law: EdgeLaw, trial: Trial) -> Array:
+def _separation(trial: Trial) -> Array:
     """Coefficients of ``-int w dA`` along a step, where the energy per area does not depend on the speed."""
     way = trial.segment.way
     area = np.convolve(way, way)
     area[: len(way)] += 2.0 * trial.state.radius * way
-    return np.asarray(-_taken_up(law, 0.0, trial.direction > 0.0, 0.0) * math.pi * area)
+    return np.asarray(-trial.law.taken_up(0.0, trial.direction > 0.0) * math.pi * area)
 
 
-def _separation_at_speed(law: EdgeLaw, trial: Trial, arrival: Arrival) -> float:
+def _separation_at_speed(arrival: Arrival) -> float:
     """``-int w dA`` over a step of an opening edge with a rate law."""
-    way, clock = trial.segment.way, arrival.motion.clock
+    trial, clock = arrival.trial, arrival.motion.clock
+    way = trial.segment.way
     travel, time = horner(derivative(way), _POINTS), horner(derivative(clock), _POINTS)
     radius = trial.state.radius + horner(way, _POINTS)
     speeds = np.divide(-travel, time, out=np.full_like(time, math.inf), where=time > 0.0)
-    taken = [_taken_up(law, v, False, arrival.integral) for v in speeds.tolist()]
+    taken = [trial.law.taken_up(v, False, arrival.integral) for v in speeds.tolist()]
     return -float((_WEIGHTS * taken) @ (2.0 * math.pi * radius * travel))
 
 

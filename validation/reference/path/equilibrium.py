@@ -1,17 +1,18 @@
 """The contact a run starts from: the elastic equilibrium of an untouched half-space, glassy or fully relaxed.
 
-Elastic fields are ``q = E* (D - G)`` behind the edge and ``d = G - D`` ahead, with ``E*`` of the glass or of
-the rubber, so that penetration and radius say all. Where the stage is given, not the penetration,
-``D + F/k = X`` with ``F = 2 E* (a D - int_0^a G)``. The edge has closed: among the radii that satisfy its
-condition the run starts from the outermost at which the release rate rises outwards. Without adhesion the
-radius is that of ``G(a) = D``. Of the relaxed contact without adhesion are also the scales of a run.
+Elastic fields are ``q = E* w^`` behind the edge and ``d = -w^`` ahead with ``w^ = phi . (D, C) - G``, and
+``E*`` of the glass or of the rubber: penetration and radius say all, as ``C`` follows from them. Where the
+stage is given, not the penetration, ``D + F/k = X`` with ``F = 2 int_0^a q``. The edge has closed: among the
+radii that satisfy its condition the run starts from the outermost at which the release rate rises outwards.
+Without adhesion the radius is that of ``w^(a) = 0``. Of the relaxed contact without adhesion are also the
+scales of a run.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +22,11 @@ from contact_scene.errors import SceneError
 from contact_scene.scene import zone_too_long
 from validation.reference.path.closure import BASE, LONGEST, closure, zone_length
 from validation.reference.path.fields import untouched
+from validation.reference.path.layer import image
 from validation.reference.path.numerics import bracketed, dip
-from validation.reference.path.rheology import Body
+from validation.reference.path.rheology import Body, rheology
 from validation.reference.path.state import State
+from validation.reference.sneddon import transform
 
 Array = NDArray[np.float64]
 
@@ -33,6 +36,10 @@ SHORTEST = 1e-60
 """Least radius at which a contact shorter than its zone is looked for: the least length a scene may hold."""
 RATIO = 1.03
 """Ratio of the radii among which an equilibrium is bracketed."""
+REACH, BEYOND = 1.1, 2.0
+"""The functions of a layer reach so many largest contact radii, and so many process zones farther."""
+WIDER = 1.05
+"""Ratio of radii among which the largest is looked for."""
 LEAST_DIP = 1e-8
 """Width of a dip of the residual, in the radius, between the two radii of a contact about to be lost."""
 
@@ -43,7 +50,8 @@ def elastic_start(scene: Scene, body: Body) -> State | None:
     Raises
     ------
     SceneError
-        If contact is possible, but not with a process zone of that length; if the zone is lost in rounding.
+        If contact is possible, but not with a process zone of that length; if the zone is lost in rounding;
+        if the contact is too large for its layer.
     """
     depth, rim, adhesion = scene.loading.penetration, scene.indenter.edge, scene.adhesion
     rheology = body.rheology
@@ -53,25 +61,34 @@ def elastic_start(scene: Scene, body: Body) -> State | None:
     softness = 2.0 * modulus * scene.loading.compliance if staged else 0.0
 
     def depth_at(radius: float) -> float:
-        return (depth + softness * body.transform.integral(radius)) / (1.0 + softness * radius)
+        slope, lack = half_force(body, radius)
+        return (depth + softness * lack) / (1.0 + softness * slope)
 
     def start(radius: float) -> State:
+        if scene.body is not None and radius > scene.body.largest_contact:
+            raise scene.body.outgrown
         return start_state(body, depth_at(radius), radius, glassy)
 
     def strain(radius: float) -> float:
-        return depth_at(radius) - body.shape(radius)
+        slope, lack = edge_strain(body, radius)
+        return depth_at(radius) * slope - lack
 
     if not scene.is_adhesive or adhesion is None:
-        return start(_rising(lambda a: -strain(a), rim))
+        return start(_rising(lambda a: -strain(a), min(rim, body.image.reach)))
+
+    def field(radius: float) -> Callable[[Array], Array]:
+        """``w^`` at distances from the edge."""
+        depths = elastic_depths(body, depth_at(radius), radius)
+        return lambda x: body.image.functions(radius + x) @ depths - body.transform(radius + x)
 
     def zone_at(radius: float) -> float:
         """Length of the zone, that of a fixed stress too."""
         if adhesion.stress is None:
             return adhesion.zone
-        held = depth_at(radius)
+        strain_at = field(radius)
         guess = min(adhesion.zone, 0.5 * radius)
         return zone_length(
-            lambda x: modulus * (held - body.transform(radius + x)),
+            lambda x: modulus * strain_at(x),
             body.transform.knots - radius,
             radius,
             adhesion.stress,
@@ -80,10 +97,10 @@ def elastic_start(scene: Scene, body: Body) -> State | None:
         )
 
     def released(radius: float) -> float:
-        zone, held = zone_at(radius), depth_at(radius)
+        zone, strain_at = zone_at(radius), field(radius)
         knots = np.concatenate((body.transform.knots - radius + zone, body.transform.knots - radius))
         form = closure(radius, zone, np.union1d(zone * BASE, knots[(knots > 0.0) & (knots < zone)]))
-        behind, ahead = (held - body.transform(radius + form.s - shift) for shift in (zone, 0.0))
+        behind, ahead = (strain_at(form.s - shift) for shift in (zone, 0.0))
         return form.between(modulus * behind, -ahead)
 
     def residual(radius: float) -> float:
@@ -97,9 +114,12 @@ def elastic_start(scene: Scene, body: Body) -> State | None:
     highest, zone = rim, adhesion.zone
     if math.isinf(rim):  # beyond the last root the release rate rises with the radius
         ledge = scene.indenter.radii[-1] if isinstance(scene.indenter, TabulatedProfile) else 0.0
-        highest = max(2.0 * touching_radius(body, depth, rim), 4.0 * zone, ledge)
-        while residual(highest) <= max(residual(0.5 * highest), 0.0):
-            highest *= 2.0
+        reach = body.image.reach - zone
+        highest = min(max(2.0 * touching_radius(body, depth, rim), 4.0 * zone, ledge), reach)
+        while highest < reach and residual(highest) <= max(residual(0.5 * highest), 0.0):
+            highest = min(2.0 * highest, reach)
+        if scene.body is not None and residual(highest) <= 0.0:
+            raise scene.body.outgrown
     elif released(rim) <= adhesion.work:  # a flat face is in contact up to its rim unless that opens
         return start(rim)
     radius = _outermost(residual, _between(highest, zone, body.transform.knots))
@@ -123,38 +143,69 @@ def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:
     """The elastic contact of that radius on a surface never touched before, glassy or relaxed."""
     rheology = body.rheology
     moduli = rheology.moduli if glassy else 0.0 * rheology.moduli
-    whole = depth * radius - body.transform.integral(radius)
+    depths = elastic_depths(body, depth, radius)
+    gram, shape = body.integrals(radius)
+    whole = gram @ depths - shape
     return State(
         parameter=0.0,
         time=0.0,
-        depth=depth,
+        depths=depths,
         radius=radius,
-        force=2.0 * (rheology.relaxed + float(moduli.sum())) * whole,
-        memory=np.zeros_like(moduli),
+        force=2.0 * (rheology.relaxed + float(moduli.sum())) * float(whole[0]),
+        memory=np.outer(np.append(0.0, depths[1:]), moduli > 0.0),
         surface=untouched(radius, moduli * depth, -moduli),
-        held=moduli * whole,
-        held_squares=moduli**2 * body.strain_squared(depth, radius),
+        held=np.outer(whole, moduli),
+        held_squares=moduli**2 * body.strain_squared(depths, radius),
+        free=np.zeros((len(depths), len(moduli))),
         free_squares=np.zeros_like(moduli),
     )
 
 
-def touching_radius(body: Body, depth: float, rim: float) -> float:
-    """Radius of the adhesionless elastic contact, ``G(a) = D``; that of the rim at most."""
-    return _rising(lambda a: body.shape(a) - depth, rim)
+def elastic_depths(body: Body, depth: float, radius: float) -> Array:
+    """``(D, C)``."""
+    unit, rest = body.elastic(radius)
+    return depth * unit - rest
+
+
+def edge_strain(body: Body, radius: float) -> tuple[float, float]:
+    """``w^(a)``: the first times ``D``, less the second."""
+    unit, rest = body.elastic(radius)
+    phi = body.image.functions(np.array([radius]))[0]
+    return float(phi @ unit), body.shape(radius) + float(phi @ rest)
+
+
+def half_force(body: Body, radius: float) -> tuple[float, float]:
+    """``int_0^a w^``: the first times ``D``, less the second."""
+    (unit, rest), (gram, shape) = body.elastic(radius), body.integrals(radius)
+    return float(gram[0] @ unit), float(shape[0] + gram[0] @ rest)
+
+
+def pressed_depth(body: Body, radius: float) -> float:
+    """Penetration of the adhesionless elastic contact, ``w^(a) = 0``."""
+    slope, lack = edge_strain(body, radius)
+    return lack / slope
+
+
+def pressed_force(body: Body, radius: float) -> float:
+    """Its force, in ``2 E*``."""
+    slope, lack = half_force(body, radius)
+    return pressed_depth(body, radius) * slope - lack
+
+
+def touching_radius(body: Body, depth: float, rim: float, compliance: float = 0.0) -> float:
+    """Radius of the adhesionless relaxed contact, that of the rim at most; ``compliance``: of a stage."""
+    soft = 2.0 * body.rheology.relaxed * compliance
+
+    def excess(radius: float) -> float:
+        return pressed_depth(body, radius) + soft * pressed_force(body, radius) - depth
+
+    return _rising(excess, min(rim, body.image.reach))
 
 
 def pressed_radius(body: Body, force: float, rim: float) -> float:
-    """Radius of the adhesionless relaxed contact under a force, ``F = 2 E0* (a G(a) - int_0^a G)``."""
+    """Radius of the adhesionless relaxed contact under a force."""
     twice = 2.0 * body.rheology.relaxed
-    return _rising(lambda a: twice * (body.shape(a) * a - body.transform.integral(a)) - force, rim)
-
-
-def staged_radius(body: Body, stage: float, compliance: float, rim: float) -> float:
-    """Radius of the adhesionless relaxed contact under a stage on a spring, ``G(a) + C F(a) = X``."""
-    soft = 2.0 * body.rheology.relaxed * compliance
-    return _rising(
-        lambda a: body.shape(a) * (1.0 + soft * a) - soft * body.transform.integral(a) - stage, rim
-    )
+    return _rising(lambda a: twice * pressed_force(body, a) - force, min(rim, body.image.reach))
 
 
 def _rising(excess: Callable[[float], float], rim: float) -> float:
@@ -202,6 +253,44 @@ def _outermost(residual: Callable[[float], float], radii: list[float]) -> float 
 # what a scene asks for ---
 
 
+def indented(scene: Scene) -> Body:
+    """Material, layer and indenter of a scene; the functions of a layer reach beyond its largest contact."""
+    bare = Body(rheology(scene.material), transform(scene.indenter))
+    layer, zone = scene.body, scene.adhesion.zone if scene.is_adhesive and scene.adhesion else 0.0
+    if layer is None:
+        return bare
+    farthest = REACH * layer.largest_contact + BEYOND * zone
+    reach = min(REACH * largest_radius(scene, bare, math.inf) + BEYOND * zone, farthest)
+    while True:
+        body = replace(bare, image=image(layer, scene.material.poisson, reach))
+        largest = REACH * largest_radius(scene, body, reach) + BEYOND * zone
+        if min(largest, farthest) <= reach:
+            return replace(bare, image=image(layer, scene.material.poisson, min(largest, farthest)))
+        reach = min(1.5 * reach, farthest)
+
+
+def largest_radius(scene: Scene, body: Body, reach: float) -> float:
+    """A bound of the radius: that of the relaxed contact, pulled at its edge, under the largest loads."""
+    edge, modulus = scene.indenter.edge, body.rheology.relaxed
+    adhesion = scene.adhesion if scene.is_adhesive else None
+    work = adhesion.work if adhesion else 0.0
+    deepest, hardest = _largest_load(scene, body)
+
+    def beyond(radius: float) -> bool:
+        """Whether neither penetration nor force hold a contact of that radius."""
+        slope, lack = edge_strain(body, radius)
+        depth = (lack - math.sqrt(2.0 * math.pi * radius * work / modulus)) / slope
+        slope, lack = half_force(body, radius)
+        return depth > deepest and 2.0 * modulus * (depth * slope - lack) > hardest
+
+    bound = min(edge, reach)
+    least = adhesion.zone if adhesion else SHORTEST
+    radius = max(touching_radius(body, deepest, bound), pressed_radius(body, hardest, bound), least)
+    while radius < bound and not beyond(radius):
+        radius = min(WIDER * radius, bound)
+    return radius
+
+
 @dataclass(frozen=True)
 class Scales:
     """Largest radius, penetration and force that a scene asks for."""
@@ -221,9 +310,9 @@ def scales(scene: Scene, body: Body, start: State) -> Scales:
     radius = (
         max(start.radius, touching_radius(body, deepest, edge), pressed_radius(body, hardest, edge)) or 1.0
     )
-    shape = body.shape(radius)
+    shape, (slope, lack) = pressed_depth(body, radius), half_force(body, radius)
     depth = max(abs(start.depth), abs(deepest), shape, _depth_under(body, hardest, edge)) or 1.0
-    weight = 2.0 * body.rheology.relaxed * (depth * radius - body.transform.integral(radius))
+    weight = 2.0 * body.rheology.relaxed * (depth * slope - lack)
     return Scales(radius, depth, max(abs(start.force), weight, hardest))
 
 
@@ -243,15 +332,16 @@ def _largest_load(scene: Scene, body: Body) -> tuple[float, float]:
             continue
         if segment.control == "stage":
             soft = 2.0 * body.rheology.relaxed * segment.compliance
-            radius = staged_radius(body, largest, segment.compliance, edge)
-            pressed = (largest + soft * body.transform.integral(radius)) / (1.0 + soft * radius)
+            radius = touching_radius(body, largest, edge, segment.compliance)
+            slope, lack = half_force(body, radius)
+            pressed = (largest + soft * lack) / (1.0 + soft * slope)
             last = largest = pressed if radius > 0.0 else depth
         trigger = segment.trigger
         if trigger is not None and trigger.quantity == "force":
             hardest, force = max(hardest, trigger.level), trigger.level
             last = largest = min(largest, _depth_under(body, trigger.level, edge))
         elif trigger is not None and trigger.quantity == "radius":
-            last = largest = min(largest, body.shape(min(trigger.level, edge)))
+            last = largest = min(largest, pressed_depth(body, min(trigger.level, edge, body.image.reach)))
         deepest, depth = max(deepest, largest), last
     return deepest, hardest
 
@@ -261,4 +351,5 @@ def _depth_under(body: Body, force: float, edge: float) -> float:
     radius = pressed_radius(body, force, edge)
     if radius == 0.0:
         return 0.0
-    return float((0.5 * force / body.rheology.relaxed + body.transform.integral(radius)) / radius)
+    slope, lack = half_force(body, radius)
+    return (0.5 * force / body.rheology.relaxed + lack) / slope

@@ -1,6 +1,6 @@
 """The surface as a table of last passages of the edge.
 
-A radius is a Prony element by itself. In contact it carries ``C_k = b_k - E_k M_k(t)``, which fades as
+A radius is a Prony element by itself. In contact it carries ``c_k = b_k - E_k phi . M_k(t)``, which fades as
 ``exp(-t/tau_k)``; outside unit strains ``e_j``, which fade as ``exp(-t/theta_j)``. So what it was left with
 when the edge passed it last, and when that was, is all there is to know. The table has an entry for every
 part of the path that is still the last to have passed its radii. Both are smooth along the path, not over the
@@ -183,16 +183,26 @@ def passed(
 
 
 @dataclass(frozen=True, eq=False)
-class Passed:
-    """Points that change sides where ``u_powers`` say, and the branch forces or unit strains before.
+class Points:
+    """Points that change sides where ``u_powers`` say, and the branch forces or unit strains before."""
 
-    The last of them are those of the ``sweep``.
-    """
-
-    sweep: SweptRadii
     u_powers: Array
+    phi: Array
     G: Array
     begun: Array
+
+    @cached_property
+    def course(self) -> Array:
+        """Products of the powers of ``u`` with the functions (m, c (K + 1))."""
+        each = self.u_powers[:, :, None] * self.phi[:, None, :]
+        return each.reshape(len(each), each.shape[1] * each.shape[2])
+
+
+@dataclass(frozen=True, eq=False)
+class Passed(Points):
+    """Points the last of which are those of the ``sweep``."""
+
+    sweep: SweptRadii
 
     @cached_property
     def swept(self) -> slice:
@@ -214,21 +224,19 @@ class Passing(NamedTuple):
     end: Array
 
 
-def passing(
-    rheology: Rheology, covers: bool, G: Array, begun: Array, u_powers: Array, motion: Motion
-) -> Passing:
+def passing(rheology: Rheology, covers: bool, points: Points, motion: Motion) -> Passing:
     """Points that change sides, as they do and at the end of the step."""
-    elapsed = motion.elapsed(u_powers)
+    elapsed = motion.elapsed(points.u_powers)
     faded = np.expm1(-elapsed / rheology.times)
-    gained, depth = motion.during(u_powers, elapsed, faded)
-    strain, rest = depth - G, elapsed - motion.duration
+    gained, depth = motion.during(points, elapsed, faded)
+    strain, rest = depth - points.G, elapsed - motion.duration
     if covers:
-        units = begun * np.exp(-elapsed / rheology.retardation)
+        units = points.begun * np.exp(-elapsed / rheology.retardation)
         branches = rheology.cover(units, strain)
         left = branches - gained
-        end = left * np.exp(rest / rheology.times) + motion.end[0]
+        end = left * np.exp(rest / rheology.times) + points.phi @ motion.end[0]
     else:
-        branches = begun + begun * faded + gained
+        branches = points.begun + points.begun * faded + gained
         left = rheology.release(branches, strain)
         end = left * np.exp(rest / rheology.retardation)
     return Passing(elapsed, strain, branches, left, end)

@@ -1,20 +1,23 @@
 """What branches in contact gain by the penetration in a step: ``g_k(t) = E_k int exp(-(t - s)/tau_k) dD(s)``.
 
-It is the same for every radius in contact. Over one step the time is a polynomial of ``u`` in [0, 1]. If the
-penetration is linear in time, ``g`` is known in closed form. Otherwise, and where time stands while the load
-jumps, it follows by collocation of
+It is the same for every radius in contact; so are, on a layer, those by each of the coefficients ``C`` of its
+image: all of them are the penetrations (K + 1,). Over one step the time is a polynomial of ``u`` in [0, 1].
+If the penetration of a half-space is linear in time, ``g`` is known in closed form. Otherwise, and where time
+stands while the load jumps, it follows by collocation of
 
     dg/du + (t'(u)/tau_k) g = E_k D'(u),    g(0) = 0,
 
 which is as good for branches much faster than the step as for slow ones. It is linear in ``D``, so that a
-penetration known but for its end value, under a force or a spring, costs a second right-hand side.
+penetration known but for its end value, under a force or a spring, costs a second right-hand side; for more
+of them it is the same one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,9 +65,18 @@ class Clock:
         return np.minimum(np.maximum(elapsed, 0.0), self.duration)[:, None]
 
 
+class OnCourse(Protocol):
+    """Points (m,) on the way."""
+
+    @property
+    def course(self) -> Array:
+        """Powers of ``u`` times functions (m, c (K + 1))."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class ConstantRate(Clock):
-    """A step during which the penetration is linear in time; ``moduli``: ``E_k``."""
+    """A step during which the penetration of a half-space is linear in time; ``moduli``: ``E_k``."""
 
     moduli: Array
     depth: float
@@ -74,102 +86,109 @@ class ConstantRate(Clock):
     def _pace(self) -> Array:
         return -self.rate * self.moduli * self.times
 
-    def during(self, _: Array, elapsed: Array, faded: Array) -> tuple[Array, Array]:
+    def during(self, _: OnCourse, elapsed: Array, faded: Array) -> tuple[Array, Array]:
         """Gains (m, n) and ``D`` (m,) on the way; ``faded``: ``exp(-t/tau) - 1``."""
         return self._pace * faded, self.depth + self.rate * elapsed[:, 0]
 
     @cached_property
-    def end(self) -> tuple[Array, float]:
-        """Gains and ``D`` at the end."""
-        return self._pace * np.expm1(-self.duration / self.times), self.depth + self.rate * self.duration
+    def end(self) -> tuple[Array, Array]:
+        """Gains (1, n) and penetration (1,) at the end."""
+        gained = self._pace * np.expm1(-self.duration / self.times)
+        return gained[None], np.array([self.depth + self.rate * self.duration])
 
-    def depth_slope(self) -> Array:
-        """Coefficients of ``D(u) - D(0)``."""
-        return self.rate * self.clock
+    def depth_slopes(self) -> Array:
+        """Coefficients (c, 1) of what the penetration changes by."""
+        return self.rate * self.clock[:, None]
 
 
 @dataclass(frozen=True, eq=False)
 class Collocated(Clock):
-    """A step with a penetration (c,) that is a polynomial of ``u``, as are the gains (c, n) beside a layer.
+    """A step with penetrations (c, K + 1) that are polynomials of ``u``, as are the gains (c, K + 1, n).
 
-    ``layer`` (n,): what fades as ``exp(-t/tau)`` from the start; ``end``: gains and penetration at the end.
+    ``layers`` (K + 1, n): what fades as ``exp(-t/tau)`` from the start, beside these. ``end``: gains and
+    penetrations at the end.
     """
 
     gains: Array
-    layer: Array
+    layers: Array
     depths: Array
-    end: tuple[Array, float]
+    end: tuple[Array, Array]
 
-    def during(self, u_powers: Array, _: Array, faded: Array) -> tuple[Array, Array]:
+    def during(self, points: OnCourse, _: Array, faded: Array) -> tuple[Array, Array]:
         """As of :class:`ConstantRate`."""
-        gains = u_powers @ self.gains
-        if self.layer.any():
-            gains += self.layer * (1.0 + faded)
-        return gains, u_powers @ self.depths
+        course = points.course
+        gains = course @ self.gains.reshape(course.shape[1], -1)
+        if self.layers.any():
+            gains += course[:, : len(self.layers)] @ self.layers * (1.0 + faded)
+        return gains, course @ self.depths.ravel()
 
-    def depth_slope(self) -> Array:
+    def depth_slopes(self) -> Array:
         """As of :class:`ConstantRate`."""
-        return np.concatenate(([0.0], self.depths[1:]))
+        slopes = self.depths.copy()
+        slopes[0] = 0.0
+        return slopes
 
 
 Motion = ConstantRate | Collocated
 
 
 @dataclass(frozen=True)
-class Collocation(Clock):
-    """Steps with penetrations ``D(0) + given + v free`` at nodes; gains and layer are affine in ``v``."""
+class Collocation:
+    """Steps with the penetrations ``given``, and to each of them a multiple of the one of ``free``."""
 
-    depth: float
-    depths: tuple[Array, Array]
-    gains: tuple[Array, Array]
-    layers: tuple[Array, Array]
+    given: Collocated
+    free: Collocated
 
-    def motion(self, v: float = 0.0) -> Collocated:
-        """The motion of one of them."""
-        gains, depths, layer = (given + v * free for given, free in (self.gains, self.depths, self.layers))
-        return self._made(gains, self.depth + depths, layer)
-
-    @property
-    def free(self) -> Collocated:
-        """What ``v`` adds to them."""
-        return self._made(self.gains[1], self.depths[1], self.layers[1])
-
-    def _made(self, gains: Array, depths: Array, layer: Array) -> Collocated:
-        end = gains[-1] + layer * np.exp(-self.duration / self.times), float(depths[-1])
-        return Collocated(self.times, self.clock, _in_powers(gains), layer, _in_powers(depths), end)
+    def motion(self, v: Array) -> Collocated:
+        """The motion with the multiples ``v`` (K + 1,)."""
+        given, free, each = self.given, self.free, v[:, None]
+        end = given.end[0] + free.end[0] * each, given.end[1] + free.end[1] * v
+        gains, layers = given.gains + free.gains * each, given.layers + free.layers * each
+        return Collocated(given.times, given.clock, gains, layers, given.depths + free.depths * v, end)
 
 
 def through_nodes(value: Callable[[float], float], start: float, clock: Array) -> Array:
     """Coefficients of a load that is given over the time, along a step."""
-    return _in_powers(np.array([value(time) for time in (start + PATH_AT_NODES @ clock).tolist()]))
+    return _in_powers(np.array([[value(time)] for time in (start + PATH_AT_NODES @ clock).tolist()]))[:, 0]
 
 
 def _in_powers(values: Array) -> Array:
-    """Coefficients through values at the nodes: of their change, as it is their rounding that grows."""
-    coefficients = np.asarray(_TO_POWERS @ (values - values[0]))
-    coefficients[0] += values[0]
+    """Coefficients (..., 9, m) through values at the nodes: of their change, as its rounding grows."""
+    first = values[..., :1, :]
+    coefficients = np.asarray(_TO_POWERS @ (values - first))
+    coefficients[..., :1, :] += first
     return coefficients
 
 
 def collocation(
-    times: Array, clock: Array, moduli: Array, depth: float, given: Array, free: Array
+    times: Array, clock: Array, moduli: Array, depths: Array, given: Array, free: Array
 ) -> Collocation:
-    """Gains under two penetrations relative to the first, given at the nodes.
+    """Gains under penetrations ``given`` (9, K + 1) and ``free`` (9,) at the nodes, relative to the first.
 
     A branch slower than the step starts from nothing. A faster one has a smooth solution of its own, which it
     falls onto: that is collocated at all nodes, and what it begins with fades.
     """
     count = COLLOCATION + 1
     rates = PATH_AT_NODES @ clock @ _SLOPES.T  # t'(u)
-    fast = clock.sum() > FAST * times
-    matrix = np.broadcast_to(_SLOPES, (len(times), count, count)).copy()
-    at = np.arange(count)
-    matrix[:, at, at] += rates / times[:, None]
-    matrix[~fast, 0] = at == 0
-    right = np.empty((len(times), count, 2))
-    right[:, :, 0], right[:, :, 1] = _SLOPES @ given, _SLOPES @ free
+    duration = clock.sum()
+    fast = duration > FAST * times
+    matrix = np.empty((len(times), count, count))
+    matrix[:] = _SLOPES
+    matrix.reshape(-1, count * count)[:, :: count + 1] += rates / times[:, None]
+    matrix[~fast, 0] = np.eye(1, count)
+    values = np.column_stack((given, free))
+    right = np.empty((len(times), *values.shape))
+    right[:] = _SLOPES @ values
     right[~fast, 0] = 0.0
-    solved = np.linalg.solve(matrix, right) if len(times) else right
-    first, second = (solved * moduli[:, None, None]).transpose(2, 1, 0)
-    layers = np.where(fast, -first[0], 0.0), np.where(fast, -second[0], 0.0)
-    return Collocation(times, clock, depth, (given, free), (first, second), layers)
+    gains = (np.linalg.solve(matrix, right) if len(times) else right) * moduli[:, None, None]
+    layers = np.where(fast[:, None], -gains[:, 0], 0.0).T
+    ends = gains[:, -1].T + layers * np.exp(-duration / times), values[-1]
+    paths = _in_powers(gains).transpose(1, 2, 0), _in_powers(values)
+    known, rest = (
+        Collocated(
+            times, clock, paths[0][:, part], layers[part], paths[1][:, part], (ends[0][part], ends[1][part])
+        )
+        for part in (slice(None, -1), slice(-1, None))
+    )
+    known.depths[0] += depths
+    return Collocation(replace(known, end=(known.end[0], depths + known.end[1])), rest)

@@ -8,8 +8,10 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -18,14 +20,26 @@ DEGREE = 4
 """Of the path in its arclength. Degree 3 takes a tenth more steps; 5 and more up to three times as many,
 because the polynomial then reaches back over changes of the step by orders of magnitude."""
 ORDERS = np.arange(DEGREE + 1)
-MOST = 200
-"""Most evaluations: twice what bisection takes over the whole range of exponents of a bracket of 1e-30."""
 
 
 def gauss(count: int) -> tuple[Array, Array]:
     """Points and weights on [0, 1]."""
     points, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * (points + 1.0), 0.5 * weights
+
+
+def chebyshev(x: Array, order: int) -> Array:
+    """Chebyshev's polynomials (order, m)."""
+    return np.asarray(chebvander(x, order - 1).T, float)
+
+
+@cache
+def chebyshev_series(order: int) -> tuple[Array, Array]:
+    """Chebyshev's knots, and what makes of values there the coefficients of a series."""
+    knots = np.cos(np.pi * (np.arange(order) + 0.5) / order)
+    series = 2.0 / order * chebyshev(knots, order)
+    series[0] *= 0.5
+    return knots, series
 
 
 def horner(coefficients: Array, u: Array) -> Array:
@@ -86,7 +100,7 @@ def bracketed(function: Callable[[float], float], first: float, last: float, nar
     if not fa * fb < 0.0:
         raise ValueError(f"no change of sign between {first:g} and {last:g}: {fa:g}, {fb:g}")
     share = 0.5
-    for _ in range(MOST):
+    while True:
         x = a + share * (b - a)
         fx = function(x)
         if (fx > 0.0) == (fa > 0.0):
@@ -103,7 +117,6 @@ def bracketed(function: Callable[[float], float], first: float, last: float, nar
         if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
             share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
         share = min(max(share, shortest), 1.0 - shortest) if math.isfinite(share) else 0.5
-    return best
 
 
 def dip(function: Callable[[float], float], first: float, last: float, narrow: float) -> tuple[float, float]:

@@ -1,14 +1,15 @@
 """What a step goes along: a leg of the load, the rows since the last kink, and polynomials through them.
 
 Over a leg the load is smooth in one parameter: the time, or, while time stands and the load jumps, the share
-of the jump. A row is ``(s, p, a, D, F)``: arclength, load parameter, radius, penetration, force; the first
-three in distances from the newest row, so that no step is too short to be told. Arclength is the length of
-the chords in the plane of ``p/T`` and ``a/L``; when the scales change only chords do, segments stay as they
-are.
+of the jump. A row is ``(s, p, a, F, D, C)``: arclength, load parameter, radius, force, penetrations; the
+first three in distances from the newest row, so that no step is too short to be told. Arclength is the length
+of the chords in the plane of ``p/T`` and ``a/L``; when the scales change only chords do, segments stay as
+they are.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.loading import Control
-from validation.reference.path.numerics import DEGREE, ORDERS
+from validation.reference.path.numerics import DEGREE, ORDERS, bracketed
 
 Array = NDArray[np.float64]
 
@@ -58,30 +59,30 @@ class Leg:
 class PathSegment:
     """One step: coefficients relative to its start.
 
-    ``travel``: of the edge, the sum of ``way`` without its rounding. ``parameter`` and ``depth`` are those
-    with end values as at the start; ``basis`` times what the end value differs by is to be added.
+    ``travel``: of the edge, the sum of ``way`` without its rounding. ``parameter`` and ``depths`` (c, K + 1)
+    are those with end values as at the start; ``basis`` times what the end values differ by is to be added.
     """
 
     travel: float
     way: Array
     parameter: Array
-    depth: Array
+    depths: Array
     basis: Array
 
-    def cut(self, u: float, rise: float, sinking: float, loose: bool = False) -> PathSegment:
-        """The part up to ``u`` of the segment with these end values of parameter and penetration.
+    def cut(self, u: float, rise: float, sinking: Array, loose: bool = False) -> PathSegment:
+        """The part up to ``u`` of the segment with these end values of parameter and penetrations.
 
         ``loose``: with end values that are to be found, by changes that grow evenly.
         """
         scale = u**ORDERS
-        parameter, depth = self.parameter + rise * self.basis, self.depth + sinking * self.basis
-        way = self.way * scale
-        parameter, depth, basis = parameter * scale, depth * scale, np.zeros_like(self.basis)
+        parameter = (self.parameter + rise * self.basis) * scale
+        depths = (self.depths + self.basis[:, None] * sinking) * scale[:, None]
+        way, basis = self.way * scale, np.zeros_like(self.basis)
         if loose:
             basis[1] = 1.0
             parameter[1] -= parameter.sum()
-            depth[1] -= depth.sum()
-        return PathSegment(float(way.sum()), way, parameter, depth, basis)
+            depths[1] -= depths.sum(axis=0)
+        return PathSegment(float(way.sum()), way, parameter, depths, basis)
 
 
 @dataclass
@@ -93,14 +94,13 @@ class Rows:
     """
 
     table: Array
-    kept: int = field(default=DEGREE + 1, repr=False)
     order: int = 1
     _newton: tuple[Array, Array, Array] | None = field(default=None, repr=False)
 
     @classmethod
-    def at(cls, D: float, F: float) -> Rows:
+    def at(cls, F: float, depths: Array) -> Rows:
         """A first row."""
-        return cls(np.array([[0.0, 0.0, 0.0, D, F]]))
+        return cls(np.array([[0.0, 0.0, 0.0, F, *depths]]))
 
     def __len__(self) -> int:
         return len(self.table)
@@ -109,10 +109,11 @@ class Rows:
         """A kink at the newest row."""
         self.table, self.order = self.table[-1:], 1
 
-    def append(self, s: float, p: float, a: float, D: float, F: float) -> None:
+    def append(self, s: float, p: float, a: float, F: float, depths: Array) -> None:
         """One row more, that far from the newest."""
-        older = self.table[-(self.kept - 1) :] - (s, p, a, 0.0, 0.0)
-        self.table = np.vstack((older, [0.0, 0.0, 0.0, D, F]))
+        older = self.table[-DEGREE:].copy()
+        older[:, :3] -= (s, p, a)
+        self.table = np.vstack((older, [0.0, 0.0, 0.0, F, *depths]))
         self.order = min(self.order + 1, len(self.table))
 
     def measure(self, T: float, L: float) -> None:
@@ -125,7 +126,7 @@ class Rows:
 
     @property
     def newton(self) -> tuple[Array, Array]:
-        """Products (m + 1, m + 1) in powers of ``h``, and differences (m, 4) of ``p, a, D, F``."""
+        """Products (m + 1, m + 1) in powers of ``h``, and differences (m, K + 4) of ``p, a, F, D, C``."""
         if self._newton is None or self._newton[0] is not self.table:
             count, ways = len(self.table), self.table[::-1, 0]
             products = np.zeros((count + 1, count + 1))
@@ -142,11 +143,11 @@ class Rows:
         return self._newton[1:]
 
     def mispredicted(self, h: float, values: Array, scales: Array) -> Array:
-        """Differences (m, 4) of ``p, a, D, F`` after a way from what the last 1, 2, ... m rows predict."""
+        """Differences (m, 4) of ``p, a, F, D`` after a way from what the last 1, 2, ... m rows predict."""
         products, differences = self.newton
-        count = len(differences)
+        count, differences = len(differences), differences[:, :4]
         terms = (products[:count] @ h ** np.arange(count + 1))[:, None] * differences
-        found: Array = (values - self.table[-1, 1:] - terms.cumsum(axis=0)) / scales
+        found: Array = (values - self.table[-1, 1:5] - terms.cumsum(axis=0)) / scales
         return found
 
     def segment(self, s: float, a: float, order: int = DEGREE) -> PathSegment:
@@ -156,22 +157,50 @@ class Rows:
         scale = s ** ORDERS[: count + 1]
         basis = products[count, : count + 1] * scale
         basis /= basis.sum()
-        coefficients = np.zeros((DEGREE + 1, 4))
-        coefficients[: count + 1, :3] = products[:count, : count + 1].T @ differences[:count, :3]
-        coefficients[: count + 1, :3] *= scale[:, None]
-        lack = -coefficients[:, :3].sum(axis=0)
+        coefficients = np.zeros((DEGREE + 1, differences.shape[1]))
+        coefficients[: count + 1] = products[:count, : count + 1].T @ differences[:count]
+        coefficients[: count + 1] *= scale[:, None]
+        lack = -coefficients.sum(axis=0)
         lack[1] += a
-        coefficients[: count + 1, :3] += basis[:, None] * lack
-        coefficients[: count + 1, 3] = basis
-        parameter, way, depth, basis = coefficients.T.copy()
-        return PathSegment(a, way, parameter, depth, basis)
+        coefficients[: count + 1] += basis[:, None] * lack
+        coefficients[: count + 1, 2] = basis
+        parameter, way, basis = coefficients[:, :3].T.copy()
+        return PathSegment(a, way, parameter, coefficients[:, 3:], basis)
 
-    def predictor(self, T: float, L: float, depth: float, tangent: Array) -> Array:
-        """``(p/T, a/L, D/depth, F)`` in powers of the way from the newest row (m, 4); ``p, a`` from there."""
+    def predictor(self, T: float, L: float, depth: float, tangent: Array) -> Predictor:
+        """The way ahead, by as many rows as are to predict it."""
         products, differences = self.newton
-        m, scales = min(self.order, len(differences)), np.array([T, L, depth, 1.0])
+        m, scales = min(self.order, len(differences)), np.full(differences.shape[1], depth)
+        scales[:3] = T, L, 1.0
         if m == 1:
-            return np.vstack((self.table[-1, 1:] / scales, [*tangent, 0.0, 0.0]))
+            return Predictor(np.vstack((self.table[-1, 1:] / scales, np.append(tangent, 0.0 * scales[2:]))))
         coefficients = products[:m, :m].T @ differences[:m]
         coefficients[0] = self.table[-1, 1:]
-        return coefficients / scales
+        return Predictor(coefficients / scales)
+
+
+@dataclass(frozen=True)
+class Predictor:
+    """``(p/T, a/L, F, (D, C)/depth)`` in powers of the way from the newest row; ``p, a`` from there."""
+
+    coefficients: Array
+
+    def place(self, h: float) -> Array:
+        """Where the path is after a way."""
+        found: Array = h ** ORDERS[: len(self.coefficients)] @ self.coefficients
+        return found
+
+    def slope(self, h: float) -> Array:
+        """Its direction there."""
+        orders = ORDERS[: len(self.coefficients)]
+        found: Array = h ** orders[:-1] @ (orders[1:, None] * self.coefficients[1:])
+        return found
+
+    def passage(self, order: int, column: int, way: float, level: float, reach: float) -> float:
+        """Where a component of place or slope passes a level, that way; infinite if not within reach."""
+
+        def beyond(h: float) -> float:
+            return float((self.slope if order else self.place)(h)[column]) - level
+
+        first, last = beyond(0.0), beyond(reach)
+        return bracketed(beyond, 0.0, reach) if first * last < 0.0 <= way * (last - first) else math.inf

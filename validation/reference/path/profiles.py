@@ -39,7 +39,7 @@ _TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
 def profile(body: Body, indenter: Indenter, state: State) -> SurfaceProfile:
     """State of the surface, at points crowded towards the edge but not on it."""
     a, edges = state.radius, state.surface.edges
-    far = 1.5 * (a + max(float(edges[-1]) if edges.size else 0.0, 0.0)) or 1.0
+    far = min(1.5 * (a + max(float(edges[-1]) if edges.size else 0.0, 0.0)) or 1.0, body.image.reach)
     within = a * np.sin(0.5 * np.pi * np.arange(POINTS) / POINTS) if a > 0.0 else np.empty(0)
     beyond = a + (far - a) * (np.arange(1 if a > 0.0 else 0, POINTS + 1) / POINTS) ** 2
     radius = np.concatenate((within, beyond))
@@ -86,8 +86,8 @@ def gap(body: Body, state: State, radius: Array) -> Array:
     breaks = _breaks(body, state, a, far)
 
     def opening(y: Array) -> Array:
-        G, carried = state.carried(body, y - a)
-        return total(carried) - (state.depth - G)
+        phi, G, carried = state.carried(body, y - a)
+        return total(carried) - (phi @ state.depths - G)
 
     width, d = np.diff(breaks), _panels(opening, breaks)
 

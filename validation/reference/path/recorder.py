@@ -36,7 +36,6 @@ from validation.reference.path.energies import (
     WORK,
     Course,
     course,
-    force_slope,
     stored_energy,
     stored_when_free,
 )
@@ -119,13 +118,13 @@ class Recorder:
             row[[DEPTH, RADIUS, FORCE]] = state.depth, state.radius, state.force
             self._add(row[None, :])
 
-    def step(self, trial: Trial, arrival: Arrival, state: State, back: float | None) -> None:
+    def step(self, arrival: Arrival, state: State, back: float | None) -> None:
         """A step to a state; ``back``: ``u < 0`` of the row before it, if the path is smooth there."""
         before = None if back is None else (back, self._ends[-2])
-        way = course(self.body, self.law, trial, arrival, state, self._ends[-1], before)
+        trial, way = arrival.trial, course(arrival, state, self._ends[-1], before)
         marked, stops = {}, {}
         if arrival.rise > 0.0:
-            marked = self._extrema(trial, arrival, way)
+            marked = self._extrema(arrival, way)
         elif trial.direction:
             self._jumped(trial)
         u = np.array([*sorted(marked), 1.0])
@@ -139,8 +138,7 @@ class Recorder:
         for at, stop in stops.items():
             rows[u.searchsorted(at), TIME] = stop
             if stop in self.wanted:
-                part, end = trial.part(at, arrival)
-                self.seen(replace(part.state_after(end), time=stop) if at < 1.0 else state)
+                self.seen(replace(arrival.part(at).after(), time=stop) if at < 1.0 else state)
         for at, (kind, apart, height) in marked.items():
             row = rows[u.searchsorted(at)]
             if kind in (PRESSED, PULLED):  # no polynomial goes beyond it
@@ -208,7 +206,7 @@ class Recorder:
         time = np.empty(len(u) + 1)
         time[0], time[-1] = trial.state.time, state.time
         time[1:-1] = powers(u[:-1], COLLOCATION) @ way.coefficients[: COLLOCATION + 1, TIME]
-        later = (time[1:] > time[:-1]) & (time[1:] < state.time)
+        later = (time[1:] > np.maximum.accumulate(time)[:-1]) & (time[1:] < state.time)
         later[-1] = True
         return u[later]
 
@@ -220,17 +218,17 @@ class Recorder:
         found = dict(zip(inverse(clock, inside - trial.state.time).tolist(), inside.tolist(), strict=True))
         return found | ({1.0: state.time} if state.time in self.wanted else {})
 
-    def _extrema(self, trial: Trial, arrival: Arrival, way: Course) -> dict[float, tuple[str, float, float]]:
+    def _extrema(self, arrival: Arrival, way: Course) -> dict[float, tuple[str, float, float]]:
         """Extrema of penetration and force within a step: kind, how far off it is in ``u``, and the force.
 
         One that changes less than the tolerance over the step is of the errors: a hold has many.
         """
         found: dict[float, tuple[str, float, float]] = {}
-        coefficients = way.coefficients
+        trial, coefficients = arrival.trial, way.coefficients
         ends = np.array([coefficients[1], np.arange(len(coefficients)) @ coefficients])
         if ends[:, TIME].min() < 0.0:  # rounding of a shortest step, or past a limit point
             return found
-        force = max(abs(trial.state.force), abs(trial.force_at(arrival)))
+        force = max(abs(trial.state.force), abs(arrival.force))
         for column, largest in ((DEPTH, self.scales.depth), (FORCE, force)):
             first, last = ends[:, column]
             errors = self.allowed * largest if trial.leg.free or column == FORCE else 0.0
@@ -241,45 +239,32 @@ class Recorder:
             if column == DEPTH:
                 found[at] = DEEPEST if first > 0.0 else "", 0.0, math.nan
             elif trial.leg.control != "force":
-                extremum = self._extremum(trial, arrival, at)
+                extremum = self._extremum(arrival, at)
                 if extremum is not None:
                     exact, height = extremum
+                    height = max(height, 0.0) if self.law.adhesion is None else height  # nothing pulls
                     kind = PRESSED if first > 0.0 else PULLED
                     off = max(abs(exact - at), NARROW)
                     found[exact] = kind if height * first > 0.0 else "", off, height
         return found
 
-    def _extremum(self, trial: Trial, arrival: Arrival, foreseen: float) -> tuple[float, float] | None:
+    def _extremum(self, arrival: Arrival, at: float) -> tuple[float, float] | None:
         """Place and height of an extremum of the force; ``None`` where the dense path alone has one."""
-
-        def slope(u: float) -> float:
-            return force_slope(self.body, self.law, *trial.part(u, arrival))
-
-        ends, at = (0.5 * foreseen, 0.5 * (1.0 + foreseen)), foreseen
-        if slope(ends[0]) * slope(ends[1]) < 0.0:  # else a step too short for a dense path
-            at = bracketed(slope, *ends, NARROW**2)
         # one secant tells no speed
-        if trial.direction and self.law.adhesion is not None and not self.law.rated:
+        if arrival.trial.direction and self.law.adhesion is not None and not self.law.rated:
             middle = min(max(at, NARROW), 1.0 - NARROW)
             apart = min(VERTEX, middle, 1.0 - middle)
-            way, height = self._vertex(trial, arrival, middle, apart)
+            way, height = self._vertex(arrival, middle, apart)
             place = middle + apart * way
             if not -apart <= place <= 1.0 + apart and math.isfinite(height):
                 return None
             if abs(way) < 2.0:
                 return min(max(place, NARROW**2), 1.0 - NARROW**2), height
-        part, end = trial.part(at, arrival)
-        return at, part.force_at(end)
+        return at, arrival.part(at).force
 
-    def _vertex(self, trial: Trial, arrival: Arrival, middle: float, apart: float) -> tuple[float, float]:
+    def _vertex(self, arrival: Arrival, middle: float, apart: float) -> tuple[float, float]:
         """Vertex, seen from the middle, and height there of the parabola through three forces on the path."""
-
-        def residual(trial: Trial, arrival: Arrival) -> float:
-            return self.law.residual(trial, arrival, False)
-
-        before, here, after = (
-            trial.corrected_force(middle + shift, arrival, residual) for shift in (-apart, 0.0, apart)
-        )
+        before, here, after = (arrival.corrected_force(middle + shift) for shift in (-apart, 0.0, apart))
         bend, slope = before - 2.0 * here + after, 0.5 * (after - before)
         way = -slope / bend if bend else math.nan
         return way, here + 0.5 * slope * way

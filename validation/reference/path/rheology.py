@@ -16,13 +16,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Material
 from validation.reference.creep_compliance import creep_spectrum
+from validation.reference.path.layer import HALF_SPACE, Image
+from validation.reference.path.numerics import gauss
 from validation.reference.prony_integrals import NEGLIGIBLE, plane_spectrum
 from validation.reference.sneddon import Transform
 
@@ -64,21 +67,65 @@ class Rheology:
         return self.relaxed * strain + total(branches)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Body:
-    """Material and indenter in Abel space, constant during a run."""
+    """Material, layer and indenter in Abel space, constant during a run."""
 
     rheology: Rheology
     transform: Transform
+    image: Image = HALF_SPACE
 
     def shape(self, radius: float) -> float:
         """``G`` at one radius."""
         return float(self.transform(np.array([radius]))[0])
 
-    def strain_squared(self, depth: float, radius: float) -> float:
-        """``int_0^a (D - G)^2 dx``."""
-        transform = self.transform
-        return depth * (depth * radius - 2.0 * transform.integral(radius)) + transform.squared(radius)
+    @lru_cache(maxsize=8)  # noqa: B019
+    def integrals(self, radius: float) -> tuple[Array, Array]:
+        """``int_0^a phi phi`` (K + 1, K + 1) and ``int_0^a phi G`` (K + 1,)."""
+        if not self.image.is_layer:
+            return np.array([[radius]]), np.array([self.transform.integral(radius)])
+        points, weights = self._rule
+        phi = self.image.functions(radius * points)
+        gram = (phi.T * (radius * weights)) @ phi
+        knots, sums = self._at_knots
+        last = int(knots.searchsorted(radius, side="right")) - 1
+        return gram, sums[last] + self._between(knots[last], radius)
+
+    def strain_squared(self, depths: Array, radius: float) -> float:
+        """``int_0^a (phi . D - G)^2 dx``."""
+        gram, shape = self.integrals(radius)
+        return float(depths @ (gram @ depths - 2.0 * shape)) + self.transform.squared(radius)
+
+    def elastic(self, radius: float) -> tuple[Array, Array]:
+        """``(D, C)`` of an elastic contact, whatever its modulus: the first times ``D``, less the second.
+
+        ``C = B int_0^a P w^``.
+        """
+        gram, shape = self.integrals(radius)
+        coupling = self.image.coupling
+        if not self.image.is_layer:
+            return np.ones(1), np.zeros(1)
+        right = np.column_stack((np.eye(len(gram))[0], coupling @ shape))
+        unit, rest = np.linalg.solve(np.eye(len(gram)) - coupling @ gram, right).T
+        return unit, rest
+
+    @cached_property
+    def _rule(self) -> tuple[Array, Array]:
+        return gauss(4 * len(self.image.coupling))
+
+    def _between(self, low: float, high: float) -> Array:
+        """``int phi G`` from a knot of the profile, beyond which ``G`` may go as a root, to the next."""
+        points, weights = self._rule
+        x = low + (high - low) * points**2
+        weights = 2.0 * (high - low) * weights * points
+        return np.asarray((weights * self.transform(x)) @ self.image.functions(x))
+
+    @cached_property
+    def _at_knots(self) -> tuple[Array, Array]:
+        knots = self.transform.knots
+        knots = np.append(0.0, knots[(knots > 0.0) & (knots < self.image.reach)])
+        parts = [self._between(low, high) for low, high in pairwise(knots.tolist())]
+        return knots, np.vstack((np.zeros((1, len(self.image.coupling))), *parts)).cumsum(axis=0)
 
 
 def total(variables: Array) -> Array:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -33,24 +33,19 @@ from contact_scene.run_control import (
     budget_outcome,
     interruption,
     outcome_of_loss,
+    outgrown_outcome,
 )
-from validation.reference.path import events
-from validation.reference.path.continuation import Continuation
+from validation.reference.path.continuation import SAME_FOLD, SMALL_PART, Continuation, Ending, Level
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.equilibrium import elastic_start, scales
+from validation.reference.path.equilibrium import elastic_start, indented, scales
 from validation.reference.path.path import Leg
 from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
-from validation.reference.path.rheology import Body, rheology
 from validation.reference.path.state import State
-from validation.reference.path.tracker import SMALL_PART, Ending, Level
-from validation.reference.path.trial import Arrival, Trial
-from validation.reference.sneddon import transform
+from validation.reference.path.trial import Arrival
 
 Array = NDArray[np.float64]
 NO_STABLE_CONTACT = "no stable contact is left"
-SLIGHT = 10.0
-"""Kink of a load, in tolerances of its change, that steps pass over: results change by a tenth of one."""
 SHORTEST = 16.0
 """Leg, in units of the last place of its end, below which it is lost in rounding."""
 AT_LOAD = 1e-12
@@ -81,11 +76,11 @@ def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
     """What a load step is made of between its kinks.
 
     A row of a table is none where the lines that meet there are nearly a smooth curve, which they leave by an
-    eighth of the jump of the rate times the longer of them.
+    eighth of the jump of the rate times the longer of them: there they are rounded.
     """
     marks = [*sorted({segment.start, *segment.kinks}), segment.end]
     values, rates = [segment.value(at) for at in marks], [segment.rate(at) for at in marks[:-1]]
-    allowed = 8.0 * SLIGHT * tolerance * (max(values) - min(values))
+    allowed = 8.0 * tolerance * (max(values) - min(values))
     kept = [0]
     for i in range(1, len(rates)):
         longer = max(marks[i] - marks[i - 1], marks[i + 1] - marks[i])
@@ -97,8 +92,25 @@ def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
             mean = (values[last] - values[first]) / (end - begin) if end > begin else 0.0
             off = max(abs(each - mean) for each in rates[first:last])
             rate = mean if off <= tolerance * abs(mean) else None
+        value = segment.value
+        if segment.linear and rate is None and last > first + 1:
+            value = rounded(value, np.array(marks[first : last + 1]), np.array(rates[first:last]))
         if end - begin >= SHORTEST * math.ulp(end):
-            yield Leg(segment.control, segment.value, begin, end, True, rate, segment.compliance)
+            yield Leg(segment.control, value, begin, end, True, rate, segment.compliance)
+
+
+def rounded(value: Callable[[float], float], marks: Array, rates: Array) -> Callable[[float], float]:
+    """Straight lines between marks with a parabola in place of each kink, half way to the next at most."""
+    width, at = marks[1:] - marks[:-1], marks[1:-1]
+    half, jump = 0.5 * np.minimum(width[:-1], width[1:]), rates[1:] - rates[:-1]
+    between = 0.5 * (at[1:] + at[:-1])
+
+    def smooth(now: float) -> float:
+        i = int(between.searchsorted(now))
+        away = float(half[i]) - abs(now - float(at[i]))
+        return value(now) + (float(jump[i] * away * away / (4.0 * half[i])) if away > 0.0 else 0.0)
+
+    return smooth
 
 
 @dataclass
@@ -152,7 +164,7 @@ class PathRun:
         scene = self.scene
         try:
             with np.errstate(over="raise", invalid="raise", divide="raise"):
-                body = Body(rheology(scene.material), transform(scene.indenter))
+                body = indented(scene)
                 adhesion = scene.adhesion if scene.is_adhesive else None
                 state = elastic_start(scene, body)
                 if state is None:
@@ -176,11 +188,11 @@ class PathRun:
         """The surface at a time at which it is asked for."""
         self.profiles.append(profile(self.recorder.body, self.scene.indenter, state))
 
-    def _accepted(self, trial: Trial, arrival: Arrival, state: State, s: float) -> None:
+    def _accepted(self, arrival: Arrival, state: State, s: float) -> None:
         """Record a step; the row before it belongs to its path unless there is a kink between."""
         table = self.tracker.rows.table
         back = table[-2, 0] / s if len(table) > 1 else None
-        self.recorder.step(trial, arrival, state, back)
+        self.recorder.step(arrival, state, back)
 
     # load steps ---
 
@@ -208,7 +220,7 @@ class PathRun:
             ends, depths = (segment.start, segment.end), (state.depth, state.depth)
             return pieces("penetration", ends, depths, segment.trigger)
         elif state.depth != 0.0:
-            self.tracker.state = replace(state, depth=0.0)
+            self.tracker.state = state.at_depth(0.0)
             self.recorder.put(self.tracker.state)
         return segment
 
@@ -245,15 +257,17 @@ class PathRun:
         before = tracker.leg
         tracker.begin(leg, SMALL_PART * self._shortest(leg, segment))
         self.recorder.put(tracker.state)
-        if leg.free and (before is None or before.control != leg.control) and events.unstable(tracker):
+        if leg.free and (before is None or before.control != leg.control) and tracker.unstable():
             self._ends_with(Ending.FOLD, leg)
             if self.outcome is not None:
                 return Ending.FOLD
         while True:
             self.recorder.put(tracker.state)
             now = tracker.state.time
-            self.outcome = interruption(self.monitor, now) or budget_outcome(
-                self.counters, self.max_steps, now
+            self.outcome = (
+                interruption(self.monitor, now)
+                or budget_outcome(self.counters, self.max_steps, now)
+                or outgrown_outcome(self.scene.body, tracker.state.radius, now)
             )
             kind = Ending.LOST if self.outcome is not None else tracker.step()
             if self.outcome is None:
@@ -281,8 +295,11 @@ class PathRun:
             self.outcome = below_zone_outcome(force, tracker.state.time)
         elif kind is Ending.LEAST or (kind in (Ending.END, Ending.LOST) and tracker.let_go):
             self._lose_contact(leg)
-        elif kind in (Ending.LOST, Ending.FOLD) and events.lost(tracker, kind is Ending.FOLD):
-            if kind is Ending.FOLD:
+        elif kind in (Ending.LOST, Ending.FOLD) and tracker.lost(kind is Ending.FOLD):
+            if kind is Ending.FOLD and tracker.direction > 0.0 and self.scene.body is not None:
+                now = tracker.state.time
+                self.outcome = outgrown_outcome(self.scene.body, math.inf, now)
+            elif kind is Ending.FOLD:
                 self._lose_contact(leg)
             else:
                 reason = "no step, however short, leads to a contact that satisfies the edge condition"
@@ -291,7 +308,7 @@ class PathRun:
     def _lose_contact(self, leg: Leg) -> None:
         """Contact ends here; the last row is the free surface, unless a force takes the indenter off."""
         state = self.tracker.state
-        self.recorder.lost(self.scene.ends_in_a_point, events.SAME_FOLD * self.tolerance * self.tracker.L)
+        self.recorder.lost(self.scene.ends_in_a_point, SAME_FOLD * self.tolerance * self.tracker.L)
         self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
         held = leg.control != "force"
         if state.radius > 0.0 and (held or self.scene.ends_in_a_point):

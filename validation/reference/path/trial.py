@@ -8,8 +8,7 @@ two to four exponentials, and two products.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +16,8 @@ from numpy.typing import NDArray
 
 from validation.reference.path import fields
 from validation.reference.path.closure import BASE, Closure, closure, zone_length
-from validation.reference.path.fields import Passed, Passing
+from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.fields import Passed, Passing, Points
 from validation.reference.path.memory import (
     COLLOCATION,
     PATH_AT_NODES,
@@ -26,7 +26,7 @@ from validation.reference.path.memory import (
     Motion,
     collocation,
 )
-from validation.reference.path.numerics import inverse, powers
+from validation.reference.path.numerics import ORDERS, inverse, powers
 from validation.reference.path.path import Leg, PathSegment
 from validation.reference.path.rheology import Body, total
 from validation.reference.path.state import GRADING, State
@@ -38,67 +38,33 @@ SECANT = 1e-4
 """Change of the load parameter that tells a slope of the residual, in a step: the root is as much closer."""
 
 
-@dataclass(eq=False)
-class Arrival:
-    """The end of a step after a rise of the load parameter.
-
-    ``integral`` is that of the closure, or the edge strain.
-    """
-
-    rise: float
-    motion: Motion
-    passing: Passing | None
-    integral: float
-    free: float = 0.0
-    force: float | None = None
-
-    @property
-    def duration(self) -> float:
-        """Length of the step in time."""
-        return self.motion.duration
-
-    @property
-    def depth(self) -> float:
-        """Penetration."""
-        return self.motion.end[1]
-
-
 class Trial:
     """The step from a state along a segment; its end radius is where the segment ends.
 
     What has the radius in it is measured from the edge where the step begins, and so is the load parameter.
-
-    ``zone`` 0: without adhesion. ``cohesive``: stress of a zone whose length follows, ``zone`` is a guess.
+    ``closed``: whether the edge condition is asked for.
     """
 
     def __init__(
-        self,
-        body: Body,
-        state: State,
-        leg: Leg,
-        segment: PathSegment,
-        zone: float,
-        cohesive: float = 0.0,
-        at_rest: float = 0.0,
-        closed: bool = True,
+        self, body: Body, law: EdgeLaw, state: State, leg: Leg, segment: PathSegment, closed: bool = True
     ) -> None:
-        self.body, self.state, self.leg, self.segment = body, state, leg, segment
-        self.zone, self.cohesive, self.zone_at_rest, self.closed = zone, cohesive, at_rest, closed
-        self._guess = zone
-        self.travel = segment.travel
-        self.radius = state.radius + self.travel
+        self.body, self.law, self.state, self.leg, self.segment = body, law, state, leg, segment
+        self.closed, self.travel = closed, segment.travel
+        self.radius, self.zone = state.radius + self.travel, law.zone
+        if law.cohesive:  # a guess
+            self.zone = min(state.zone or law.zone, 0.5 * self.radius)
         if self.radius <= 4.0 * math.ulp(state.radius):
             self.radius, self.travel = 0.0, -state.radius
+        self._guess = self.zone
         self.direction = float(np.sign(self.travel))
         self.closure: Closure | None = None
-        self._remembered = body.rheology.moduli * state.memory
         self._layered: dict[int, Passed] = {}
-        self._cuts = state.cuts(self.travel, zone, body.transform.knots)
+        self._cuts = state.cuts(self.travel, body.transform.knots)
         none, edge = np.zeros(0), np.array([self.travel])
-        if closed and zone > 0.0 and not cohesive:
-            self._close(zone)
-        elif closed and zone == 0.0:
+        if closed and law.adhesion is None:
             self._lay(none if self.direction > 0.0 else edge, none if self.direction < 0.0 else edge)
+        elif closed and not law.cohesive:
+            self._close(self.zone)
         else:
             self._lay(none, none)
 
@@ -111,7 +77,9 @@ class Trial:
         count = len(form.s)
         self._lay(self.travel - zone + form.s, self.travel + form.s)
         side = slice(count, None) if self.direction > 0.0 else slice(0, count)
-        rows = np.vstack((np.ones(count), self._G[side] - self._G[count], self._begun[side].T))
+        phi = (self._phi[side] - self._phi[count]).T
+        phi[0] = 1.0
+        rows = np.vstack((phi, self._G[side] - self._G[count], self._begun[side].T))
         self._factors = form.of_openings(rows) if self.direction > 0.0 else form.of_stresses(rows)
         self._beside = rows[:, 0 if self.direction > 0.0 else -1]  # the point next to the edge
 
@@ -121,19 +89,21 @@ class Trial:
         x = np.concatenate((np.minimum(behind, edge), np.maximum(ahead, np.nextafter(edge, np.inf))))
         self.passed: Passed | None = None
         if not self.direction:
-            self._G, self._begun = self.state.carried(self.body, x)
+            self._phi, self._G, self._begun = self.state.carried(self.body, x)
             return
         low, high = sorted((0.0, edge))
         changing = (x > low) & (x <= high)
         changing[slice(0, len(behind)) if edge < 0.0 else slice(len(behind), None)] = False
         self._changing = changing.nonzero()[0]
         sweep, u_powers = self._swept(self._cuts, x[self._changing])
-        G, begun = self.state.carried(
+        carried = self.state.carried(
             self.body, np.concatenate((x, np.maximum(sweep.x, np.nextafter(low, np.inf))))
         )
-        at = np.concatenate((self._changing, np.arange(len(x), len(G))))
-        self._G, self._begun = G[: len(x)], begun[: len(x)]
-        self.passed = Passed(sweep, u_powers, G[at], begun[at])
+        at = np.concatenate((self._changing, np.arange(len(x), len(carried[0]))))
+        phi, G, begun = carried
+        self._phi, self._G, self._begun = phi[: len(x)], G[: len(x)], begun[: len(x)]
+        changed = phi.take(at, axis=0), G[at], begun.take(at, axis=0)
+        self.passed = Passed(u_powers, *changed, sweep)
 
     def _swept(self, cuts: Array, before: Array) -> tuple[fields.SweptRadii, Array]:
         """A sweep, and powers of ``u`` at radii and at its own, from the beginning to the end of the step."""
@@ -157,7 +127,7 @@ class Trial:
             carried = self.state.carried(
                 self.body, np.maximum(sweep.x, np.nextafter(min(self.travel, 0.0), np.inf))
             )
-            self._layered[count] = Passed(sweep, u_powers, *carried)
+            self._layered[count] = Passed(u_powers, *carried, sweep)
         return self._layered[count]
 
     # an end ---
@@ -167,65 +137,69 @@ class Trial:
         state, leg, rheology = self.state, self.leg, self.body.rheology
         course = self.segment.parameter + rise * self.segment.basis
         clock = course if leg.timed else np.zeros_like(course)
+        layer = self.body.image.is_layer
+        if leg.rate is not None and not layer:
+            motion = ConstantRate(rheology.times, clock, rheology.moduli, state.depth, leg.rate)
+            return Arrival(self, rise, motion)
+        given, basis = PATH_AT_NODES @ self.segment.depths, PATH_AT_NODES @ self.segment.basis
         if leg.rate is not None:
-            return self._arrived(
-                rise, ConstantRate(rheology.times, clock, rheology.moduli, state.depth, leg.rate)
-            )
-        if leg.control == "penetration":
+            given[:, 0] = leg.rate * (PATH_AT_NODES @ clock)
+        elif not leg.free:
             at = state.parameter + PATH_AT_NODES @ course
-            given = np.array([leg.value(p) for p in at]) - state.depth
-            given[0] = 0.0
-            basis = 0.0 * given
-        else:
-            given, basis = PATH_AT_NODES @ self.segment.depth, PATH_AT_NODES @ self.segment.basis
-        family = collocation(rheology.times, clock, rheology.moduli, state.depth, given, basis)
-        if not basis.any():  # the penetration is known
-            return self._arrived(rise, family.motion())
+            given[:, 0] = np.array([leg.value(p) for p in at]) - state.depth
+            given[0, 0] = 0.0
+        unknown = basis.any() and (leg.free or layer)
+        family = collocation(rheology.times, clock, rheology.moduli, state.depths, given, basis)
+        if not unknown:
+            return Arrival(self, rise, family.given)
         return self._balanced(rise, family)
 
     def _balanced(self, rise: float, family: Collocation) -> Arrival:
-        """The end at which the load is as it has to be: it is affine in the change of the penetration."""
-        leg, value = self.leg, self.leg.value(self.state.parameter + rise)
-        one, slope = self.force(family.motion()), self.force(family.free, unit=True)
+        """The end at which the load is as it has to be, and ``q`` of ``C`` is ``M q``.
+
+        Both are affine in what the penetrations change by.
+        """
+        leg, value, rheology = self.leg, self.leg.value(self.state.parameter + rise), self.body.rheology
+        motion, coupling = family.given, self.body.image.coupling
+        moments, slopes = self.moments(motion), self._response(family.free)
+        gained, depths = motion.end
+        kept = self.state.memory @ (rheology.moduli * np.exp(-motion.duration / rheology.times))
+        matrix = -coupling @ slopes
+        matrix.flat[:: len(matrix) + 1] += rheology.relaxed + float(family.free.end[0].sum())
+        lack = coupling @ moments - rheology.relaxed * depths - gained.sum(axis=1) - kept
         if leg.control == "force":
-            free = (value - one) / slope
+            matrix[0], lack[0] = 2.0 * slopes[0], value - 2.0 * moments[0]
         else:
-            free = (value - leg.compliance * one - self.state.depth) / (1.0 + leg.compliance * slope)
-        arrival = self._arrived(rise, family.motion(free))
-        arrival.free, arrival.force = free, one + free * slope
-        return arrival
+            soft = 2.0 * leg.compliance
+            matrix[0], lack[0] = soft * slopes[0], value - depths[0] - soft * moments[0]
+            matrix[0, 0] += 1.0
+        free = np.linalg.solve(matrix, lack)
+        return Arrival(self, rise, family.motion(free), free, 2.0 * float(moments[0] + slopes[0] @ free))
 
-    def _arrived(self, rise: float, motion: Motion) -> Arrival:
-        if self.cohesive and self.closed:
-            zone = self.zone_at_stress(motion)
-            if math.isfinite(zone) and (self.closure is None or abs(zone - self.zone) > 1e-13 * zone):
-                self._close(zone)
-        passing = self._passes(self.passed, motion) if self.passed else None
-        integral = self._integral(motion, passing) if self.closed else 0.0
-        if self.cohesive and self.closed and not math.isfinite(zone):
-            integral = math.nan
-        return Arrival(rise, motion, passing, integral)
-
-    def _integral(self, motion: Motion, passing: Passing | None) -> float:
+    def integral(self, motion: Motion, passing: Passing | None) -> float:
         """Closure integral; without a zone the strain at the edge: behind it, unless it covers."""
         rheology, form, covers = self.body.rheology, self.closure, self.direction > 0.0
-        gained, depth = motion.end
+        gained, depths = motion.end
         fresh = np.exp(-motion.duration / rheology.retardation)
         if form is None:
             if covers:
                 return self.overlap(motion)
-            return float(self.stress(self._G[:1], self._begun[:1], motion)[0]) / rheology.glassy
+            return (
+                float(self.stress(self._phi[:1], self._G[:1], self._begun[:1], motion)[0]) / rheology.glassy
+            )
         count = len(form.s)
-        side, strain = (slice(0, count) if covers else slice(count, None)), depth - self._G
+        side, strain = (slice(0, count) if covers else slice(count, None)), self._phi @ depths - self._G
         other = self._begun[side]
         if covers:
-            field = self.stress(self._G[side], other, motion)
-            still = np.concatenate(([-strain[count], 1.0], fresh))
+            field = self.stress(self._phi[side], self._G[side], other, motion)
+            still = np.concatenate((-depths, [1.0], fresh))
+            still[0] = -strain[count]
         else:
             field = other @ fresh - strain[side]
             fading = np.exp(-motion.duration / rheology.times)
-            constant = rheology.relaxed * strain[count] + gained.sum()
-            still = np.concatenate(([constant, -rheology.relaxed], fading))
+            gain = gained.sum(axis=1)
+            still = np.concatenate((rheology.relaxed * depths + gain, [-rheology.relaxed], fading))
+            still[0] = rheology.relaxed * strain[count] + self._phi[count] @ gain
         if passing is not None and len(self._changing):
             changed = total(passing.end[: len(self._changing)])
             changed += (rheology.relaxed if covers else -1.0) * strain[self._changing]
@@ -236,168 +210,263 @@ class Trial:
     def overlap(self, motion: Motion) -> float:
         """Strain by which the surface is within the indenter next to an edge that covers or stays."""
         fresh = np.exp(-motion.duration / self.body.rheology.retardation)
-        return motion.end[1] - float(self._G[-1]) - float(self._begun[-1] @ fresh)
+        return float(self._phi[-1] @ motion.end[1] - self._G[-1] - self._begun[-1] @ fresh)
 
-    def stress(self, G: Array, begun: Array, motion: Motion) -> Array:
+    def stress(self, phi: Array, G: Array, begun: Array, motion: Motion) -> Array:
         """``q`` at the end at points that stay in contact."""
         rheology = self.body.rheology
-        gained, depth = motion.end
-        q: Array = rheology.relaxed * (depth - G) + begun @ np.exp(-motion.duration / rheology.times)
-        return q + gained.sum()
+        gained, depths = motion.end
+        q: Array = rheology.relaxed * (phi @ depths - G) + begun @ np.exp(-motion.duration / rheology.times)
+        return q + phi @ gained.sum(axis=1)
 
     def zone_at_stress(self, motion: Motion) -> float:
         """Length of the zone that a cohesive stress makes at this end of the step."""
-        rheology, depth = self.body.rheology, motion.end[1]
+        rheology, depths = self.body.rheology, motion.end[1]
 
         def stress(x: Array) -> Array:
             x = np.minimum(self.travel + x, self.travel)
-            G, begun = self.state.carried(self.body, x)
-            q = self.stress(G, begun, motion)
+            phi, G, begun = self.state.carried(self.body, x)
+            q = self.stress(phi, G, begun, motion)
             if self.direction > 0.0:
                 new = (x > 0.0).nonzero()[0]
                 u_powers = powers(inverse(self.segment.way, x[new]), COLLOCATION)
-                passing = self._passing(G[new], begun[new], u_powers, motion)
-                q[new] = rheology.relaxed * (depth - G[new]) + total(passing.end)
+                passing = self.passes(Points(u_powers, phi[new], G[new], begun[new]), motion)
+                q[new] = rheology.relaxed * (phi[new] @ depths - G[new]) + total(passing.end)
             return q
 
         within = self.state.edges_between(-self.state.radius, self.travel)
         edges = np.union1d(within - self.travel, self._guess * (BASE - 1.0))
-        return zone_length(stress, edges, self.radius, self.cohesive, self.zone_at_rest, self.zone)
+        return zone_length(stress, edges, self.radius, self.law.cohesive, self.law.zone, self.zone)
 
-    def _passes(self, points: Passed, motion: Motion) -> Passing:
-        return self._passing(points.G, points.begun, points.u_powers, motion)
+    def fits(self, motion: Motion) -> bool:
+        """Give the zone the length that its stress makes at an end; whether the edge condition is told."""
+        if self.closed and self.law.cohesive:
+            zone = self.zone_at_stress(motion)
+            if not math.isfinite(zone):
+                return False
+            if self.closure is None or abs(zone - self.zone) > 1e-13 * zone:
+                self._close(zone)
+        return self.closed and self.radius + self.zone <= self.body.image.reach
 
-    def _passing(self, G: Array, begun: Array, u_powers: Array, motion: Motion) -> Passing:
-        return fields.passing(self.body.rheology, self.direction > 0.0, G, begun, u_powers, motion)
+    def passes(self, points: Points, motion: Motion) -> Passing:
+        """Points that change sides in this step."""
+        return fields.passing(self.body.rheology, self.direction > 0.0, points, motion)
 
-    def edge_stress(self, arrival: Arrival) -> tuple[Array, Array]:
-        """``u`` and ``q`` just inside the edge, at both ends of the step and where it passes its points."""
-        passing, passed, rheology = arrival.passing, self.passed, self.body.rheology
-        if passing is None or passed is None:
-            u_powers = powers(np.concatenate(([0.0], fields.NODES, [1.0])), COLLOCATION)
-            carried = self.state.carried(self.body, np.zeros(len(u_powers)))
-            passing = self._passing(*carried, u_powers, arrival.motion)
-            return u_powers[:, 1], rheology.stress(passing.branches, passing.strain)
-        swept = passed.swept
-        return passed.u_powers[swept, 1], rheology.stress(passing.branches[swept], passing.strain[swept])
+    def force(self, motion: Motion, passing: Passing | None = None) -> float:
+        """``F = 2 int_0^a q dx``."""
+        return 2.0 * float(self.moments(motion, passing)[0])
 
-    def force_at(self, arrival: Arrival) -> float:
-        """The force at an end."""
-        if arrival.force is None:
-            arrival.force = self.force(arrival.motion, arrival.passing)
-        return arrival.force
-
-    def force(self, motion: Motion, passing: Passing | None = None, unit: bool = False) -> float:
-        """``F = 2 int_0^a q dx``; ``unit``: what a motion adds to it that does so to others.
+    def moments(self, motion: Motion, passing: Passing | None = None) -> Array:
+        """``int_0^a phi q dx`` (K + 1,).
 
         What the contact held before has faded, what it gained is integrated.
         """
         rheology, state, a = self.body.rheology, self.state, self.radius
+        gained, depths = motion.end
         if a == 0.0:  # not the rounding of what there was
-            return 0.0
-        gained, depth = motion.end
-        branches, shape = gained * min(a, state.radius), 0.0
-        if not unit:
-            shape = self.body.transform.integral(a)
-            branches = branches + np.exp(-motion.duration / rheology.times) * (state.held - self._lost[0])
+            return 0.0 * depths
+        gram, shape = self.body.integrals(a)
+        branches = self.body.integrals(min(a, state.radius))[0] @ gained
+        branches += np.exp(-motion.duration / rheology.times) * self.rest.held
         if self.passed and self.direction > 0.0:
-            branches = branches + self._left(self.passed, motion, passing, unit)[0]
-        return 2.0 * (rheology.relaxed * (depth * a - shape) + float(branches.sum()))
+            branches += self.swept_up(self.passed, motion, passing)[0]
+        return rheology.relaxed * (gram @ depths - shape) + branches.sum(axis=1)
 
-    def _left(
-        self, passed: Passed, motion: Motion, passing: Passing | None, unit: bool = False
-    ) -> tuple[Array, Array]:
+    def _response(self, free: Motion) -> Array:
+        """``int_0^a phi q`` under a motion of each of the penetrations (K + 1, K + 1)."""
+        radius = self.radius
+        gram, staying = (self.body.integrals(a)[0] for a in (radius, min(radius, self.state.radius)))
+        response = self.body.rheology.relaxed * gram + float(free.end[0].sum()) * staying
+        if self.passed and self.direction > 0.0:
+            points = self._over(self.passed, free.duration)
+            bare = replace(
+                points, phi=np.ones((len(points.G), 1)), G=0.0 * points.G, begun=0.0 * points.begun
+            )
+            phi, covered = points.phi[points.swept], total(self.passes(bare, free).end)[points.swept]
+            response += phi.T @ (phi * (points.sweep.weight * covered)[:, None])
+        return response
+
+    def swept_up(self, passed: Passed, motion: Motion, passing: Passing | None) -> tuple[Array, Array]:
         """Integrals over what the step passed of branch forces or unit strains at the end, and of squares."""
         points = self._over(passed, motion.duration)
-        if unit:
-            points = replace(points, G=0.0 * points.G, begun=0.0 * points.begun)
         if passing is None or points is not passed:
-            passing = self._passes(points, motion)
+            passing = self.passes(points, motion)
         end, weight = passing.end[points.swept], points.sweep.weight
-        return weight @ end, weight @ end**2
+        return (points.phi[points.swept].T * weight) @ end, weight @ end**2
 
     @cached_property
-    def _lost(self) -> tuple[Array, Array]:
-        """What the swept radii held as the step began: integrals of what they carry, and of its square."""
-        nothing = 0.0 * self.state.memory
-        if self.passed is None:
-            return nothing, nothing
-        weight, begun = self.passed.sweep.weight, self.passed.begun[self.passed.swept]
-        return weight @ begun if self.direction < 0.0 else nothing, weight @ begun**2
+    def rest(self) -> State:
+        """The state as the step begins, its integrals without the radii that the step passes."""
+        state, passed = self.state, self.passed
+        if passed is None:
+            return state
+        swept, weight = passed.swept, passed.sweep.weight
+        begun = passed.begun[swept]
+        moments, squares = (passed.phi[swept].T * weight) @ begun, weight @ begun**2
+        if self.direction < 0.0:
+            return replace(state, held=state.held - moments, held_squares=state.held_squares - squares)
+        return replace(state, free=state.free - moments, free_squares=state.free_squares - squares)
 
-    # acceptance ---
 
-    def state_after(self, arrival: Arrival) -> State:
+class Arrival:
+    """The end of a step after a rise of the load parameter.
+
+    ``integral`` is that of the closure, or the edge strain. ``free`` (K + 1,): what the penetrations end at
+    besides what the segment says.
+    """
+
+    def __init__(
+        self,
+        trial: Trial,
+        rise: float,
+        motion: Motion,
+        free: Array | None = None,
+        force: float | None = None,
+    ) -> None:
+        self.trial, self.rise, self.motion = trial, rise, motion
+        self.free = 0.0 * motion.end[1] if free is None else free
+        told = trial.fits(motion)
+        self.passing = trial.passes(trial.passed, motion) if trial.passed else None
+        self.integral = trial.integral(motion, self.passing) if told else math.nan
+        if force is not None:
+            self.force = force
+
+    @property
+    def duration(self) -> float:
+        """Length of the step in time."""
+        return self.motion.duration
+
+    @property
+    def depth(self) -> float:
+        """Penetration."""
+        return float(self.motion.end[1][0])
+
+    @cached_property
+    def force(self) -> float:
+        """The force."""
+        return self.trial.force(self.motion, self.passing)
+
+    @property
+    def parameter(self) -> float:
+        """Load parameter; that of the leg where it rounds onto its end."""
+        start, end = self.trial.state.parameter, self.trial.leg.end
+        return end if self.rise == end - start else start + self.rise
+
+    @property
+    def pace(self) -> float:
+        """Slope of the load parameter over the step."""
+        return float((self.trial.segment.parameter + self.rise * self.trial.segment.basis) @ ORDERS)
+
+    @property
+    def speed(self) -> float:
+        """``da/dt``."""
+        slope, time = float(self.trial.segment.way @ ORDERS), float(self.motion.clock @ ORDERS)
+        return slope / time if time else math.copysign(math.inf, slope)
+
+    # the edge condition ---
+
+    @cached_property
+    def residual(self) -> float:
+        """How far the edge is from its law: rises with the radius through zero where the edge is stable."""
+        trial, law, value = self.trial, self.trial.law, self.integral
+        if not math.isfinite(value):
+            return math.nan
+        if trial.direction == 0.0:
+            return self.pull()
+        if law.adhesion is None:
+            return -value / self._strain
+        if trial.direction > 0.0:
+            return law.closing(value)
+        return law.opening(value, -self.speed if trial.leg.timed else math.inf, self.duration)
+
+    @property
+    def _strain(self) -> float:
+        """Size of the strains of a contact without adhesion."""
+        trial = self.trial
+        return (abs(self.depth) + trial.body.shape(max(trial.radius, trial.state.radius))) or 1.0
+
+    def pull(self, slack: float = 0.0) -> float:
+        """How far a resting edge is beyond its range: positive opens, negative closes, 0 rests.
+
+        Without adhesion it rests where it is pressed behind and open ahead.
+        """
+        trial, law, value = self.trial, self.trial.law, self.integral
+        if law.adhesion is None:
+            opens, closes = -value / self._strain, -trial.overlap(self.motion) / self._strain
+        else:  # where time stands no speed is finite
+            taken = law.adhesion.work if trial.leg.timed else law.adhesion.opening(math.inf)
+            opens, closes = value / taken - 1.0, law.closing(value)
+        if trial.radius > 0.0 and opens > slack:
+            return opens
+        return closes if closes < -slack and not law.at_rim(trial.radius) else 0.0
+
+    # what is left ---
+
+    def after(self) -> State:
         """The state at the end: integrals over contact and free surface recur exactly."""
-        state, rheology, motion = self.state, self.body.rheology, arrival.motion
-        gained, depth = motion.end
+        trial, motion, rest, state = self.trial, self.motion, self.trial.rest, self.trial.state
+        rheology, leg, parameter = trial.body.rheology, trial.leg, self.parameter
+        gained, depths = motion.end
         fading = np.exp(-motion.duration / rheology.times)
         recovering = np.exp(-motion.duration / rheology.retardation)
-        low, opens = min(self.radius, state.radius), self.direction < 0.0
-        lost, lost_squares = self._lost
-        held = state.held - lost
-        squares = state.held_squares - (lost_squares if opens else 0.0)
-        squares = fading**2 * squares + 2.0 * fading * gained * held + gained**2 * low
-        held = fading * held + gained * low
-        free = (state.free_squares - (0.0 if opens else lost_squares)) * recovering**2
-        surface, passed, passing = state.surface, self.passed, arrival.passing
+        added = trial.body.integrals(min(trial.radius, state.radius))[0] @ gained
+        squares = fading**2 * rest.held_squares + (gained * (2.0 * fading * rest.held + added)).sum(axis=0)
+        held = fading * rest.held + added
+        free, free_squares = rest.free * recovering, rest.free_squares * recovering**2
+        surface, passed, passing = state.surface, trial.passed, self.passing
         if passed is not None and passing is not None:
-            sweep, swept = passed.sweep, passed.swept
+            sweep, swept, opens = passed.sweep, passed.swept, trial.direction < 0.0
             elapsed, left = passing.elapsed[swept], passing.left[swept]
-            ends = self._left(passed, motion, passing)
+            ends = trial.swept_up(passed, motion, passing)
             if opens:
-                free = free + ends[1]
+                free, free_squares = free + ends[0], free_squares + ends[1]
             else:
                 held, squares = held + ends[0], squares + ends[1]
-                left = left - self._remembered * np.exp(-elapsed / rheology.times)
+                remembered = passed.phi[swept] @ (rheology.moduli * state.memory)
+                left = left - remembered * np.exp(-elapsed / rheology.times)
             G = passed.G[swept]
             surface = fields.passed(surface, sweep, elapsed, left, not opens, G, rheology.moduli)
-        parameter = self.parameter(arrival)
-        return replace(
-            state,
+        return State(
             parameter=parameter,
-            time=parameter if self.leg.timed else state.time,
-            depth=self.leg.value(parameter) if self.leg.control == "penetration" else depth,
-            radius=self.radius,
-            force=self.leg.value(parameter) if self.leg.control == "force" else self.force_at(arrival),
+            time=parameter if leg.timed else state.time,
+            depths=depths if leg.free else np.append(leg.value(parameter), depths[1:]),
+            radius=trial.radius,
+            force=leg.value(parameter) if leg.control == "force" else self.force,
             memory=fading * state.memory + gained / rheology.moduli,
-            surface=surface.seen_from(self.travel, self.radius, arrival.duration),
+            surface=surface.seen_from(trial.travel, trial.radius, self.duration),
             held=held,
             held_squares=squares,
-            free_squares=free,
-            layer=rheology.shortest * self.speed(arrival)
-            if self.direction > 0.0 and arrival.duration
-            else state.layer,
+            free=free,
+            free_squares=free_squares,
+            layer=rheology.shortest * self.speed if trial.direction > 0.0 and self.duration else state.layer,
+            zone=trial.zone,
         )
 
-    def parameter(self, arrival: Arrival) -> float:
-        """Load parameter at an end; that of the leg where it rounds onto its end."""
-        start, end = self.state.parameter, self.leg.end
-        return end if arrival.rise == end - start else start + arrival.rise
+    def edge_stress(self) -> tuple[Array, Array]:
+        """``u`` and ``q`` just inside the edge, at both ends of the step and where it passes its points."""
+        trial, passing, passed = self.trial, self.passing, self.trial.passed
+        rheology = trial.body.rheology
+        if passing is None or passed is None:
+            u_powers = powers(np.concatenate(([0.0], fields.NODES, [1.0])), COLLOCATION)
+            carried = trial.state.carried(trial.body, np.zeros(len(u_powers)))
+            passing = trial.passes(Points(u_powers, *carried), self.motion)
+            return u_powers[:, 1], rheology.stress(passing.branches, passing.strain)
+        swept = passed.swept
+        return passed.u_powers[swept, 1], rheology.stress(passing.branches[swept], passing.strain[swept])
 
-    def part(self, u: float, arrival: Arrival) -> tuple[Trial, Arrival]:
-        """The step cut off at ``u``, without closure, and its end: a point of the dense path."""
-        segment = self.segment.cut(u, arrival.rise, arrival.free)
-        zones = self.zone, self.cohesive, self.zone_at_rest
-        trial = Trial(self.body, self.state, self.leg, segment, *zones, closed=False)
-        return trial, trial.arrive(float(segment.parameter.sum()))
+    def part(self, u: float) -> Arrival:
+        """The end of the step cut off at ``u``, without closure: a point of the dense path."""
+        trial = self.trial
+        segment = trial.segment.cut(u, self.rise, self.free)
+        part = Trial(trial.body, trial.law, trial.state, trial.leg, segment, closed=False)
+        return part.arrive(float(segment.parameter.sum()))
 
-    def corrected_force(
-        self, u: float, arrival: Arrival, residual: Callable[[Trial, Arrival], float]
-    ) -> float:
+    def corrected_force(self, u: float) -> float:
         """The force at the radius that the dense path has at ``u``, where the edge condition holds."""
-        segment = self.segment.cut(u, arrival.rise, arrival.free, loose=True)
-        zones = self.zone, self.cohesive, self.zone_at_rest
-        trial = Trial(self.body, self.state, self.leg, segment, *zones)
-        orders = np.arange(len(self.segment.basis))
-        rise = float((self.segment.parameter + arrival.rise * self.segment.basis) @ u**orders)
-        apart = SECANT * arrival.rise
-        values = [residual(trial, trial.arrive(rise + shift)) for shift in (0.0, apart)]
-        return trial.force_at(trial.arrive(rise - values[0] * apart / (values[1] - values[0])))
-
-    def speed(self, arrival: Arrival) -> float:
-        """``da/dt`` at the end."""
-        orders = np.arange(len(self.segment.way))
-        slope = float(self.segment.way @ orders)
-        time = float(arrival.motion.clock @ orders)
-        return slope / time if time else math.copysign(math.inf, slope)
+        trial = self.trial
+        segment = trial.segment.cut(u, self.rise, self.free, loose=True)
+        part = Trial(trial.body, trial.law, trial.state, trial.leg, segment)
+        rise = float((trial.segment.parameter + self.rise * trial.segment.basis) @ u**ORDERS)
+        apart = SECANT * self.rise
+        first, second = (part.arrive(rise + shift).residual for shift in (0.0, apart))
+        return part.arrive(rise - first * apart / (second - first)).force

@@ -58,6 +58,8 @@ def beyond_a_sphere(scene: Scene) -> str:
     adhesion = scene.adhesion
     if not isinstance(scene.indenter, Sphere):
         return f"the shape {scene.indenter.shape}"
+    if scene.body is not None:
+        return "a layer"
     if scene.material.bulk is not None:
         return "a bulk modulus that relaxes apart from shear"
     if adhesion is not None and (adhesion.rate is not None or adhesion.work_closing is not None):

@@ -1,0 +1,560 @@
+"""Contact states at the end of a step, with every node released or covered in its own time.
+
+The edge is a real number ``s``: nodes ``0..floor(s)`` are in full contact, the next one
+partly. A step may pass over any number of nodes. A node that the edge leaves behind goes through three times:
+
+1. in contact, until the edge is there (``s = j``): ``v_j`` as imposed, the penetration linear in time;
+2. partly released, until the edge is at the node before it (``s = j - 1``): its force is the share
+   ``s - (j - 1)`` of that in contact and goes linearly to zero;
+3. free, until the end of the step: it recovers, exactly.
+
+A node that the edge covers goes through them in reverse; partly covered, ``v_j`` is the mean of what is
+imposed and what recovers, by its share. Component j stands for the radii between two positions of the edge:
+both are the means over them of what a continuous edge leaves there. The times follow from its path (see
+``path``). Where all happens at once (a load jump, the start) every node has the second time only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene.loading import Control
+from fem_solver.closure import ZoneShift, zone_of_stress
+from fem_solver.components import Components
+from fem_solver.edge_geometry import NO_CONTACT, EdgeMotion, EdgeOrigin, EdgePosition
+from fem_solver.node_parts import LeftStrips, NodeStrips
+from fem_solver.passage import NodePassage, PartlyReleased
+from fem_solver.path import EdgePolynomial
+from fem_solver.placement import Placement
+from fem_solver.state import ComponentState
+from fem_solver.surface_record import EdgePassage, SurfaceRecord
+
+Array = NDArray[np.float64]
+
+_LEAST_CHANGE = 1e-6
+"""Change of the penetration from which the stiffness is told, at least, relative to it: near the axis of a
+flat profile its height is below a rounding error of the penetration."""
+
+
+class ContactProblem:
+    """All contact states possible at one instant, as functions of the edge position.
+
+    Parameters
+    ----------
+    placement : Placement
+    solid : Components
+    state : ComponentState
+        At the begin of the step, at this place of the mesh.
+    dt : float
+        Length of the step; 0 for a glassy response, infinite for a relaxed one.
+    control : "penetration", "force" or "stage"
+    value : float
+        Of the controlled quantity.
+    compliance : float
+        Of the machine, through which the stage acts.
+
+    Attributes
+    ----------
+    stiffness, held_force : ndarray, shape (n,)
+        Of contact of the nodes ``0..m`` throughout the step, for every m: force per unit of penetration, and
+        the force that is left at none.
+    """
+
+    control: Control
+
+    def __init__(
+        self,
+        placement: Placement,
+        solid: Components,
+        state: ComponentState,
+        dt: float,
+        control: Control,
+        value: float,
+        compliance: float = 0.0,
+    ) -> None:
+        self.placement, self.solid, self.state = placement, solid, state
+        self.geometry, self.dt, self.control, self.value = placement.geometry, dt, control, value
+        self.compliance = compliance
+        self.at_once = not 0.0 < dt < math.inf or not solid.modulus.times.size
+        self.evaluations = 0
+        # of the edge asked for last: penetration and nodes in motion; all components and branch variables
+        self._passage: tuple[float, float, NodePassage] | None = None
+        self._arrival: tuple[float, Array, Array] | None = None
+        self._partly = int(np.floor(state.edge)) + 1 if state.edge > NO_CONTACT else None
+        step = solid.modulus.increment(dt)
+        self.modulus, start = step.modulus, -placement.profile - state.components
+        # in contact throughout, per unit of penetration and without it
+        self._gain = step.gain[:, None]
+        self._base = step.decay[:, None] * state.branches + self._gain * start
+        memory = step.memory(state.branches, state.components)
+        self.stiffness = np.cumsum(self.modulus * placement.unit**2)
+        self.held_force = np.cumsum(placement.unit * (memory - self.modulus * placement.profile))
+        self._memory = memory / (self.modulus * placement.unit)  # as depths
+        self._free, self._free_branches = self._freed(state.components, state.branches)
+
+    @property
+    def origin(self) -> EdgeOrigin | None:
+        """Where the edge starts the step, at this place of the mesh; ``None`` without contact."""
+        return self.state.origin
+
+    def penetration(self, s: float) -> float:
+        """Penetration at edge position ``s``."""
+        if self.control == "penetration":
+            return self.value
+        if s <= NO_CONTACT and self.control == "stage":
+            return self.value
+        if s <= NO_CONTACT:  # no contact yet: the penetration at which the indenter first touches
+            free = self.placement.displacement(self._free)
+            return float((self.placement.height + free)[self.placement.radii <= self.placement.rim].min())
+        return self._in_equilibrium(s)[0]
+
+    def _in_equilibrium(self, s: float) -> tuple[float, NodePassage]:
+        """Penetration, and the nodes that are in motion, with the edge at ``s``, in contact."""
+        if self._passage is None or self._passage[0] != s:
+            self._passage = s, *self._found(s)
+        return self._passage[1:]
+
+    def _found(self, s: float) -> tuple[float, NodePassage]:
+        pass_at = self._passages(s)
+        if self.control == "penetration":
+            return self.value, pass_at(self.value, False)
+        first = self.state.penetration
+        change = max(float(self.placement.height[int(s) + 1]), _LEAST_CHANGE * abs(first))
+        second = first + (change or self.placement.scale)
+        one, other = pass_at(first, False), pass_at(second, False)
+        low, high = self._force_of(s, first, one), self._force_of(s, second, other)
+        stiffness = (high - low) / (second - first)  # the force is linear in the penetration
+        if self.control == "stage":  # X = D + F/k
+            rise = (self.value - first - self.compliance * low) / (1.0 + self.compliance * stiffness)
+        else:
+            rise = (self.value - low) / stiffness
+        return first + rise, one.towards(other, rise / (second - first))
+
+    def force(self, s: float) -> float:
+        """Total force."""
+        if self.control == "force":
+            return self.value
+        if s <= NO_CONTACT:
+            return 0.0
+        v, b = self.arrival(s)
+        loaded = slice(math.floor(s) + 2)
+        total = float(self.placement.unit[loaded] @ self.solid.force(v[loaded], b[:, loaded]))
+        # without adhesion nothing pulls, nor does a node that is let go in part, by 1e-9 of the largest force
+        return total if self.geometry.zone is not None else max(total, 0.0)
+
+    def singular_force(self, s: float) -> float:
+        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
+        m = int(np.floor(s))
+        if m < 0:
+            return 0.0
+        v, b = self.arrival(s)
+        unit = self.placement.unit[: m + 1]
+        return float(self.solid.force(v[m : m + 1], b[:, m : m + 1])[0] / unit[m] * (unit @ unit))
+
+    def _force_of(self, s: float, penetration: float, passage: NodePassage) -> float:
+        low = self._changing(s)[0]
+        top = int(np.floor(s)) + 1
+        loaded = self.solid.force(passage.v, passage.b)[: top + 1 - low]
+        total = float(self.placement.unit[low : top + 1] @ loaded)
+        inner = self.stiffness[low - 1] * penetration + self.held_force[low - 1] if low else 0.0
+        return total + float(inner)
+
+    def _changing(self, s: float) -> tuple[int, int]:
+        """Range of the nodes that are not in contact, or free, throughout the step."""
+        edges = sorted((max(self.state.edge, -1.0), s))
+        return int(np.floor(edges[0])) + 1, min(int(np.floor(edges[1])) + 2, len(self.placement.unit))
+
+    def _passages(self, s: float) -> Callable[[float, bool], NodePassage]:
+        """The nodes in motion at the end of the step with the edge at ``s``, for a penetration there; with
+        energies if they are asked for."""
+        here, state = self.placement, self.state
+        low, high = self._changing(s)
+        nodes, index = slice(low, high), np.arange(low, high)
+        unit, profile = here.unit[nodes], here.profile[nodes]
+        start = state.components[nodes], state.branches[:, nodes], state.held
+        share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
+        released = self._released_in_part(low, high)
+        opens, at = False, np.zeros(0)
+        if not self.at_once:
+            path = self._path(s)
+            ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
+            opens, at = path.opens, path.passed(ends)
+        partly, before = int(np.floor(state.edge)) + 1 - low, state.edge - np.floor(state.edge)
+        strips = state.strips if 0 <= partly < high - low and state.edge > NO_CONTACT else None
+
+        def passed(penetration: float, accounts: bool) -> NodePassage:
+            passage, change = NodePassage(self.solid, *start, accounts), penetration - state.penetration
+            passage.strips = strips
+
+            def imposed(theta: Array) -> Array:
+                return (state.penetration + theta * change) * unit - profile
+
+            if self.at_once:
+                ends = penetration * unit - profile, self._free[nodes]
+                passage.at_once(self.dt, share, *ends, released)
+            elif opens:
+                passage.release(self.dt, share[0], at[1:], at[:-1], imposed, partly, before)
+            else:
+                passage.cover(self.dt, share, at[:-1], at[1:], imposed, before)
+            return passage
+
+        return passed
+
+    def _path(self, s: float) -> EdgePolynomial:
+        """Path of the edge over the step."""
+        state = self.state
+        return EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
+
+    def _moments(self, s: float) -> Callable[[Array], Array]:
+        """Shares of the step at which the edge, on its way to ``s``, is at radii."""
+        return np.ones_like if self.at_once else self._path(s).passed
+
+    def _released_in_part(self, low: int, high: int) -> PartlyReleased | None:
+        """The node in contact in part at the begin, if it is one of ``low..high-1``."""
+        node, state = self._partly, self.state
+        if node is None or node >= high:
+            return None
+        contact = state.penetration * self.placement.unit[node] - self.placement.profile[node]
+        return PartlyReleased(node - low, float(state.edge - np.floor(state.edge)), float(contact))
+
+    def arrival(self, s: float) -> tuple[Array, Array]:
+        """Components and branch variables at the end of the step; shapes (n,) and (branches, n)."""
+        if self._arrival is None or self._arrival[0] != s:
+            self._arrival = s, *self._arrived(s, False)[:2]
+        return self._arrival[1:]
+
+    def _arrived(self, s: float, accounts: bool) -> tuple[Array, Array, NodePassage]:
+        here, penetration = self.placement, self.penetration(s)
+        low, high = self._changing(s)
+        if accounts or s <= NO_CONTACT:
+            passage = self._passages(s)(penetration, accounts)
+        else:
+            passage = self._in_equilibrium(s)[1]
+        held = penetration * here.unit[:low] - here.profile[:low]
+        within = self._base[:, :low] + self._gain * penetration * here.unit[:low]
+        v = np.concatenate([held, passage.v, self._free[high:]])
+        return v, np.hstack([within, passage.b, self._free_branches[:, high:]]), passage
+
+    def accepted(self, s: float) -> ComponentState:
+        """The state at the end of the step."""
+        v, b, passage = self._arrived(s, True)
+        low, high = self._changing(s)
+        for nodes in (slice(0, low), slice(high, None)):
+            started = self.state.components[nodes], self.state.branches[:, nodes]
+            rest = NodePassage(self.solid, *started, self.state.held, True)
+            if nodes.stop is None and not self.at_once:
+                rest.recover(np.full(len(rest.v), self.dt))
+            else:
+                rest.linear(np.full(len(rest.v), self.dt), v[nodes])
+            passage.dissipated += rest.dissipated
+            passage.received += rest.received
+        state = self.state
+        unresolved = self.solid.remaining(state.unresolved, self.dt)
+        uneven = self.solid.remaining_in_contact(state.uneven, self.dt)
+        relaxed = float(np.sum(state.unresolved - unresolved) + np.sum(state.uneven - uneven))
+        edge = state.radius, self.geometry.radius(s)
+        borders, lost, passed = state.borders.after(self.solid, self.dt, edge, self._moments(s))
+        if passage.beyond is not None and edge[0] != edge[1]:
+            known = borders.with_border(state.radius, passage.beyond)
+            borders = known.most_energetic(self.solid)
+            lost += known.stored(self.solid) - borders.stored(self.solid)
+        return ComponentState(
+            place=self.placement.place,
+            components=v,
+            branches=b,
+            held=passage.held[:, 0],
+            strips=self._strips(s, passage.held[:, 0], b),
+            left=self._left(s, b),
+            at_edge=self._at_edge(s),
+            penetration=self.penetration(s),
+            radius=edge[1],
+            edge=s,
+            before=state.rows_and_this(self.dt) if 0.0 < self.dt < math.inf else (),
+            dissipated=state.dissipated + passage.dissipated + relaxed + lost,
+            received=state.received + passage.received + passed,
+            updates=state.updates + 1,
+            unresolved=unresolved,
+            uneven=uneven,
+            borders=borders,
+            record=self._recorded(s, b),
+        )
+
+    def _strips(self, s: float, held: Array, b: Array) -> NodeStrips | None:
+        """Strips of the node in contact in part at the end of the step; their mean is that of the node."""
+        state, solid, node = self.state, self.solid, int(np.floor(s)) + 1
+        share, before = s - np.floor(s), state.edge - np.floor(state.edge)
+        if s <= NO_CONTACT:
+            return None
+        if state.strips is None or np.floor(s) != np.floor(state.edge):
+            free = (b[:, node] - share * held) / (1.0 - share)
+            return NodeStrips.two(share, held, free, False)
+        inner, outer = min(share, before), max(share, before)
+        unit, profile = self.placement.unit[node], self.placement.profile[node]
+        start, end = (depth * unit - profile for depth in (state.penetration, self.penetration(s)))
+        contact, stays = state.strips.within(0.0, inner)
+        stays = solid.linear(np.full(len(contact), start), stays, self.dt, np.full(len(contact), end))
+        free, goes_on = state.strips.within(outer, 1.0)
+        goes_on = self._recovered(goes_on)
+        whole = (
+            held * share - stays @ contact if share > before else b[:, node] - held * share - goes_on @ free
+        )
+        changed = outer - inner
+        between = (whole / changed)[:, None] if changed > 0.0 else np.zeros((len(b), 0))
+        shares = np.concatenate([contact, [changed] if changed > 0.0 else [], free])
+        turned = state.strips.turned or self._turns(s)
+        return NodeStrips(shares, np.hstack([stays, between, goes_on]), turned).few()
+
+    def _turns(self, s: float) -> bool:
+        """Whether an edge that has not receded so far does so now."""
+        state, receded = self.state, bool(self.state.before) and self.state.before[0][1] > self.state.radius
+        return self.geometry.radius(s) < state.radius and not receded
+
+    @cached_property
+    def _left_free(self) -> LeftStrips:
+        """Strips of the nodes that the edge has left, after the step without force."""
+        left = self.state.left
+        return replace(left, b=self._recovered(left.b))
+
+    def _recovered(self, b: Array) -> Array:
+        """Branch variables of what has been without force since before the step, at its end."""
+        return self._freed(-b.sum(axis=0) / self.solid.modulus.relaxed, b)[1]
+
+    def _left(self, s: float, b: Array) -> LeftStrips:
+        """Strips of the nodes in which the edge turned and has left, as far out as the closure looks."""
+        node, strips, last = self._partly, self.state.strips, int(np.floor(s)) + 1
+        if self.geometry.shift is None or s <= NO_CONTACT or not self._gain.size:
+            return LeftStrips.none(len(b))
+        reach = np.searchsorted(self.geometry.effective, self.geometry.radius(s) + self.zone(s))
+        left = self._left_free.within(last + 1, int(reach))
+        if node is None or strips is None or node <= last or math.isinf(self.dt):
+            return left
+        if not (strips.turned or self._turns(s)):
+            return left
+        return left.and_of(node, self._left_behind(node, strips, s, b[:, node]))
+
+    def _left_behind(self, node: int, strips: NodeStrips, s: float, mean: Array) -> NodeStrips:
+        """Strips of a node that was in contact in part, and that the edge leaves on its way to ``s``.
+
+        Those in contact are released as the edge passes their middle; their mean is that of the node.
+        """
+        state, solid, ends = self.state, self.solid, self.geometry.effective
+        before = state.edge - np.floor(state.edge)
+        (contact, held), (free, recovered) = strips.within(0.0, before), strips.within(before, 1.0)
+        recovered = self._recovered(recovered)
+        if not contact.size:
+            return NodeStrips(free, recovered)
+        middles = np.cumsum(contact) - 0.5 * contact
+        share = self._moments(s)(ends[node - 1] + middles * (ends[node] - ends[node - 1]))
+        ways = state.penetration, state.penetration + share * (self.penetration(s) - state.penetration)
+        unit, profile = self.placement.unit[node], self.placement.profile[node]
+        start, end = (np.broadcast_to(depth * unit - profile, share.shape) for depth in ways)
+        held = solid.linear(start, held, share * self.dt, end)
+        held = solid.linear(end, held, 0.0, solid.relieved(end, held, 0.0))
+        held = solid.recovered(held, (1.0 - share) * self.dt)[1]
+        missing = mean - held @ contact - recovered @ free
+        held = held + (missing / contact.sum())[:, None]
+        return NodeStrips(np.concatenate([contact, free]), np.hstack([held, recovered]))
+
+    def _recorded(self, s: float, b: Array) -> SurfaceRecord | None:
+        """The surface at the end of the step, from the mesh where that is fine; none of a mesh that stays."""
+        here, state = self.placement, self.state
+        if here.stays:
+            return None
+        nodes = SurfaceRecord(here.positions, b / here.unit, here.profile / here.unit, int(np.floor(s)) + 1)
+        if state.record is None or s <= NO_CONTACT:
+            return nodes
+        ends, sites = here.geometry.effective[nodes.edge - 1 :], here.positions[nodes.edge :]
+        # components sit aside of the middle of their radii by an error of the stiffness: the same all around
+        sited = 2.0 * (sites[0] + sites[1]) / (ends[0] + 2.0 * ends[1] + ends[2])
+        moments = self._moments(s)
+        penetrations = state.penetration, self.penetration(s)
+        edge = sited * self.geometry.radius(s)
+        step = EdgePassage(self.dt, penetrations, edge, lambda x: moments(x / sited))
+        fine = slice(int(here.lowest), self.geometry.last + 1)
+        return state.record.after(self.solid, step, nodes).renewed(nodes, fine)
+
+    def forces(self, s: float) -> Array:
+        """All nodal forces, compressive positive; shape (n,)."""
+        v, b = self.arrival(s)
+        loaded = np.zeros(len(v))
+        end = int(np.floor(s)) + 2
+        loaded[:end] = self.solid.force(v[:end], b[:, :end])
+        return self.placement.forces(loaded)
+
+    def closure(self, s: float) -> float:
+        """Closure integral, an energy per area (see ``closure``); minus infinity under pressure."""
+        self.evaluations += 1
+        v, b = self.arrival(s)
+        return closure_integral(self.placement, self.solid, s, self.penetration(s), v, b, self._left_free)
+
+    def pressed_in(self, s: float, before: bool = False) -> float:
+        """Depth by which the indenter presses beyond the surface at the edge: zero without adhesion.
+
+        Beyond the edge where the step begins it is that beyond the free surface, within it what the pressure
+        there would be relieved by. Both are ``D - p(a) + rho(a)``, with the depth ``p`` at which elastic
+        contact ends there, and ``rho`` what the past leaves, linear in ``p`` between components. ``before``
+        tells which of the two it is where the edge rests.
+        """
+        self.evaluations += 1
+        radius = self.geometry.radius(s)
+        places, left = self._left_inside if before or radius < self.state.radius else self._left_outside
+        depth = self.placement.depth(radius)
+        return self.penetration(s) - depth + float(np.interp(depth, places, left))
+
+    @cached_property
+    def _edge_before(self) -> tuple[Array, Array]:
+        """``v`` (1,) and ``b`` (branches, 1) of a component at the edge where the step begins, over ``e``."""
+        state, here = self.state, self.placement
+        if state.edge > NO_CONTACT:
+            return np.array([state.penetration - here.depth(state.radius)]), state.at_edge[:, None]
+        return state.components[:1] / here.unit[0], state.branches[:, :1] / here.unit[0]
+
+    @cached_property
+    def _left_inside(self) -> tuple[Array, Array]:
+        """Depths of components within the edge, and of that edge, and what the past leaves."""
+        v, b = self._edge_before
+        step, count = self.solid.modulus.increment(self.dt), int(np.floor(self.state.edge)) + 1
+        depths = np.append(self.placement.depths[:count], self.placement.depth(self.state.radius))
+        return depths, np.append(self._memory[:count], step.memory(b, v) / self.modulus)
+
+    @cached_property
+    def _left_outside(self) -> tuple[Array, Array]:
+        """The same beyond it, where the surface is free; the node in contact in part is neither."""
+        first = int(np.floor(self.state.edge)) + 2
+        depths = np.append(self.placement.depth(self.state.radius), self.placement.depths[first:])
+        return depths, -np.append(self._edge_freed[0], self._free[first:] / self.placement.unit[first:])
+
+    @cached_property
+    def _edge_freed(self) -> tuple[Array, Array]:
+        """The component at the edge where the step begins, released there, and free until the end."""
+        v, b = self._edge_before
+        released = self.solid.relieved(v, b, 0.0)
+        return self._freed(released, self.solid.linear(v, b, 0.0, released))
+
+    def _freed(self, v: Array, b: Array) -> tuple[Array, Array]:
+        """Components after the step without force."""
+        if not self.at_once:
+            return self.solid.recovered(b, self.dt)
+        free = self.solid.relieved(v, b, self.dt)
+        return free, self.solid.linear(v, b, self.dt, free)
+
+    def _at_edge(self, s: float) -> Array:
+        """Branch variables of a component at the edge at the end of the step, over ``e``: (branches,)."""
+        if self.geometry.zone is not None or s <= NO_CONTACT:
+            return np.zeros(len(self._gain))
+        here, count, radius = self.placement, int(np.floor(self.state.edge)) + 1, self.geometry.radius(s)
+        depth = here.depth(radius)
+        if radius <= self.state.radius:
+            held_at = np.array([self.penetration(s) - here.depth(self.state.radius)])
+            there = self.solid.linear(*self._edge_before, self.dt, held_at)
+            within = self._base[:, :count] / here.unit[:count] + self._gain * self.penetration(s)
+            places, held = self._left_inside[0], np.hstack([within, there])
+            return np.array([np.interp(depth, places, branch) for branch in held])
+        first = count + 1
+        there = self._edge_freed[1]
+        places, free = (
+            self._left_outside[0],
+            np.hstack([there, self._free_branches[:, first:] / here.unit[first:]]),
+        )
+        touched = np.array([np.interp(depth, places, branch) for branch in free])[:, None]
+        v = -touched.sum(axis=0) / self.solid.modulus.relaxed
+        touching = self.dt if self.at_once else 0.0  # within a step the edge arrives at its end
+        return self.solid.linear(v, touched, touching, np.array([self.penetration(s) - depth]))[:, 0]
+
+    def zone(self, s: float) -> float:
+        """Length of the process zone; at fixed stress at most the contact radius."""
+        if self.geometry.stress is None:
+            return self.geometry.zone or 0.0
+        return zone_at(self.placement, self.solid, s, *self.arrival(s))
+
+
+@dataclass(frozen=True)
+class ContactCandidate:
+    """Contact state at the end of a trial step.
+
+    ``problem`` holds all states that are possible then, ``edge`` selects one.
+    """
+
+    dt: float
+    problem: ContactProblem
+    edge: EdgePosition
+
+    @property
+    def in_equilibrium(self) -> bool:
+        """Whether the edge rests."""
+        return self.edge.motion is EdgeMotion.RESTING
+
+    @property
+    def penetration(self) -> float:
+        """Penetration."""
+        return self.problem.penetration(self.edge.s)
+
+    @property
+    def force(self) -> float:
+        """Total force."""
+        return self.problem.force(self.edge.s)
+
+    @property
+    def singular_force(self) -> float:
+        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
+        return self.problem.singular_force(self.edge.s)
+
+    @property
+    def response(self) -> float:
+        """Penetration where the force is prescribed, otherwise the force."""
+        return self.penetration if self.problem.control == "force" else self.force
+
+
+def closure_integral(
+    placement: Placement,
+    solid: Components,
+    s: float,
+    penetration: float,
+    v: Array,
+    b: Array,
+    left: LeftStrips,
+) -> float:
+    """Closure integral at the edge; of a node across the end of the zone it sees the radii within."""
+    geometry = placement.geometry
+    shift = geometry.shift
+    if shift is None:
+        raise AssertionError("no closure without adhesion")
+    if geometry.stress is not None:
+        shift = ZoneShift(geometry.radii, zone_at(placement, solid, s, v, b))
+    m = int(np.floor(s))
+    top = m + 1
+    first, end = shift.nodes(m, top)
+    y = solid.force(v[first : top + 1], b[:, first : top + 1])
+    # the node in full contact next to the edge tells tension from pressure
+    if y[m - first] > 0.0:
+        return -np.inf
+    seen = shift.seen(s)
+    node = int(np.floor(seen)) + 1
+    across = left.of(node)
+    if across is not None:
+        v = v.copy()
+        v[node] = -across.mean(0.0, seen - (node - 1)).sum() / solid.modulus.relaxed
+    gap = placement.displacement_of(v, top, end) + (placement.height[top:end] - penetration)
+    lower, upper = placement.closure_scale[m : m + 2]
+    work = float(shift.closure(first, placement.forces(y, first), gap))
+    return work / float(lower + (s - m) * (upper - lower))
+
+
+def zone_at(placement: Placement, solid: Components, s: float, v: Array, b: Array) -> float:
+    """Length of the process zone; at fixed stress that over which the tension has its mean."""
+    geometry, end = placement.geometry, int(np.floor(s)) + 2
+    if geometry.stress is None or geometry.shortest is None or s < 0.0:
+        return geometry.zone or 0.0
+
+    def forces(first: int) -> Array:
+        return placement.forces(solid.force(v[first:end], b[:, first:end]), first)
+
+    edge = geometry.radius(s) / placement.stretch  # as the nodes measure it
+    length = zone_of_stress(geometry.radii[:end], forces, edge, geometry.stress, geometry.shortest)
+    return length if length < edge else geometry.radius(s)

@@ -1,0 +1,345 @@
+"""Contact state at the end of a trial step: where the edge rests, with the mesh placed around it.
+
+The mesh is placed where the edge is expected, and moved on where it is not. A trial changes nothing but the
+work counters; what it returns is accepted, or dropped, by ``stepping``. Where a sharp edge comes to rest
+needs no resolved process zone, so any place of the mesh serves. Penetration is positive downwards, force
+positive in compression.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Adhesion, Counters
+from contact_scene.loading import Control
+from fem_solver.contact_problem import ContactCandidate, ContactProblem
+from fem_solver.edge import AdhesiveEdge, IrreversibleEdge, PressedEdge, edge_law
+from fem_solver.edge_geometry import NO_CONTACT, EdgeMotion, EdgePosition
+from fem_solver.path import missed_by_extrapolation
+from fem_solver.placement import Placement
+from fem_solver.setup import Setup
+
+Array = NDArray[np.float64]
+
+
+def sharp_rest(
+    problem: ContactProblem, setup: Setup, radius: float, work: float, outwards: bool = False
+) -> float:
+    """Radius at which a sharp edge that leaves a radius all at once comes to rest; 0 if contact is lost.
+
+    One that would outgrow the mesh rests at the largest radius the mesh is made for.
+    """
+    reach = setup.surfaces.reach
+    x = problem.placement.positions
+    excess = sharp_release_rates(problem) - work
+    excess[x > setup.surfaces.rim] = np.inf
+    stable = (excess[:-1] < 0.0) & (excess[1:] >= 0.0)
+    stable &= (x[:-1] > radius) if outwards else (x[1:] < radius)
+    rests = np.flatnonzero(stable)
+    if not rests.size:
+        return reach if outwards else 0.0
+    at = rests[0] if outwards else rests[-1]
+    if x[at + 1] > setup.surfaces.rim:
+        return setup.surfaces.rim
+    share = excess[at] / (excess[at] - excess[at + 1])
+    return float(min(x[at] + share * (x[at + 1] - x[at]), reach))
+
+
+def sharp_release_rates(problem: ContactProblem) -> Array:
+    """Energy release rate of a sharp edge at every component, if all happens at once; shape (n,).
+
+    It needs no process zone to be resolved: ``(e q)^2/2``, with ``q`` the flat punch that leaves the same
+    singularity there, over the area of the component; zero where the edge would be under pressure. On the
+    half-space it is ``E* q^2/(2 pi x)``.
+    """
+    here, state = problem.placement, problem.state
+    free = problem.solid.relieved(state.components, state.branches, problem.dt)
+    if problem.control == "penetration":
+        penetration = np.full(len(here.unit), problem.value)
+    elif problem.control == "stage":
+        softness = problem.compliance
+        penetration = (problem.value - softness * problem.held_force) / (1.0 + softness * problem.stiffness)
+    else:
+        penetration = (problem.value - problem.held_force) / problem.stiffness
+    q = penetration - (here.profile + free) / here.unit
+    twice = problem.modulus * (here.unit * np.minimum(q, 0.0)) ** 2
+    areas = 2.0 * np.pi * here.positions * np.diff(here.geometry.effective, prepend=0.0)
+    return 0.5 * np.divide(twice, areas, out=np.zeros_like(areas), where=areas > 0.0)
+
+
+_STRIDE_OF_TRAVEL = 0.1
+"""Widest stride of a search, relative to the travel expected of the step: within a step the closure changes
+on the scale of its travel."""
+_STRIDE_OF_RADIUS = 0.02
+"""Farthest that a search goes to the next place of the mesh, relative to the contact radius: stable and
+unstable contact are farther apart."""
+_SHARP_SEARCHES = 4
+"""Places at which the radius of a sharp edge is sought, each finer around it than the one before."""
+_MOST_PLACES = 400
+"""Places of the mesh that a search asks at most: over the whole range of radii it takes some tens."""
+
+
+class EdgeNotFound(Exception):
+    """The places of the mesh around the edge do not agree on where it rests."""
+
+
+def placed_law(
+    placement: Placement, adhesion: Adhesion | None, plane_tip: float, stride: float = 0.0
+) -> AdhesiveEdge:
+    """The edge law where the mesh resolves the zone."""
+    if adhesion is None:
+        return PressedEdge(placement.geometry, plane_tip)
+    law = edge_law(placement.geometry, adhesion)
+    law.lowest = placement.lowest
+    law.widest = max(law.widest, stride / (placement.fine_range / placement.fine_intervals))
+    return law
+
+
+@dataclass(frozen=True)
+class SearchRange:
+    """Radii at which an edge is sought, all of them lengths.
+
+    Parameters
+    ----------
+    expected : float
+        Contact radius where the search starts.
+    low, high : float
+        Least and largest contact radius searched.
+    """
+
+    expected: float
+    low: float
+    high: float
+
+    def clipped(self) -> SearchRange:
+        """The same, with the search starting within its limits."""
+        return replace(self, expected=min(max(self.expected, self.low), self.high))
+
+
+class EdgeSearch:
+    """Edge at the end of one trial step, on meshes that are moved on until they hold it.
+
+    Parameters
+    ----------
+    setup : Setup
+    counters : Counters
+        Take the work.
+    dt : float
+        Length of the step; 0 for a glassy response, infinite for a relaxed one.
+    control : "penetration", "force" or "stage"
+    value : float
+        Of the controlled quantity at the end of the step.
+    """
+
+    def __init__(self, setup: Setup, counters: Counters, dt: float, control: Control, value: float) -> None:
+        self.setup, self.counters = setup, counters
+        self.dt, self.control, self.value = dt, control, value
+
+    def problem(self, placement: Placement) -> ContactProblem:
+        """All contact states possible at the end of the step, with the mesh at a place."""
+        history = self.setup.history
+        state, compliance = history.at(placement), self.setup.compliance
+        return ContactProblem(placement, history.solid, state, self.dt, self.control, self.value, compliance)
+
+    def candidate(self, problem: ContactProblem, edge: EdgePosition) -> ContactCandidate:
+        """The candidate with its edge where a search has ended; the work of the search is counted."""
+        self.counters.closure_evaluations += problem.evaluations
+        self.counters.linear_solves += 1
+        return ContactCandidate(self.dt, problem, edge)
+
+    def first_contact(self) -> ContactCandidate:
+        """Largest stable contact, with the mesh placed around the axis."""
+        placement = self.setup.surfaces.around(0.0)
+        problem = self.problem(placement)
+        law = placed_law(placement, self.setup.adhesion, self.setup.plane_tip)
+        edge = law.start(problem)
+        return self.candidate(problem, edge)
+
+    def leaving(self, radii: SearchRange) -> ContactCandidate:
+        """An edge that is pinned where it is, or leaves it in one direction and is followed there."""
+        state, adhesion = self.setup.history.state, self.setup.adhesion
+        assert adhesion is not None
+        placement = self.setup.surfaces.around(state.radius)
+        problem, law = self.problem(placement), edge_law(placement.geometry, adhesion)
+        assert problem.origin is not None
+        assert isinstance(law, IrreversibleEdge)
+        here = problem.origin.edge
+        motion = law.departure(problem, here)
+        pinned = self.candidate(problem, EdgePosition(EdgeMotion.RESTING, here))
+        if motion is EdgeMotion.RESTING:
+            return pinned
+        if motion is EdgeMotion.ADVANCING:
+            ahead = replace(radii, low=state.radius).clipped()
+        else:
+            ahead = replace(radii, high=state.radius).clipped()
+        found = self.followed(ahead, abs(ahead.expected - state.radius))
+        # another place of the mesh may see the closure on the other side of what moves the edge
+        return found if found.in_equilibrium or found.edge.motion is motion else pinned
+
+    def followed(self, radii: SearchRange, travel: float = 0.0) -> ContactCandidate:
+        """Follow the edge from a radius, moving the mesh on where the edge leaves its fine strip."""
+        surfaces, adhesion = self.setup.surfaces, self.setup.adhesion
+        low, high = radii.low, min(radii.high, surfaces.reach)
+        radius = min(radii.expected, high)
+        far, stride = low == 0.0 or high == surfaces.reach, 0.0
+        within, beyond = 0.0, math.inf  # radii at which the edge advances, and recedes
+        passed = 0.0  # without a look at the closure, from the place before
+        for _ in range(_MOST_PLACES):
+            found, ended = self._sought(radius, low, high, travel, passed)
+            reached, outwards = found.problem.geometry.radius(found.edge.s), _outwards(found)
+            if ended and outwards and high == surfaces.rim:  # held by the rim of the indenter
+                return replace(found, edge=EdgePosition(EdgeMotion.RESTING, found.edge.s))
+            if found.in_equilibrium or ended:
+                return found
+            assert adhesion is not None  # otherwise the first place serves all radii
+            work = adhesion.closing if outwards else adhesion.opening(math.inf)
+            if far and math.isfinite(work):
+                problem = found.problem
+                radius, far = sharp_rest(problem, self.setup, reached, work, outwards), False
+                if radius == 0.0:
+                    return replace(found, edge=EdgePosition(EdgeMotion.RECEDING, 2.0))
+                continue
+            within, beyond = (reached, beyond) if outwards else (within, reached)
+            if within < beyond < math.inf and within > 0.0:  # it rests between the two
+                radius, passed = 0.5 * (within + beyond), 0.0
+                continue
+            fine_range = found.problem.placement.fine_range
+            stride = min(2.0 * stride + 0.25 * fine_range, _STRIDE_OF_RADIUS * reached)
+            radius, passed = min(max(reached + (stride if outwards else -stride), low), high), stride
+        raise EdgeNotFound(f"the edge is not found around the contact radius {radius:.6g}")
+
+    def _sought(
+        self, radius: float, low: float, high: float, travel: float, passed: float
+    ) -> tuple[ContactCandidate, bool]:
+        """The search from one place of the mesh, and whether the edge has come to the end of the range."""
+        placement = self.setup.surfaces.around(radius)
+        geometry = placement.geometry
+        stride = max(_STRIDE_OF_TRAVEL * travel, passed)
+        law = placed_law(placement, self.setup.adhesion, self.setup.plane_tip, stride)
+        if passed > 0.0:
+            law.first_strides = (law.widest,)
+        problem = self.problem(placement)
+        ends = geometry.position(low), geometry.position(high)
+        edge = law.seek(problem, geometry.position(radius), *ends)
+        found = self.candidate(problem, edge)
+        return found, edge.s >= ends[1] if _outwards(found) else edge.s <= max(ends[0], self.setup.law.lowest)
+
+    def sharp_radius(self, radius: float) -> float:
+        """Contact radius of a sharp edge if all happens at once: the outermost stable, or 0.
+
+        The first search has the mesh at ``radius``, each other one where the one before has found the edge.
+        """
+        for _ in range(_SHARP_SEARCHES):
+            problem = self.problem(self.setup.surfaces.around(radius))
+            assert self.setup.adhesion is not None
+            radius = sharp_rest(problem, self.setup, math.inf, self.setup.adhesion.closing)
+            if radius == 0.0 or problem.placement.stays:
+                break
+        return radius
+
+
+def _outwards(candidate: ContactCandidate) -> bool:
+    return candidate.edge.motion is EdgeMotion.ADVANCING
+
+
+_RIPPLE = 1.0
+"""Travel, in elements, within which the passage of nodes ripples the edge's path more than its steps do."""
+
+
+class ContactSolver:
+    """Solves for the contact state at one instant and counts the work.
+
+    Positions of the edge that come in are nodes of the surface of the accepted state, those of candidates are
+    nodes of the surface of their problem.
+    """
+
+    def __init__(self, setup: Setup, counters: Counters) -> None:
+        self.setup, self.counters = setup, counters
+
+    def start(self, control: Control, value: float, relaxed: bool) -> ContactCandidate:
+        """Glassy or relaxed equilibrium, undeformed before; a flat face touches up to its rim."""
+        dt = math.inf if relaxed else 0.0
+        if self.setup.adhesion is None:
+            return self._search(dt, control, value).followed(SearchRange(0.0, 0.0, math.inf))
+        if math.isfinite(self.setup.surfaces.rim):
+            whole = self.held(dt, control, value, self.setup.surfaces.rim)
+            if whole.problem.closure(whole.edge.s) <= self.setup.adhesion.work:
+                return whole
+        search = self._search(dt, control, value)
+        radius = search.sharp_radius(self.setup.surfaces.largest)
+        if radius == 0.0:
+            return search.first_contact()
+        return search.followed(SearchRange(radius, 0.0, math.inf))
+
+    def trial(
+        self, dt: float, control: Control, value: float, start: float, limits: tuple[float, float]
+    ) -> ContactCandidate:
+        """Equilibrium of the edge at the end of a step."""
+        geometry, state = self.setup.geometry, self.setup.history.state
+        low = geometry.radius(limits[0]) if limits[0] > self.setup.law.lowest else 0.0
+        high = geometry.radius(limits[1]) if math.isfinite(limits[1]) else math.inf
+        expected = 0.0
+        if state.before and 0.0 < dt < math.inf:
+            expected = (state.radius - state.before[0][1]) / state.before[0][0] * dt
+        radius = state.radius + expected
+        search, adhesion = self._search(dt, control, value), self.setup.adhesion
+        if adhesion is not None and not adhesion.reversible:
+            return search.leaving(SearchRange(radius, low, high))
+        starts = [radius]
+        if adhesion is not None and not self.setup.has_history:  # each state is an equilibrium by itself
+            starts.insert(0, search.sharp_radius(state.radius) or radius)
+        for start_radius in dict.fromkeys(starts):
+            radii = SearchRange(start_radius, low, high).clipped()
+            found = search.followed(radii, abs(radii.expected - state.radius))
+            if found.in_equilibrium:
+                break
+        return found
+
+    def held(self, dt: float, control: Control, value: float, radius: float) -> ContactCandidate:
+        """State at the end of a step with the edge at a given radius, in equilibrium or not."""
+        self.counters.linear_solves += 1
+        lost = radius <= 0.0
+        placement = self.setup.history.placement if lost else self.setup.surfaces.around(radius)
+        s = NO_CONTACT if lost else placement.geometry.position(radius)
+        problem = self._search(dt, control, value).problem(placement)
+        return ContactCandidate(dt, problem, EdgePosition(EdgeMotion.RESTING, s))
+
+    def plane_contact(self, dt: float, control: Control, value: float) -> ContactCandidate | None:
+        """Contact of all of a plane tip, as it touches or is let go; ``None`` without one."""
+        tip = self.setup.plane_tip
+        return self.held(dt, control, value, tip) if tip > 0.0 else None
+
+    def extended(self, candidate: ContactCandidate) -> ContactCandidate:
+        """The search of a candidate without equilibrium, continued as far as contact goes."""
+        problem, radius = candidate.problem, self.radius(candidate)
+        limits = (radius, math.inf) if candidate.edge.motion is EdgeMotion.ADVANCING else (0.0, radius)
+        search = self._search(candidate.dt, problem.control, problem.value)
+        return search.followed(SearchRange(radius, *limits))
+
+    def radius(self, candidate: ContactCandidate) -> float:
+        """Contact radius."""
+        return candidate.problem.geometry.radius(candidate.edge.s)
+
+    def missed_by_extrapolation(self, candidate: ContactCandidate) -> float:
+        """Distance by which the edge misses the extrapolation of its path."""
+        state, geometry = self.setup.history.state, candidate.problem.geometry
+        if not self.setup.has_history or not 0.0 < candidate.dt < math.inf or candidate.edge.s <= NO_CONTACT:
+            return 0.0
+        radius, node = self.radius(candidate), int(candidate.edge.s)
+        element = float(geometry.radii[node + 2] - geometry.radii[node])
+        if abs(radius - state.radius) < _RIPPLE * element:
+            return 0.0
+        return missed_by_extrapolation(state.radius, radius, candidate.dt, state.before)
+
+    def accept(self, candidate: ContactCandidate) -> float:
+        """Make a candidate the accepted state; the work done on the surface so far."""
+        problem = candidate.problem
+        self.setup.history.accept(problem.state, problem.accepted(candidate.edge.s))
+        return self.setup.history.state.received
+
+    def _search(self, dt: float, control: Control, value: float) -> EdgeSearch:
+        return EdgeSearch(self.setup, self.counters, dt, control, value)

@@ -1,1 +1,0 @@
-"""Surface history on a mesh that follows the contact edge, in steps that pass over many nodes."""

@@ -1,0 +1,389 @@
+"""The surface with the mesh at one of its places, in the scales of three closed forms of the half-space.
+
+Elements are wide away from the strip. A strip of 1e-4 of the contact radius does not change that: contact is
+some 5e-5 stiffer than that of the nodes' radius, as if every radius were so much larger. Contact radii are
+those of the flat punch as stiff (see ``surface``); heights and the closure integral follow them.
+
+- Heights are taken at radii at which a paraboloid's contact has Hertz's force.
+- The closure integral of a flat punch is ``E* D^2/(2 pi a)`` where its zone is short. On the mesh it depends
+  on the place of the edge within the strip, by 2e-6 per zone: where the mesh moves on by some zones, what
+  drives the edge would jump, always the same way, and an edge that is about to run away would leap.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.linalg.blas import dtrmv
+from scipy.linalg.lapack import dtrtrs
+
+from contact_scene import Scene
+from fem_solver.closure import ZoneShift
+from fem_solver.edge_geometry import SURFACE_MARGIN, EdgeGeometry, surface_margin
+from fem_solver.halfspace import HalfSpace
+from fem_solver.layer import LayerDifference
+from fem_solver.surface import SurfaceOperator
+
+Array = NDArray[np.float64]
+
+_ZONE = 1.5
+"""Length of the zone for which the closure is told, in units of the mesh: between the one for which the mesh
+is made and twice that, of a mesh scaled down to half. The scale differs by some 1e-6 between the two."""
+_LEAST_RADIUS = 2.0
+"""Least contact radius over the zone at which the closure is told."""
+_ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+def punch_closure(radius: float, zone: float) -> float:
+    """Closure integral at the edge of a flat punch, for unit plane modulus and unit penetration.
+
+    ``int p(x) u(x + zone) dx / (2 zone)`` over the zone, with the pressure ``1/(pi sqrt(a^2 - x^2))`` and the
+    gap ``(2/pi) acos(a/x)``; ``1/(2 pi a)`` for a short zone.
+    """
+    angles, weights = 0.25 * np.pi * (_ANGLES + 1.0), 0.25 * np.pi * _WEIGHTS
+    outside = zone * np.sin(angles) ** 2  # takes both roots at the ends
+    gap = 2.0 * np.arcsin(np.sqrt(0.5 * outside / (radius + outside)))  # acos(a/x) without a difference
+    integrand = gap * np.sqrt(outside) / np.sqrt(2.0 * radius - zone + outside)
+    return float(2.0 * (weights @ integrand) / (np.pi**2 * zone))
+
+
+def closure_scales(
+    operator: SurfaceOperator, radii: Array, effective: Array, strip: tuple[float, float], modulus: float
+) -> Array:
+    """Closure integral of a flat punch on the mesh over that of the punch as stiff, by its last node.
+
+    One where the strip has no room for a zone on both sides of an edge: the mesh is fine throughout then.
+    """
+    shift = ZoneShift(radii, _ZONE)
+    first = max(strip[0], _LEAST_RADIUS * _ZONE) + _ZONE
+    nodes = np.flatnonzero((radii >= first) & (radii <= strip[1] - _ZONE))
+    if nodes.size == 0:
+        return np.ones(len(radii))
+    found = [_closure(operator, shift, int(m)) / punch_closure(effective[m], _ZONE) for m in nodes]
+    return np.asarray(np.interp(np.arange(len(radii)), nodes, np.array(found) / modulus))
+
+
+def _closure(operator: SurfaceOperator, shift: ZoneShift, last: int) -> float:
+    """Closure integral at unit shear modulus and unit penetration, pulled, of contact up to a node."""
+    first, end = shift.nodes(last, last)
+    y = operator.unit[: last + 1]
+    gap = 1.0 - operator.displacement_beyond(y, end)
+    return float(shift.closure(first, -operator.last_forces(y, first), gap))
+
+
+def height_stretch(radii: Array, effective: Array, positions: Array, strip: tuple[float, float]) -> float:
+    """Radius at which heights are taken over that of the node.
+
+    A paraboloid bears ``2 E* sum_i (A_i - A_(i-1)) (D - x_i^2/R)``, with the effective radii ``A`` and the
+    position ``x`` of each component, and ``2 E* int (D - x^2/R) dx`` by Hertz. Both are made equal over the
+    strip. Vertices and mid-side nodes bear differently: a mean of the components that does not weight them
+    is off by a hundredth of an element.
+    """
+    if strip[0] <= 0.0:
+        return 1.0
+    first, last = np.searchsorted(radii, strip)
+    inner, outer = effective[first - 1 : last - 1], effective[first:last]
+    borne, by_hertz = positions[first:last] ** 2, (outer**2 + outer * inner + inner**2) / 3.0
+    return float(np.sqrt(((outer - inner) @ by_hertz) / ((outer - inner) @ borne)))
+
+
+_PLACES, _LAYER_PLACES = 32, 8
+"""Places whose surface is kept; the least recently used one is dropped. On a layer each has its own ``L``."""
+
+
+@dataclass(frozen=True)
+class UnscaledSurface:
+    """A mesh that is not scaled: its surface nodes and their compliance ``L L^T`` at unit shear modulus.
+
+    Parameters
+    ----------
+    radii : ndarray, shape (n,)
+    root : ndarray, shape (n, n)
+        ``L``.
+    unit : ndarray, shape (n,)
+        ``L^-1 1``.
+    effective, positions : ndarray, shape (n,)
+        Radius of the flat punch as stiff as contact of the nodes ``0..m``, and radius at which each component
+        sits (see ``surface``).
+    closure_scale : ndarray, shape (n,)
+    height_stretch : float
+        See ``elastic_scales``.
+    strip : tuple of float
+        Radii between which the surface is fine.
+    """
+
+    radii: Array
+    root: Array
+    unit: Array
+    effective: Array
+    positions: Array
+    closure_scale: Array
+    height_stretch: float
+    strip: tuple[float, float]
+
+    @property
+    def stretch(self) -> float:
+        """Contact radius of an edge in the strip over the radius of its node.
+
+        Contact radii follow from stiffnesses, whose error is some 1e-5 of the radius: more than the strip's
+        length where zones are short.
+        """
+        if self.strip[0] <= 0.0:
+            return 1.0
+        middle = int(np.searchsorted(self.radii, 0.5 * (self.strip[0] + self.strip[1])))
+        return float(self.effective[middle] / self.radii[middle])
+
+    def on_layer(self, layer: LayerDifference, scale: float) -> UnscaledSurface:
+        """The same mesh on a layer, of whose thickness its unit is ``scale``, up to the layer's reach.
+
+        The layer is taken where heights are. Radii and closure remain those of the half-space: a layer
+        changes neither what a node stands for nor the field at the edge.
+        """
+        stretch = scale * self.height_stretch
+        count = int(np.searchsorted(self.radii, layer.reach / stretch)) - 1
+        part = slice(count - 1 + count % 2)
+        root = self.root[part, part]
+        compliance = root @ root.T + scale * layer.compliance(stretch * self.radii[part])
+        operator = SurfaceOperator(np.asfortranarray(compliance))
+        return replace(
+            self,
+            radii=self.radii[part],
+            root=np.asfortranarray(operator.root()),
+            unit=operator.unit,
+            effective=self.effective[part],
+            positions=self.positions[part],
+            closure_scale=self.closure_scale[part],
+        )
+
+
+@dataclass(frozen=True)
+class Placement:
+    """An unscaled surface, scaled: ``root`` is that of the mesh, everything else is in the scene's units.
+
+    Parameters
+    ----------
+    place : object
+        Names the place.
+    root : ndarray, shape (n, n)
+    scale : float
+    unit, radii, positions, height, profile : ndarray, shape (n,)
+        ``L^-1 1``, radii of the nodes and of the components, the indenter's height at the nodes and its
+        transform ``L^-1 h``.
+    closure_scale : ndarray, shape (n,)
+        Closure integral on the mesh over the energy that contact up to each node releases.
+    geometry : EdgeGeometry
+    lowest : float
+        Least edge position, in nodes, around which the mesh resolves the process zone.
+    stretch : float
+        Contact radius of an edge in the fine strip over the radius of its node.
+    rim : float
+        Largest radius the indenter touches.
+    stays : bool
+        Whether this place serves every radius of the run.
+    plane_tip : float
+        Radius of a plane tip; 0 without one.
+    """
+
+    place: Any
+    root: Array
+    scale: float
+    unit: Array
+    radii: Array
+    positions: Array
+    height: Array
+    profile: Array
+    closure_scale: Array
+    geometry: EdgeGeometry
+    lowest: float
+    stretch: float
+    rim: float
+    stays: bool
+    plane_tip: float
+
+    def depth(self, radius: float) -> float:
+        """Penetration at which elastic contact without adhesion ends at a radius."""
+        return float(self._depth_over_square(radius**2))
+
+    @cached_property
+    def depths(self) -> Array:
+        """That of each component; shape (n,)."""
+        return self.profile / self.unit
+
+    @cached_property
+    def _depth_over_square(self) -> PchipInterpolator:
+        """Through the components, over the square of the radius, in which that of a paraboloid is linear."""
+        count = self.geometry.last + 2
+        squares, depths = self.positions[:count] ** 2, self.depths[:count]
+        tip = int(np.searchsorted(squares, self.plane_tip**2, side="right"))
+        if 0 < tip < count and squares[tip - 1] < self.plane_tip**2:  # which lies between two components
+            squares, depths = np.insert(squares, tip, self.plane_tip**2), np.insert(depths, tip, 0.0)
+        return PchipInterpolator(squares, depths)
+
+    @property
+    def fine_intervals(self) -> int:
+        """Node spacings of the fine strip."""
+        return self.geometry.last - int(self.lowest)
+
+    @property
+    def fine_range(self) -> float:
+        """Length of the fine strip."""
+        radii = self.geometry.radii
+        return float(radii[self.geometry.last] - radii[int(self.lowest)])
+
+    def forces(self, y: Array, first: int = 0) -> Array:
+        """``L^-T y`` for the entries from ``first`` on, of a vector that ends there."""
+        block = self.root[first : first + len(y), first : first + len(y)]
+        return np.sqrt(self.scale) * dtrtrs(block, y, lower=1, trans=1)[0]
+
+    def displacement(self, v: Array) -> Array:
+        """``L v``; shape (n,)."""
+        return dtrmv(self.root, v, lower=1) / np.sqrt(self.scale)
+
+    def displacement_of(self, v: Array, first: int, end: int) -> Array:
+        """``L v`` of the nodes ``first..end-1``."""
+        return self.root[first:end, :end] @ v[:end] / np.sqrt(self.scale)
+
+
+class Surfaces:
+    """Surfaces at all places, made when they are first asked for.
+
+    Parameters
+    ----------
+    scene : Scene
+    meshes : object
+        With ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest``, for a layer ``layer(reach)``
+        and ``layer_below(level, thickness)``, and places that have a ``level``. The one at the axis is not
+        scaled but by the length that an edge keeps from the ends of the fine strip: the process zone, or
+        less.
+    ratio : float
+        ``G/K``.
+    plane_modulus : float
+        ``E*`` at unit shear modulus.
+    form, far_field
+        As of :class:`~fem_solver.options.Options`.
+    """
+
+    def __init__(
+        self, scene: Scene, meshes: Any, ratio: float, plane_modulus: float, form: str, far_field: bool
+    ) -> None:
+        self._scene, self._meshes, self.ratio = scene, meshes, ratio
+        self._plane_modulus, self._form, self._far_field = plane_modulus, form, far_field
+        self._levels: dict[int, UnscaledSurface] = {}
+        self._placements: OrderedDict[Any, Placement] = OrderedDict()
+        adhesion = scene.adhesion if scene.is_adhesive else None
+        self.zone = adhesion.zone if adhesion is not None else None
+        self._shortest = adhesion.closing_zone if adhesion is not None else None
+        self._unit = float(meshes.scale(meshes.place(0.0)))
+        self._stress = adhesion.stress if adhesion is not None else None
+        self.largest = float(meshes.largest)
+        self.rim = scene.indenter.edge
+        self.reach = min(SURFACE_MARGIN * self.largest, self.rim)
+        self._layer: LayerDifference | None = None
+        if scene.body is not None:
+            reach = surface_margin(self._stress) * self.largest + (self.zone or 0.0)
+            self._layer = LayerDifference(meshes.layer(reach / scene.body.thickness), scene.body.base, ratio)
+
+    @property
+    def factorisations(self) -> int:
+        """Levels factorised so far."""
+        return len(self._levels)
+
+    def around(self, radius: float) -> Placement:
+        """The surface with the mesh placed around a contact radius."""
+        place = self._meshes.place(max(radius, 0.0))
+        return self.at(self._meshes.place(max(radius, 0.0) / self._level(place.level).stretch))
+
+    def at(self, place: Any) -> Placement:
+        """The surface with the mesh at a place."""
+        if place not in self._placements:
+            self._placements[place] = self._place(place)
+            while len(self._placements) > (_PLACES if self._layer is None else _LAYER_PLACES):
+                self._placements.popitem(last=False)
+        self._placements.move_to_end(place)
+        return self._placements[place]
+
+    def _place(self, place: Any) -> Placement:
+        level, scale = self._level(place.level), float(self._meshes.scale(place))
+        if self._layer is not None and self._scene.body is not None:
+            level = level.on_layer(self._layer, scale / self._scene.body.thickness)
+        radii, root = scale * level.radii, np.sqrt(scale)
+        height = self._scene.indenter.height(level.height_stretch * radii)
+        low, high = (scale * end for end in level.strip)
+        geometry = EdgeGeometry(
+            radii,
+            scale * level.effective,
+            self.zone,
+            reach=high,
+            stress=self._stress,
+            shortest=self._shortest,
+            margin=self._unit,
+        )
+        return Placement(
+            place=place,
+            root=level.root,
+            scale=scale,
+            unit=root * level.unit,
+            radii=radii,
+            positions=scale * level.positions,
+            height=height,
+            profile=root * dtrtrs(level.root, height, lower=1)[0],
+            closure_scale=level.closure_scale,
+            geometry=geometry,
+            lowest=float(np.searchsorted(radii, low + self._unit)) if low > 0.0 else 2.0,
+            stretch=level.stretch,
+            rim=self.rim,
+            stays=self._meshes.place(SURFACE_MARGIN * self.largest).level == 0,
+            plane_tip=self._scene.bare_plane_tip,
+        )
+
+    def _level(self, level: int) -> UnscaledSurface:
+        if level not in self._levels:
+            self._levels[level] = self._factorised(level)
+        return self._levels[level]
+
+    def volume(self, place: Any) -> tuple[HalfSpace, int]:
+        """The body below the surface at a place, not scaled, and the number of surface nodes that count."""
+        layer = self._scene.body
+        if layer is None:
+            return self._half_space(place.level)
+        here = self.at(place)
+        mesh = self._meshes.layer_below(place.level, layer.thickness / (here.scale * here.stretch))
+        sliding = layer.base == "frictionless"
+        return HalfSpace(mesh, self._form == "mixed", False, sliding), len(here.radii)
+
+    def volume_of(self, place: Any) -> Any:
+        """Names the volume below a place: a layer is another one wherever the mesh is scaled."""
+        return place.level if self._layer is None else place
+
+    def _half_space(self, level: int) -> tuple[HalfSpace, int]:
+        """The half-space on the mesh of a level, not scaled, and the number of surface nodes that count."""
+        mesh = self._meshes.mesh(level)
+        space = HalfSpace(mesh, self._form == "mixed", self._far_field)
+        # a mesh is scaled down to half at most
+        reach = 2.0 * surface_margin(self._stress) * self.largest / self._unit
+        count = int(np.searchsorted(space.radii, max(reach, SURFACE_MARGIN * mesh.parameters.fine_to)))
+        return space, min(count + 1 - count % 2, len(space.radii))
+
+    def _factorised(self, level: int) -> UnscaledSurface:
+        space, count = self._half_space(level)
+        operator = SurfaceOperator(space.factorise(self.ratio, count).compliance()[0])
+        fine, radii = self._meshes.mesh(level).parameters, space.radii[:count]
+        strip = float(fine.fine_from), float(fine.fine_to)
+        effective = operator.effective_radii(self._plane_modulus)
+        positions = operator.transform_radii(radii)
+        return UnscaledSurface(
+            radii=radii,
+            root=np.asfortranarray(operator.root()),
+            unit=operator.unit,
+            effective=effective,
+            positions=positions,
+            closure_scale=closure_scales(operator, radii, effective, strip, self._plane_modulus),
+            height_stretch=height_stretch(radii, effective, positions, strip),
+            strip=strip,
+        )

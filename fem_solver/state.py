@@ -1,0 +1,269 @@
+"""State of the surface components, and its transfer from one place of the mesh to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_solver.components import Components
+from fem_solver.edge_geometry import NO_CONTACT, EdgeOrigin
+from fem_solver.node_parts import LeftStrips, NodeBorders, NodeParts, NodeStrips
+from fem_solver.path import Row
+from fem_solver.placement import Placement, Surfaces
+from fem_solver.surface_record import SurfaceRecord, averaged, interpolated
+
+Array = NDArray[np.float64]
+
+EARLIER_ROWS = 2
+"""Earlier rows through which the path of the edge goes: its order is their number and one."""
+
+
+@dataclass(frozen=True)
+class ComponentState:
+    """Internal variables of the components at one place of the mesh, and where the edge is.
+
+    Parameters
+    ----------
+    place : object
+        Names the place.
+    components : ndarray, shape (n,)
+        ``v``.
+    branches : ndarray, shape (branches, n)
+        ``b_k``.
+    penetration, radius, edge : float
+        The last two are the contact radius and the edge position in nodes; ``edge = -1`` without contact.
+    strips : NodeStrips, optional
+        Of that node.
+    left : LeftStrips
+        Of nodes that the edge has left, as far out as the closure looks.
+    at_edge : ndarray, shape (branches,)
+        Branch variables of a component at the edge, over ``e``, without adhesion: nothing jumps there.
+    before : tuple of Row
+        The rows before this one from which on the path of the edge is smooth, the last one first (see
+        ``path``).
+    held : ndarray, shape (branches,)
+        Branch variables that the partly released node would have if it had stayed in contact.
+    dissipated, received : float
+        Energy dissipated in the branches, and work done on the surface, so far.
+    updates : int
+        Accepted steps so far.
+    unresolved : ndarray, shape (branches,)
+        Energy of the surface outside, by modes, that is finer than the elements there hold.
+    uneven : ndarray, shape (branches,)
+        Energy of each branch in contact that is finer than the elements there hold.
+    borders : NodeBorders
+        What steps have left within nodes.
+    record : SurfaceRecord, optional
+        The surface where earlier meshes were finer.
+    """
+
+    place: Any
+    components: Array
+    branches: Array
+    held: Array
+    strips: NodeStrips | None = None
+    left: LeftStrips = field(default_factory=lambda: LeftStrips.none(0))
+    at_edge: Array = field(default_factory=lambda: np.zeros(0))
+    penetration: float = 0.0
+    radius: float = 0.0
+    edge: float = NO_CONTACT
+    before: tuple[Row, ...] = ()
+    dissipated: float = 0.0
+    received: float = 0.0
+    updates: int = 0
+    unresolved: Array = field(default_factory=lambda: np.zeros(0))
+    uneven: Array = field(default_factory=lambda: np.zeros(0))
+    borders: NodeBorders = field(default_factory=lambda: NodeBorders.none(0))
+    record: SurfaceRecord | None = None
+
+    @property
+    def origin(self) -> EdgeOrigin | None:
+        """Where the edge starts a step from here; ``None`` without contact."""
+        if self.edge <= NO_CONTACT:
+            return None
+        if not self.before:
+            return EdgeOrigin(self.edge, self.radius)
+        duration, radius = self.before[0]
+        return EdgeOrigin(self.edge, self.radius, (self.radius - radius) / duration, duration)
+
+    def rows_and_this(self, dt: float) -> tuple[Row, ...]:
+        """The rows before the end of a step from here, through which the path of the next one goes."""
+        earlier = tuple((age + dt, radius) for age, radius in self.before[: EARLIER_ROWS - 1])
+        return (dt, self.radius), *earlier
+
+
+def undeformed(placement: Placement, branches: int) -> ComponentState:
+    """The state before any contact."""
+    nodes = len(placement.radii)
+    return ComponentState(
+        place=placement.place,
+        components=np.zeros(nodes),
+        branches=np.zeros((branches, nodes)),
+        held=np.zeros(branches),
+        left=LeftStrips.none(branches),
+        at_edge=np.zeros(branches),
+        unresolved=np.zeros(branches),
+        uneven=np.zeros(branches),
+        borders=NodeBorders.none(branches),
+    )
+
+
+def transferred(state: ComponentState, old: Placement, new: Placement, solid: Components) -> ComponentState:
+    """The same state with the mesh at another place.
+
+    Inside the contact the components follow from the penetration, and the branch variables are interpolated;
+    outside both are interpolated together, so that the surface remains free of forces. Neither is
+    interpolated across the edge. Elements are wide away from it: inside, each takes the mean over its share
+    of the stiffness, so that the force stays where an edge has left a jump behind. What the surface holds
+    within an element is kept as an energy, which relaxes as the surface there does.
+    """
+    if old.place == new.place:
+        return state
+    edge = new.geometry.position(state.radius) if state.edge > NO_CONTACT else NO_CONTACT
+    inside, top = int(np.floor(state.edge)) + 1, int(np.floor(edge)) + 1
+    outside = inside + (state.edge > inside - 1)  # the partly released node is neither
+    known = state.record or SurfaceRecord(
+        old.positions, state.branches / old.unit, old.profile / old.unit, inside
+    )
+    x, intensity, share = known.positions, known.intensity, edge - (top - 1)
+    free = known.edge + outside - inside
+    within, uneven = _in_contact(known, new, top, solid)
+    beyond = interpolated(x[free:], intensity[:, free:], new.positions[top:])
+    between = share * within[:, -1:] + (1.0 - share) * beyond[:, :1]
+    imposed = state.penetration * new.unit - new.profile
+    recovered = -new.unit[top:] * beyond.sum(axis=0) / solid.modulus.relaxed
+    recovered[0] += share * (imposed[top] - recovered[0])
+    moved = replace(
+        state,
+        place=new.place,
+        components=np.concatenate([imposed[:top], recovered]),
+        branches=np.hstack([within[:, :-1], between, beyond[:, 1:]]) * new.unit,
+        held=within[:, -1] * new.unit[top],
+        strips=None,
+        left=LeftStrips.none(len(state.branches)),
+        edge=edge,
+        uneven=uneven,
+    )
+    return _energy_conserved(state, old, moved, new, solid)
+
+
+def _in_contact(known: SurfaceRecord, new: Placement, top: int, solid: Components) -> tuple[Array, Array]:
+    """Intensities of the nodes ``0..top`` in contact, and the energies that wide elements do not hold."""
+    x, intensity = known.positions[: known.edge], known.intensity[:, : known.edge]
+    within = interpolated(x, intensity, new.positions[: top + 1])
+    wide = min(int(new.lowest), top)
+    shares = np.concatenate([[0.0], new.geometry.effective[:wide]])
+    within[:, :wide] = averaged(x, intensity, shares)
+    spread = averaged(x, intensity**2, shares) - within[:, :wide] ** 2
+    return within, solid.uneven_energies(np.maximum(spread, 0.0), new.unit[:wide])
+
+
+def _energy_conserved(
+    state: ComponentState, old: Placement, moved: ComponentState, new: Placement, solid: Components
+) -> ComponentState:
+    """The moved state, with the energy that wider elements do not hold, in the modes of the surface outside.
+
+    That is at most what the surface outside has held. The energy of the contact differs between two meshes as
+    well, by a hundred-thousandth: an error that goes when the contact goes, and that a surface without force
+    would keep. What the interface holds in the partly released node has been work done on the surface.
+    """
+    outside = solid.free_energies(moved.branches[:, _first_free(moved) :])
+    if outside.sum() <= 0.0:
+        return moved
+    before, after = interface_energy(state, old, solid), interface_energy(moved, new, solid)
+    lost = _stored(state, solid) - _stored(moved, solid) + before - after
+    free = slice(_first_free(state), None)
+    held = float(np.sum(solid.stored(state.components[free], state.branches[:, free])))
+    held = max(held + float(np.sum(state.unresolved)), 0.0)
+    least = -float(outside.sum() + np.sum(state.unresolved))
+    return replace(
+        moved,
+        unresolved=state.unresolved + np.clip(lost, least, least + 2.0 * held) * outside / outside.sum(),
+        received=state.received + before - after,
+    )
+
+
+def _first_free(state: ComponentState) -> int:
+    """The first node that is free, not released in part."""
+    return int(np.floor(state.edge)) + 2
+
+
+def _stored(state: ComponentState, solid: Components) -> float:
+    """Energy that the elements hold, and the branches within an element in contact."""
+    return float(np.sum(solid.stored(state.components, state.branches)) + np.sum(state.uneven))
+
+
+def interface_energy(state: ComponentState, placement: Placement, solid: Components) -> float:
+    """Energy that the radii of the partly released node hold beyond their mean."""
+    if state.edge <= NO_CONTACT:
+        return 0.0
+    node = int(np.floor(state.edge)) + 1
+    imposed = state.penetration * placement.unit[node] - placement.profile[node]
+    mean = state.components[node : node + 1], state.branches[:, node : node + 1]
+    contact = np.array([imposed]), state.held[:, None]
+    return NodeParts(solid, state.edge - np.floor(state.edge), mean, contact).energy_beyond_mean
+
+
+class SurfaceHistory:
+    """The accepted state, and what a run asks of it.
+
+    Parameters
+    ----------
+    surfaces : Surfaces
+    solid : Components
+    """
+
+    def __init__(self, surfaces: Surfaces, solid: Components) -> None:
+        self.surfaces, self.solid = surfaces, solid
+        start = surfaces.around(surfaces.largest)
+        self.state = undeformed(start, len(solid.modulus.times))
+        self.begin = self.state
+        """The state at the begin of the last step, on the mesh of that step."""
+        self.volume_solves = 0
+        self._moved: tuple[ComponentState, ComponentState] | None = None
+
+    @property
+    def factorisations(self) -> int:
+        """Meshes factorised so far."""
+        return self.surfaces.factorisations
+
+    @property
+    def placement(self) -> Placement:
+        """The surface at the place of the accepted state."""
+        return self.surfaces.at(self.state.place)
+
+    def at(self, placement: Placement) -> ComponentState:
+        """The accepted state with the mesh at another place."""
+        if self._moved is None or self._moved[0] is not self.state or self._moved[1].place != placement.place:
+            moved = transferred(self.state, self.placement, placement, self.solid)
+            self._moved = self.state, moved
+        return self._moved[1]
+
+    @property
+    def displacement(self) -> Array:
+        """Surface displacement, downwards; shape (n,)."""
+        return self.placement.displacement(self.state.components)
+
+    @property
+    def stored_energy(self) -> float:
+        """Energy of the springs."""
+        state = self.state
+        held = float(np.sum(self.solid.stored(state.components, state.branches)))
+        finer = float(np.sum(state.unresolved) + np.sum(state.uneven))
+        return held + finer + state.borders.stored(self.solid)
+
+    @property
+    def interface_energy(self) -> float:
+        """Energy of the partly released node beyond that of its mean."""
+        return interface_energy(self.state, self.placement, self.solid)
+
+    def accept(self, begin: ComponentState, state: ComponentState) -> None:
+        """Go on from the end of a step, which began with a state on its own mesh."""
+        self.begin, self.state = begin, state
+
+    def take_back(self, state: ComponentState) -> None:
+        """Return to the state before the last step."""
+        self.state = state

@@ -1,0 +1,200 @@
+"""What the edge has left on the surface, finer than the mesh holds where it is not at present.
+
+Away from the edge a component changes by itself: in contact by the penetration, outside by recovery, and its
+intensity, the branch variables over ``L^-1 1``, by the same law at every radius. Points that a fine strip has
+seen are thus followed exactly, whatever mesh there is now, and where the edge passes them in a step, the path
+of the edge tells when.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from fem_solver.components import Components
+
+Array = NDArray[np.float64]
+Selection = slice | NDArray[np.bool_] | NDArray[np.intp]
+
+_STRAIGHT = 1e-5
+"""Deviation from a line between its neighbours below which a point is dropped, relative to the largest
+intensity of the branch: a tenth of what the path of an edge may miss in a step, relative to its radius, so
+that an edge that comes back does not have to make steps for points that are gone."""
+_WORTHWHILE = 0.1
+"""Share of the points below which none is dropped: to see which may go takes longer than to keep them."""
+
+
+@dataclass(frozen=True)
+class EdgePassage:
+    """How the edge goes over the surface in a step.
+
+    Parameters
+    ----------
+    dt : float
+        Time; 0 for a glassy response.
+    penetrations : tuple of float
+        At the begin and at the end.
+    edge : float
+        Where the edge is at the end.
+    moments : callable(ndarray) -> ndarray
+        Shares of the step at which it is at radii between.
+    """
+
+    dt: float
+    penetrations: tuple[float, float]
+    edge: float
+    moments: Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class SurfaceRecord:
+    """Intensities of the branch variables at radii.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (m,)
+        Radii, rising.
+    intensity : ndarray, shape (branches, m)
+    profile : ndarray, shape (m,)
+        The indenter's height, transformed, over ``L^-1 1``: the penetration at which contact without adhesion
+        ends there.
+    edge : int
+        Number of points in contact; the next one is the node that is released in part.
+    """
+
+    positions: Array
+    intensity: Array
+    profile: Array
+    edge: int
+
+    def renewed(self, nodes: SurfaceRecord, fine: slice) -> SurfaceRecord:
+        """The record with what the mesh knows where it is fine, thinned elsewhere."""
+        inner = self.positions < nodes.positions[fine][0]
+        outer = self.positions > nodes.positions[fine][-1]
+        within, beyond = slice(fine.start, nodes.edge), slice(nodes.edge, fine.stop)
+        left = self._at(inner)._followed_by(nodes._at(within))
+        left = left._at(_needed(left.positions, left.intensity, int(inner.sum())))
+        right = nodes._at(beyond)._followed_by(self._at(outer))
+        # mirrored: the points that may go come first
+        mirrored = _needed(-right.positions[::-1], right.intensity[:, ::-1], int(outer.sum()))
+        right = right._at(mirrored[::-1])
+        return replace(left._followed_by(right), edge=len(left.positions))
+
+    def after(self, solid: Components, step: EdgePassage, nodes: SurfaceRecord) -> SurfaceRecord:
+        """The record after a step, every point released or covered in its own time, exactly.
+
+        A node of a wide element stands for the radii between two positions of the edge, and not evenly: its
+        mean is that of another radius, to one side at vertices and to the other between them. Left behind as
+        points, nodes would make the surface uneven for an edge that comes back.
+        """
+        known = self._with_points(nodes, step.edge)
+        x, b, profile = known.positions, known.intensity, known.profile
+        first, last = (penetration - profile for penetration in step.penetrations)
+        before, after = known.edge, int(np.searchsorted(x, step.edge))
+        low, high = sorted((before, after))
+        held = solid.linear(first[:low], b[:, :low], step.dt, last[:low])
+        free = solid.recovered(b[:, high:], step.dt)[1]
+        share, at_pass = step.moments(x[low:high]), slice(low, high)
+        passed, left = first[at_pass] + share * (last - first)[at_pass], (1.0 - share) * step.dt
+        if after < before:
+            until = solid.linear(first[at_pass], b[:, at_pass], share * step.dt, passed)
+            released = solid.linear(passed, until, 0.0, solid.relieved(passed, until, 0.0))
+            changed = solid.recovered(released, left)[1]
+        else:
+            v, until = solid.recovered(b[:, at_pass], share * step.dt)
+            changed = solid.linear(passed, solid.linear(v, until, 0.0, passed), left, last[at_pass])
+        return SurfaceRecord(x, np.hstack([held, changed, free]), profile, after)
+
+    def _with_points(self, nodes: SurfaceRecord, edge: float) -> SurfaceRecord:
+        """Without the node that is released in part, and with the nodes that the edge passes on its way."""
+        within, beyond = self._at(slice(self.edge)), self._at(slice(self.edge + 1, None))
+        if beyond.positions.size and edge > beyond.positions[0]:
+            beyond = beyond._refined(nodes, beyond.positions[0], edge)
+        elif within.positions.size and edge < within.positions[-1]:
+            within = within._refined(nodes, edge, within.positions[-1])
+        return replace(within._followed_by(beyond), edge=len(within.positions))
+
+    def _refined(self, nodes: SurfaceRecord, low: float, high: float) -> SurfaceRecord:
+        """The same points, and the nodes between two radii."""
+        x = nodes.positions
+        added = nodes._at((x > low) & (x < high) & ~np.isin(x, self.positions))
+        intensity = interpolated(self.positions, self.intensity, added.positions)
+        both = self._followed_by(replace(added, intensity=intensity))
+        return both._at(np.argsort(both.positions))
+
+    def _at(self, selection: Selection) -> SurfaceRecord:
+        """Some of the points, all on one side of the edge."""
+        return SurfaceRecord(
+            self.positions[selection], self.intensity[:, selection], self.profile[selection], 0
+        )
+
+    def _followed_by(self, other: SurfaceRecord) -> SurfaceRecord:
+        """The points of two records, those of this one first."""
+        return SurfaceRecord(
+            np.concatenate([self.positions, other.positions]),
+            np.hstack([self.intensity, other.intensity]),
+            np.concatenate([self.profile, other.profile]),
+            0,
+        )
+
+
+def interpolated(x: Array, values: Array, at: Array) -> Array:
+    """Monotonic cubic interpolation of every row, continued by at most one interval."""
+    if x.size < 2:
+        return np.repeat(values[:, -1:], len(at), axis=1) if x.size else np.zeros((len(values), len(at)))
+    if not values.any():
+        return np.zeros((len(values), len(at)))
+    low, high = 2.0 * x[0] - x[1], 2.0 * x[-1] - x[-2]
+    # the two points on either side of each place make the cubic there
+    beside = np.searchsorted(x, at)[:, None] + np.arange(-2, 2)
+    used = np.unique(np.clip(beside, 0, len(x) - 1))
+    if used.size < 2:
+        used = np.arange(len(x))
+    with np.errstate(over="ignore"):  # over a difference lost in underflow: the slope there is then zero
+        return np.asarray(PchipInterpolator(x[used], values[:, used], axis=1)(np.clip(at, low, high)))
+
+
+def averaged(x: Array, values: Array, bounds: Array) -> Array:
+    """Means of the same interpolation over adjoining intervals: what a jump adds to a sum over them stays."""
+    if x.size < 2 or not values.any():
+        return interpolated(x, values, bounds[1:])
+    within = np.clip(bounds, x[0], x[-1])
+    with np.errstate(over="ignore"):  # as above
+        total = PchipInterpolator(x, values, axis=1).antiderivative()(within)
+    total += values[:, :1] * np.minimum(bounds - x[0], 0.0) + values[:, -1:] * np.maximum(bounds - x[-1], 0.0)
+    return np.asarray(np.diff(total, axis=1) / np.diff(bounds))
+
+
+def _needed(x: Array, values: Array, count: int) -> NDArray[np.bool_]:
+    """All points but every second of the first ones, where neither a line nor the interpolation misses it.
+
+    The interpolation takes its slopes from the intervals beside a point. Where one of them is far longer than
+    the other, points on a line alone would not keep it on that line.
+    """
+    kept = np.ones(len(x), dtype=bool)
+    middle = np.arange(1, min(count, len(x) - 1), 2)
+    if not middle.size:
+        return kept
+    share = (x[middle] - x[middle - 1]) / (x[middle + 1] - x[middle - 1])
+    line = (1.0 - share) * values[:, middle - 1] + share * values[:, middle + 1]
+    allowed = _STRAIGHT * np.abs(values).max(axis=1, keepdims=True)
+    dropped = middle[(np.abs(values[:, middle] - line) <= allowed).all(axis=0)]
+    if dropped.size < _WORTHWHILE * len(x):
+        return kept
+    at = 0.5 * np.stack([x[dropped - 1] + x[dropped], 2.0 * x[dropped], x[dropped] + x[dropped + 1]])
+    known = interpolated(x, values, at.ravel()).reshape(len(values), *at.shape)
+    kept[dropped] = False
+    asked = np.arange(len(dropped))
+    while asked.size:
+        places = at[:, asked]
+        left = interpolated(x[kept], values[:, kept], places.ravel()).reshape(len(values), *places.shape)
+        needed = asked[(np.abs(left - known[:, :, asked]) > allowed[:, None]).any(axis=(0, 1))]
+        kept[dropped[needed]] = True
+        # of those left out, a point that comes back changes the cubics at its next neighbours only
+        beside = np.isin(dropped, np.concatenate([dropped[needed] - 2, dropped[needed] + 2]))
+        asked = np.flatnonzero(beside & ~kept[dropped])
+    return kept
