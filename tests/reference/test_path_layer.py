@@ -82,6 +82,24 @@ def test_growing_contact_under_a_force(steps):
     assert layer.state(float(trace.contact_radius[-1])).force == pytest.approx(unit, rel=1e-6)
 
 
+def test_a_contact_outgrows_what_its_loading_says():
+    """It presses with the force of its start, and a level that is below from the start bounds nothing."""
+    unloading, pressing = ForceRamp(0.005, 0.005), Ramp(0.03, 0.02, until_force=1e-3)
+    for step in (unloading, pressing):
+        scene = press("bonded", 0.5, step)
+        scene = replace(scene, loading=replace(scene.loading, penetration=0.01))
+        trace, layer = solve(scene), ElasticLayer(scene.body, 0.5, scene.indenter)
+        widest = int(trace.contact_radius.argmax())
+        radius, time = float(trace.contact_radius[widest]), trace.time[widest]
+        assert radius > indented(scene).image.reach
+        if step is pressing:
+            assert radius == pytest.approx(layer.radius_at(0.03), rel=1e-7)
+        else:
+            unit = trace.force[0] * prony_integrals.creep(scene.material, time)
+            unit -= step.rate * prony_integrals.creep_integral(scene.material, time)
+            assert layer.state(radius).force == pytest.approx(float(unit), rel=1e-6)
+
+
 def test_a_contact_that_stays_relaxes_as_the_material():
     scene = press("frictionless", 0.3, Hold(4.0))
     scene = replace(scene, loading=replace(scene.loading, penetration=0.02))

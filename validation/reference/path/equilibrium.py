@@ -38,6 +38,8 @@ RATIO = 1.03
 """Ratio of the radii among which an equilibrium is bracketed."""
 REACH, BEYOND = 1.1, 2.0
 """The functions of a layer reach so many largest contact radii, and so many process zones farther."""
+FARTHER = 2.0
+"""How much farther they are to reach where a contact is followed that is larger."""
 WIDER = 1.05
 """Ratio of radii among which the largest is looked for."""
 LEAST_DIP = 1e-8
@@ -253,20 +255,30 @@ def _outermost(residual: Callable[[float], float], radii: list[float]) -> float 
 # what a scene asks for ---
 
 
-def indented(scene: Scene) -> Body:
+def indented(scene: Scene, least_reach: float = 0.0) -> Body:
     """Material, layer and indenter of a scene; the functions of a layer reach beyond its largest contact."""
     bare = Body(rheology(scene.material), transform(scene.indenter))
     layer, zone = scene.body, scene.adhesion.zone if scene.is_adhesive and scene.adhesion else 0.0
     if layer is None:
         return bare
-    farthest = REACH * layer.largest_contact + BEYOND * zone
-    reach = min(REACH * largest_radius(scene, bare, math.inf) + BEYOND * zone, farthest)
+    farthest = farthest_reach(scene)
+
+    def within(radius: float) -> float:
+        return min(max(REACH * radius + BEYOND * zone, least_reach), farthest)
+
+    reach = within(largest_radius(scene, bare, math.inf))
     while True:
         body = replace(bare, image=image(layer, scene.material.poisson, reach))
-        largest = REACH * largest_radius(scene, body, reach) + BEYOND * zone
-        if min(largest, farthest) <= reach:
-            return replace(bare, image=image(layer, scene.material.poisson, min(largest, farthest)))
-        reach = min(1.5 * reach, farthest)
+        largest = within(largest_radius(scene, body, reach))
+        if largest <= reach:
+            return replace(bare, image=image(layer, scene.material.poisson, largest))
+        reach = min(FARTHER * reach, farthest)
+
+
+def farthest_reach(scene: Scene) -> float:
+    """How far the functions of a layer reach for a contact that is as large as any that is computed."""
+    zone = scene.adhesion.zone if scene.is_adhesive and scene.adhesion else 0.0
+    return REACH * scene.body.largest_contact + BEYOND * zone if scene.body is not None else 0.0
 
 
 def largest_radius(scene: Scene, body: Body, reach: float) -> float:

@@ -37,7 +37,7 @@ from contact_scene.run_control import (
 )
 from validation.reference.path.continuation import SAME_FOLD, SMALL_PART, Continuation, Ending, Level
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.equilibrium import elastic_start, indented, scales
+from validation.reference.path.equilibrium import FARTHER, elastic_start, farthest_reach, indented, scales
 from validation.reference.path.path import Leg
 from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
@@ -127,18 +127,26 @@ class PathRun:
     profiles: list[SurfaceProfile] = field(default_factory=list)
     outcome: Outcome | None = None
     begun: bool = False
+    _grows: bool = False
     recorder: Recorder = field(init=False)
     tracker: Continuation = field(init=False)
 
     def run(self) -> tuple[dict[str, Array], Outcome]:
-        """All load steps: the columns of the rows, and how it ended."""
-        self.outcome = self._begin()
-        if self.outcome is not None:
-            return {name: np.empty(0) for name in (*COLUMNS, *EXTRA_COLUMNS)}, self.outcome
-        self.begun = True
-        with np.errstate(all="ignore"):  # what overflows belongs to trials beyond a limit point: no residual
-            outcome = self._load_steps()
-            columns = self.recorder.columns()
+        """All load steps: the columns of the rows, and how it ended.
+
+        Once more where the contact outgrew the functions of its layer: no bound of it is known before.
+        """
+        outcome, reach = None, 0.0
+        while outcome is None:
+            self.outcome = self._begin(reach)
+            if self.outcome is not None:
+                return {name: np.empty(0) for name in (*COLUMNS, *EXTRA_COLUMNS)}, self.outcome
+            self.begun = True
+            with np.errstate(all="ignore"):  # what overflows belongs to trials beyond a limit point
+                outcome = self._load_steps()
+            if self._grows and (reach := self.tracker.body.image.reach) < farthest_reach(self.scene):
+                outcome, reach = None, FARTHER * reach
+        columns = self.recorder.columns()
         machine = self.scene.machine
         if machine is not None and machine.compliance > 0.0:
             columns |= machine_columns(columns, machine, self.recorder.events)
@@ -159,12 +167,12 @@ class PathRun:
             history_updates=tracker.geometries,
         )
 
-    def _begin(self) -> Outcome | None:
+    def _begin(self, reach: float) -> Outcome | None:
         """The state at the start and what runs from there; the outcome if there is none."""
-        scene = self.scene
+        scene, self.profiles, self._grows = self.scene, [], False
         try:
             with np.errstate(over="raise", invalid="raise", divide="raise"):
-                body = indented(scene)
+                body = indented(scene, reach)
                 adhesion = scene.adhesion if scene.is_adhesive else None
                 state = elastic_start(scene, body)
                 if state is None:
@@ -296,7 +304,8 @@ class PathRun:
         elif kind is Ending.LEAST or (kind in (Ending.END, Ending.LOST) and tracker.let_go):
             self._lose_contact(leg)
         elif kind in (Ending.LOST, Ending.FOLD) and tracker.lost(kind is Ending.FOLD):
-            if kind is Ending.FOLD and tracker.direction > 0.0 and self.scene.body is not None:
+            self._grows = self.scene.body is not None and tracker.direction > 0.0
+            if kind is Ending.FOLD and self._grows:
                 now = tracker.state.time
                 self.outcome = outgrown_outcome(self.scene.body, math.inf, now)
             elif kind is Ending.FOLD:

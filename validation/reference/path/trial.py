@@ -150,7 +150,7 @@ class Trial:
             given[0, 0] = 0.0
         unknown = basis.any() and (leg.free or layer)
         family = collocation(rheology.times, clock, rheology.moduli, state.depths, given, basis)
-        if not unknown:
+        if not unknown or not self.within_reach:
             return Arrival(self, rise, family.given)
         return self._balanced(rise, family)
 
@@ -246,7 +246,12 @@ class Trial:
                 return False
             if self.closure is None or abs(zone - self.zone) > 1e-13 * zone:
                 self._close(zone)
-        return self.closed and self.radius + self.zone <= self.body.image.reach
+        return self.closed and self.within_reach
+
+    @property
+    def within_reach(self) -> bool:
+        """Whether the functions of a layer are known up to the end of the zone."""
+        return self.radius + self.zone <= self.body.image.reach
 
     def passes(self, points: Points, motion: Motion) -> Passing:
         """Points that change sides in this step."""
