@@ -1,0 +1,122 @@
+"""The batch solver against the reference: ``python -m benchmarks.batch [--scenes N] [--sample N]``.
+
+Each row is a family of random scenes. Both solvers take turns on one core; the reference solves a sample. A
+line tells processor time a scene of both, how many have an answer, and of the sample the differences of the
+pull-off force, in the median, of 99 in 100, the largest, and how many are larger than the error estimate.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import tracemalloc
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact_scene import Adhesion, Branch, Indenter, Loading, Material, PowerLaw, Ramp, Scene, Sphere
+from validation.reference import batch
+from validation.reference.path import Options, solve
+
+WIDTH = 0.2
+"""About the radius of contact of the scenes, whose sphere has the radius one, and the relaxed ``E*``."""
+RATIO = 10.0
+"""Glassy over relaxed modulus."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """Random scenes: powers of ten of zone over radius, speed in radii a relaxation time, and work."""
+
+    branches: int = 1
+    zones: tuple[float, float] = (-1.19, -1.19)
+    speeds: tuple[float, float] = (-1.5, 2.5)
+    decades: float = 0.0
+    works: tuple[float, float] = (-3.3, -3.3)
+    any_indenter: bool = False
+
+    def scene(self, rng: np.random.Generator) -> Scene:
+        """One of them: a retraction from a relaxed start."""
+        times = 10.0 ** (self.decades * np.linspace(-0.5, 0.5, self.branches))
+        shares = rng.uniform(0.2, 1.0, self.branches) if self.any_indenter else np.ones(self.branches)
+        moduli = (RATIO - 1.0) * shares / max(self.branches, 1)
+        branches = tuple(Branch(float(E), float(t)) for E, t in zip(0.75 * moduli, times, strict=True))
+        indenter: Indenter = Sphere(1.0)
+        depth = float(rng.uniform(0.01, 0.05))
+        if self.any_indenter:
+            exponent = float(rng.uniform(1.0, 6.0))
+            indenter = PowerLaw(exponent, 0.5 * depth / WIDTH**exponent)
+        work, zone, speed = (
+            10.0 ** float(rng.uniform(*span)) for span in (self.works, self.zones, self.speeds)
+        )
+        loading = Loading("relaxed", depth, (Ramp(-20.0, speed * WIDTH * 0.05),))
+        return Scene(Material(0.75, 0.5, branches), indenter, loading, Adhesion(work, zone * WIDTH))
+
+
+FAMILIES = {
+    "retractions, one branch": Family(),
+    "retractions, any indenter, zones 1e-1 to 1e-6": Family(
+        zones=(-6.0, -1.0), works=(-4.3, -2.8), any_indenter=True
+    ),
+    "retractions, three branches": Family(branches=3, decades=4.0),
+    "retractions, ten branches over six decades": Family(branches=10, decades=6.0),
+    "retractions, zone 1e-5 of the radius": Family(zones=(-5.0, -5.0)),
+}
+
+
+def difference(scene: Scene, answer: batch.Answer, resolution: int | None = None) -> float:
+    """Relative difference of the pull-off force from that of the reference."""
+    tension = -float(solve(scene, Options(resolution=resolution)).force.min())
+    return abs(answer.pull_off_force - tension) / max(tension, 1e-300)
+
+
+def line(name: str, family: Family, asked: argparse.Namespace) -> str:
+    """A row of the table."""
+    rng, count = np.random.default_rng(asked.seed), asked.scenes
+    scenes = [family.scene(rng) for _ in range(count)]
+    batch.solve(scenes[: count // 8])
+    spent, slow, found = [], [], []
+    for turn in np.array_split(np.arange(asked.sample), 3):
+        began = time.process_time()
+        answers = batch.solve(scenes)
+        spent.append((time.process_time() - began) / count)
+        began = time.process_time()
+        for i in turn:
+            if answers[i].answered:
+                found.append(
+                    (difference(scenes[i], answers[i], asked.resolution), answers[i].errors["pull_off_force"])
+                )
+        slow.append((time.process_time() - began) / max(len(turn), 1))
+    tracemalloc.start()
+    batch.solve(scenes)
+    memory = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    apart, told = np.array(found).T
+    reasons = Counter(answer.reason for answer in answers if not answer.answered)
+    print(f"# {name}: without an answer {dict(reasons)}, memory {memory / 1e6:.0f} MB", flush=True)
+    return (
+        f"{name:48s} {1e3 * min(spent):8.3f} {1e3 * np.median(spent):8.3f} {1e3 * np.median(slow):8.1f} "
+        f"{count - sum(reasons.values()):6d} {np.median(apart):9.1e} {np.quantile(apart, 0.99):9.1e} "
+        f"{apart.max():9.1e} {int((apart > told).sum()):4d} of {len(apart)}"
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--scenes", type=int, default=256)
+    parser.add_argument("--sample", type=int, default=48)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--resolution", type=int, help="of the reference; by default its own")
+    asked = parser.parse_args()
+    columns = "   least   median     ref. answer    median       99%     worst  over"
+    print(f"{'ms a scene':48s} {columns}")
+    for name, family in FAMILIES.items():
+        if asked.only in name:
+            print(line(name, family, asked), flush=True)
+
+
+if __name__ == "__main__":
+    main()
