@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from argparse import Namespace
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from contextlib import contextmanager
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -179,22 +180,8 @@ def fit(
     SceneError
         One line, if data or arguments are no good.
     """
-    settings = _settings(
-        vary=vary,
-        tie=tie,
-        per_curve=per_curve,
-        free=free,
-        prony=prony,
-        regularisation=regularisation,
-        starts=starts,
-        seed=seed,
-        profile=profile,
-        solver=solver,
-        resolution=resolution,
-        check_solver=check_solver,
-        max_steps=max_steps,
-        within=within,
-    )
+    asked = locals()
+    settings = _settings(**{name: asked[name] for name in FitSettings.__dataclass_fields__})
     measured, guess, folder = _asked(curves, scene, executor, out, progress)
     return Fit(fit_and_write(measured, guess, settings, folder, executor, progress))
 
@@ -265,15 +252,11 @@ def _asked(
 
 def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
     """All curves, those of files read."""
-    several = (
-        (curves,)
-        if isinstance(curves, (MeasuredCurve, str, os.PathLike))
-        else as_tuple(curves, "curves", _CURVES)
-    )
+    one = isinstance(curves, (MeasuredCurve, str, os.PathLike))
     measured: list[MeasuredCurve] = []
-    for one in several:
-        of_class(one, "curves", (MeasuredCurve, str, os.PathLike), _CURVES)
-        measured += [one] if isinstance(one, MeasuredCurve) else read_curves(one)
+    for curve in (curves,) if one else as_tuple(curves, "curves", _CURVES):
+        of_class(curve, "curves", (MeasuredCurve, str, os.PathLike), _CURVES)
+        measured += [curve] if isinstance(curve, MeasuredCurve) else read_curves(curve)
     return measured
 
 
@@ -288,16 +271,15 @@ def fit_and_write(
     fresh: bool = False,
 ) -> FitResult:
     """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
-    store = _claimed(folder, "a fit", question(curves, guess, settings), key, fresh)
-    try:
-        result = fit_curves(curves, guess, settings, executor, store, progress)
-    except InterruptedFit as interrupted:
-        if folder is not None and interrupted.result is not None:
-            write_fit(interrupted.result, folder)
-        raise
-    if folder is not None:
-        write_fit(result, folder)
-        store.clear()
+    with _stored(folder, "a fit", question(curves, guess, settings), key, fresh) as store:
+        try:
+            result = fit_curves(curves, guess, settings, executor, progress, store)
+        except InterruptedFit as interrupted:
+            if folder is not None and interrupted.result is not None:
+                write_fit(interrupted.result, folder)
+            raise
+        if folder is not None:
+            write_fit(result, folder)
     return result
 
 
@@ -312,26 +294,27 @@ def each_and_write(
     fresh: bool = False,
 ) -> list[EachFit]:
     """Fit each curve; what there is when it ends or is stopped is written."""
-    store = _claimed(folder, "fits of each curve", question(curves, guess, settings), key, fresh)
     found: list[EachFit] = []
-    try:
-        for one in fit_curves_each(curves, guess, settings, executor, store, progress):
-            found.append(one)
-    finally:
-        fitted = any(one.result for one in found)
-        if folder is not None and fitted:
-            write_each(found, folder)
-    if not fitted and found[0].refusal is not None:
-        raise found[0].refusal
-    store.clear()
+    with _stored(folder, "fits of each curve", question(curves, guess, settings), key, fresh) as store:
+        try:
+            found.extend(fit_curves_each(curves, guess, settings, executor, progress, store))
+        finally:
+            fitted = any(one.result for one in found)
+            if folder is not None and fitted:
+                write_each(found, folder)
+        if not fitted and found[0].refusal is not None:
+            raise found[0].refusal
     return found
 
 
-def _claimed(folder: Path | None, kind: str, asked: dict[str, str], key: str, fresh: bool) -> Store:
-    """What is stored in a folder, which belongs to what is asked from now on."""
+@contextmanager
+def _stored(folder: Path | None, kind: str, asked: dict[str, str], key: str, fresh: bool) -> Iterator[Store]:
+    """What is stored in a folder, which belongs to what is asked from now on, until all is done."""
     if folder is not None:
         claim(folder, kind, asked, key, fresh)
-    return Store(folder, fresh)
+    store = Store(folder, fresh)
+    yield store
+    store.clear()
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
@@ -384,26 +367,19 @@ def read_curve(
     ImportError
         If the package that reads such files is not installed.
     """
-    file = checked_path(path, "path")
-    stated = Given(spring_constant, sensitivity, sampling_rate, speed, columns)
-    curves = choose(read_file(file, stated, si=True), enum, segment, file)
+    asked = Namespace(**locals())
+    curves = read_given(path, asked, si=True)
     if len(curves) > 1:
-        raise SceneError("enum", f"{len(curves)} curves", f"one from 0 to {len(curves) - 1}", str(file))
+        raise SceneError("enum", f"{len(curves)} curves", f"one from 0 to {len(curves) - 1}", str(path))
     return curves[0]
 
 
-def read_given(path: str, options: Namespace, si: bool) -> list[MeasuredCurve]:
+def read_given(path: str | os.PathLike[str], options: Namespace, si: bool) -> list[MeasuredCurve]:
     """The curves of a file, as the options of a command read it: in SI units at least where they state
     something in these."""
     file = checked_path(path, "path")
-    stated = Given(
-        options.spring_constant,
-        options.sensitivity,
-        options.sampling_rate,
-        options.speed,
-        options.columns,
-    )
-    return choose(read_file(file, stated, si or stated != Given()), options.enum, options.segment, file)
+    given = Given(**{name: getattr(options, name) for name in Given.__dataclass_fields__})
+    return choose(read_file(file, given, si or given != Given()), options.enum, options.segment, file)
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:

@@ -79,22 +79,35 @@ def test_noise_and_baseline_are_those_that_were_put_in():
     assert seen.pull_off is None  # the force comes to nothing continuously
 
 
+def jumping(rows, begin, end, slope, tilt=0.0, ringing=0.0):
+    """A contact that begins and ends in a jump, with a noise of 1e-3; it rings for 0.05."""
+    time = np.linspace(0.0, 1.0, rows)
+    position = 0.5 - np.abs(time - 0.5)
+    held = np.where((time > begin) & (time < end), slope * (position - 0.2) - 0.5, 0.0)
+    held += tilt * position + ringing * ((time > end) & (time < end + 0.05))
+    return MeasuredCurve(time, held + 1e-3 * np.random.default_rng(1).standard_normal(rows), position)
+
+
 @pytest.mark.parametrize("tilt", [0.0, 0.3])
 @pytest.mark.parametrize("ringing", [0.0, 0.05])
 def test_a_jump_is_found_in_its_interval_and_not_compared(ringing, tilt):
     """Though the spring rings down behind the loss: ten rows at a tenth of the pull-off force."""
-    time = np.linspace(0.0, 1.0, 201)
-    position = 0.5 - np.abs(time - 0.5)
-    force = np.where((time > 0.2026) & (time < 0.8026), -0.5 + 4.0 * (position - 0.2), 0.0) + tilt * position
-    force += ringing * ((time > 0.8026) & (time < 0.8526))
-    curve = MeasuredCurve(time, force + 1e-3 * np.random.default_rng(1).standard_normal(201), position)
-    seen = moments(curve)
+    seen = moments(jumping(201, 0.2026, 0.8026, 4.0, tilt, ringing))
     for jump, moment in ((seen.snap_in, 0.2026), (seen.pull_off, 0.8026)):
         assert jump is not None
         assert jump.timed
         assert abs(jump.time - moment) <= 0.0025
         assert jump.deviation == pytest.approx(0.005 / np.sqrt(12.0))
         assert not seen.compared[jump.row : jump.row + 2].any()
+
+
+@pytest.mark.parametrize(("rows", "end"), [(75, 0.9), (63, 0.92), (52, 0.915), (71, 0.86)])
+def test_fewer_rows_behind_the_loss_than_a_line_is_begun_with(rows, end):
+    """A line through the jump takes it for noise: the noise came out several hundred times too large."""
+    curve = jumping(rows, 0.2, end, 2.5)
+    seen = moments(curve)
+    assert seen.last == np.flatnonzero(curve.time >= end)[0]
+    assert seen.noise == pytest.approx(1e-3, rel=0.5)
 
 
 def test_a_triangle_of_motion_is_three_points_wherever_its_corner_lies():

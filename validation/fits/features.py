@@ -39,6 +39,9 @@ EXTENSIONS = 8
 JUMP, JUMP_SHARE, LEFT = 8.0, 0.25, 0.15
 """A jump rises by eight deviations of the noise and a quarter of the pull-off force; it is the loss of
 contact if less than the last share still pulls behind it."""
+OVER_NEIGHBOURS = 3.0
+"""Change between two rows over that beside it on the side in contact, from which it is a jump for certain: a
+smooth curve has them about equal."""
 STEEP, SHORT = 0.5, 0.1
 """Change of the line over the travel, over the pull-off force, from which a tail of less than a tenth of
 the rows is no free one, for the force still falls; nor is the whole, which is contact throughout."""
@@ -75,10 +78,13 @@ def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
     count = stage.size
     width, tail = max(3, count // 400), max(min(12, count // 4), count // 20)
     deepest = float(np.median(force[-max(10, count // 20) :]) - force.min())
-    begin = count - tail
+    change, least = np.abs(np.diff(force)), max(JUMP * noise, JUMP_SHARE * deepest)
+    jumps = np.flatnonzero(change[1:] > np.maximum(least, OVER_NEIGHBOURS * (change[:-1] + noise)))
+    begin = max(count - tail, min(int(jumps.max(initial=-2)) + 2, count - width))  # behind the last jump
+    along = np.column_stack([np.ones(count), (stage - stage[-1]) / (float(np.ptp(stage)) or 1.0)])
     for _ in range(EXTENSIONS):
-        slope, level = np.polyfit(stage[begin:] - stage[-1], force[begin:], 1)
-        off = force - level - slope * (stage - stage[-1])
+        line = np.linalg.lstsq(along[begin:], force[begin:], rcond=None)[0]  # level where the stage rests
+        off = force - along @ line
         deviation = max(float(np.std(off[begin:])), noise)
         limit = max(FAR * deviation / np.sqrt(width), ROUGH * deviation, SHALLOW * deepest)
         touching = np.flatnonzero(np.abs(_smooth(off, width)[: count - width]) > limit)
@@ -102,7 +108,7 @@ def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
         row = free[0] + 1 + int(np.argmax(np.diff(off[free[0] : free[0] + 6]))) if free else row
         jump = float(rises[free[0]] if free else rises[high].max())
     still = row > count - max(min(12, count // 4), count // 50) and jump is None
-    bent = abs(slope) * np.ptp(stage) > STEEP * max(deepest, 0.2 * float(np.ptp(force)))
+    bent = abs(line[1]) > STEEP * max(deepest, 0.2 * float(np.ptp(force)))
     steep = bent and (row > (1.0 - SHORT) * count or row <= 1)
     return Loss(None if still or steep else row, jump)
 

@@ -69,8 +69,8 @@ def fit_curves(
     scene: Scene,
     settings: FitSettings,
     executor: Executor | None = None,
-    store: Store | None = None,
     progress: Callable[[str], None] | None = None,
+    store: Store | None = None,
 ) -> FitResult:
     """Fit a scene, the first guess and all that is not varied, to curves; the store holds runs, from which an
     interrupted fit goes on."""
@@ -379,8 +379,8 @@ def fit_each(
     scene: Scene,
     settings: FitSettings,
     executor: Executor | None = None,
-    store: Store | None = None,
     progress: Callable[[str], None] | None = None,
+    store: Store | None = None,
 ) -> Iterator[EachFit]:
     """Fit every curve by itself, whatever becomes of the others, from the answer of the last one in the order
     of the record whose data were explained; contact points start from what each record shows of itself."""
@@ -393,7 +393,7 @@ def fit_each(
                 progress(f"{where}: {text}")
 
         try:
-            one = EachFit(curve.name, fit_curves([curve], guess, alone, executor, store, tell))
+            one = EachFit(curve.name, fit_curves([curve], guess, alone, executor, tell, store))
         except SceneError as error:
             one = EachFit(curve.name, refusal=error)
         if one.explained and one.result is not None:

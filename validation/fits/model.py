@@ -31,7 +31,7 @@ from contact_scene.errors import one_line
 from contact_scene.scene import with_values
 from validation import solvers
 from validation.fits.contact import Array, wave_columns, wave_length, white_noise
-from validation.fits.moments import Jump, Moments, moments, straight_lines
+from validation.fits.moments import Moments, moments, straight_lines
 from validation.fits.record import MeasuredCurve
 from validation.measure.curves import RowCurve
 
@@ -116,16 +116,21 @@ def sampled(time: Array, value: Array, corners: Array, at: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class CurvePrediction:
-    """A run at the rows of a curve, shape (N,) each, and when contact begins and is lost in its time; the
-    contact radius where it was measured, else 0."""
+class Prediction:
+    """A run beside a curve: the ``force`` at its rows without background, shape (N,); residuals of force,
+    radius and moments over their deviations, which of them ``hold``, and which are of rows in contact, shape
+    (R,) each; why it ended early."""
 
     force: Array
-    contact_radius: Array
+    residuals: Array
+    hold: NDArray[np.bool_]
     touching: NDArray[np.bool_]
-    first_contact: float | None
-    lost: float | None
     failure: str = ""
+
+    def hold_with(self, other: Prediction) -> NDArray[np.bool_]:
+        """Residuals that do not jump on the way to another prediction: a row that comes into contact or loses
+        it has a derivative on either side only."""
+        return self.hold & (self.touching == other.touching)
 
 
 @dataclass(frozen=True)
@@ -143,7 +148,7 @@ class CurveModel:
     @classmethod
     def of(cls, curve: MeasuredCurve, scene: Scene, within: float = 0.0) -> CurveModel:
         """Prepare a curve."""
-        seen = moments(curve)
+        seen, reach = moments(curve), float(np.ptp(curve.position))
         if curve.indenter_radius is not None:
             if not isinstance(scene.indenter, Sphere):
                 allowed = "a scene with a sphere, or a file without a radius"
@@ -151,16 +156,16 @@ class CurveModel:
                 raise SceneError("indenter_radius", problem, allowed, curve.name)
             scene = replace(scene, indenter=Sphere(curve.indenter_radius))
         scene, motion = _driven(curve, scene, seen)
-        reach = float(np.ptp(curve.position))
         if reach == 0.0:
             raise SceneError(curve.driven, "does not move", "an approach or a retraction", curve.name)
+        whole = cls(curve, scene, seen, curve.time, motion, within)
         slope = float(np.ptp(curve.force)) / reach
-        missed = float(np.hypot(seen.noise, within * np.ptp(curve.force)))
-        tolerance = PATH_SHARE * missed / slope if slope > 0.0 else reach
+        tolerance = PATH_SHARE * whole.allowed / slope if slope > 0.0 else reach
         try:
-            return cls(curve, scene, seen, *straight_lines(curve.time, motion, tolerance), within)
+            knots, heights = straight_lines(curve.time, motion, tolerance)
         except SceneError as error:
             raise error.in_file(curve.name) from None
+        return replace(whole, knots=knots, heights=heights)
 
     @cached_property
     def allowed(self) -> float:
@@ -182,18 +187,6 @@ class CurveModel:
         noise = white_noise(inside if inside.size > 4 else radius)
         return max(noise, LEAST_RADIUS_NOISE * float(np.ptp(radius))) or None
 
-    @property
-    def jumps(self) -> list[tuple[bool, Jump]]:
-        """Jumps whose moments are compared, and whether contact begins there."""
-        both = ((True, self.moments.snap_in), (False, self.moments.pull_off))
-        return [(begins, jump) for begins, jump in both if jump is not None and jump.timed]
-
-    @property
-    def size(self) -> int:
-        """Number of residuals."""
-        columns = 1 if self.radius_noise is None else 2
-        return columns * int(self.kept.sum()) + len(self.jumps)
-
     def scene_of(self, values: Mapping[str, float], contact_point: float = 0.0) -> tuple[Scene, float] | None:
         """The scene to solve with these numbers by path, and the time its clock starts at; ``None`` if the
         motion never comes to contact."""
@@ -212,46 +205,41 @@ class CurveModel:
         table = Table((begin, *self.knots[later].tolist()), (first, *heights[later].tolist()))
         return replace(scene, loading=replace(scene.loading, penetration=first, steps=(table,))), begin
 
-    def prediction(self, run: FitRun, begin: float | None, time_offset: float = 0.0) -> CurvePrediction:
+    def prediction(self, run: FitRun, begin: float | None, time_offset: float = 0.0) -> Prediction:
         """A run whose clock starts at ``begin``, at the rows of the curve; the force is recorded later than
-        the motion by ``time_offset``."""
-        nothing = np.zeros(self.curve.time.size)
-        if begin is None or run.time.size < 2:
-            return CurvePrediction(nothing, nothing, nothing > 0.0, None, None, run.failure)
-        at = self.curve.time - time_offset - begin
-        touching = (at >= 0.0) & (at <= run.time[-1] if run.lost is not None or run.failure else True)
-        inside = np.clip(at, 0.0, run.time[-1])
-        corners = corners_of(self.knots, self.heights) - begin
-        columns = [run.force] if self.curve.contact_radius is None else [run.force, run.contact_radius]
-        force, *radius = (
-            np.where(touching, sampled(run.time, column, corners, inside), 0.0) for column in columns
-        )
-        lost = None if run.lost is None else begin + run.lost + time_offset
-        return CurvePrediction(force, [*radius, nothing][0], touching, begin + time_offset, lost, run.failure)
-
-    def residuals(self, predicted: CurvePrediction) -> Array:
-        """What is left of force, radius and moments without background, over their deviations, shape (R,)."""
+        the motion by ``time_offset``. Contact that never begins, or ends, does so where the record ends."""
         curve, seen = self.curve, self.moments
-        parts = [((predicted.force - curve.force) / self.allowed)[self.kept]]
+        touching, end = np.zeros(curve.time.size, bool), float(curve.time[-1])
+        first, lost = end, end
+        compared = [(run.force, curve.force, self.allowed)]
         if curve.contact_radius is not None and self.radius_noise is not None:
-            change = predicted.contact_radius - curve.contact_radius
-            parts.append((change / self.radius_noise)[self.kept])
+            compared.append((run.contact_radius, curve.contact_radius, self.radius_noise))
+        columns = [np.zeros(curve.time.size)] * len(compared)
+        if begin is not None and run.time.size > 1:
+            at, first = curve.time - time_offset - begin, begin + time_offset
+            touching = (at >= 0.0) & (at <= run.time[-1] if run.lost is not None or run.failure else True)
+            inside, corners = np.clip(at, 0.0, run.time[-1]), corners_of(self.knots, self.heights) - begin
+            columns = [
+                np.where(touching, sampled(run.time, of_run, corners, inside), 0.0) for of_run, *_ in compared
+            ]
+            lost = end if run.lost is None else first + run.lost
+        left = [
+            (column - measured) / deviation
+            for column, (_, measured, deviation) in zip(columns, compared, strict=True)
+        ]
         duration = float(curve.time[min(seen.last, curve.time.size - 1)] - curve.time[seen.first])
-        for begins, jump in self.jumps:
-            at = predicted.first_contact if begins else predicted.lost
-            missed = float(curve.time[-1] if at is None else at) - jump.time
-            parts.append(np.array([missed / np.hypot(jump.deviation, self.within * duration)]))
-        return np.concatenate(parts)
+        of_jumps = [
+            ((first if begins else lost) - jump.time) / np.hypot(jump.deviation, self.within * duration)
+            for begins, jump in seen.timed
+        ]
 
-    def compared(self, *predicted: CurvePrediction) -> NDArray[np.bool_]:
-        """Which residuals hold for a prediction, shape (R,); of two, those that do not jump between them: a
-        row that comes into contact or loses it has a derivative on either side only."""
-        recorded, known = self.moments.contact
-        good = ~((recorded != predicted[0].touching) & known)
-        for other in predicted[1:]:
-            good &= predicted[0].touching == other.touching
-        columns = 1 if self.radius_noise is None else 2
-        return np.concatenate([*[good[self.kept]] * columns, np.ones(len(self.jumps), bool)])
+        def of_residuals(rows: NDArray[np.bool_], of_jump: bool) -> NDArray[np.bool_]:
+            return np.pad(np.tile(rows[self.kept], len(left)), (0, len(of_jumps)), constant_values=of_jump)
+
+        recorded, known = seen.contact
+        hold = of_residuals((recorded == touching) | ~known, True)
+        residuals = np.concatenate([*(one[self.kept] for one in left), of_jumps])
+        return Prediction(columns[0], residuals, hold, of_residuals(touching, False), run.failure)
 
     def background(self, free: Sequence[str]) -> dict[str, Array]:
         """Parts of the background, as far as each is more than the parts before it make up, shape (N,)."""

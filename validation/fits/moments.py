@@ -19,16 +19,11 @@ from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError
 from validation.fits.contact import Array, white_noise
-from validation.fits.features import FEWEST, background, loss_of_contact
+from validation.fits.features import FEWEST, JUMP, OVER_NEIGHBOURS, background, loss_of_contact
 from validation.fits.record import MeasuredCurve
 
-JUMP = 8.0
-"""Deviations of the noise from which the change between two rows may be a jump, and is not compared."""
-OVER_NEIGHBOURS = 3.0
-"""The same over the change beside it on the side in contact, from which it is one for certain: a smooth curve
-has them about equal."""
 OFF = 4.0
-"""The same from which a row is off the background: one in 16 000 by chance."""
+"""Deviations of the noise from which a row is off the background: one in 16 000 by chance."""
 EXCLUDED, FEWEST_ROWS = 2, 6
 """Rows on both sides of a jump that are not compared, as the moment of the jump has a residual of its own;
 and of an approach or a retraction in which a moment is looked for."""
@@ -85,18 +80,22 @@ class Moments:
     def compared(self) -> NDArray[np.bool_]:
         """Which rows are compared with a model, shape (N,): all but those around the jumps."""
         kept = np.ones(self.background.size, bool)
-        for jump in (self.snap_in, self.pull_off):
-            if jump is not None:
-                kept[max(jump.row + 1 - EXCLUDED, 0) : jump.row + 1 + EXCLUDED] = False
+        for jump in filter(None, (self.snap_in, self.pull_off)):
+            kept[max(jump.row + 1 - EXCLUDED, 0) : jump.row + 1 + EXCLUDED] = False
         return kept
+
+    @property
+    def timed(self) -> list[tuple[bool, Jump]]:
+        """Jumps whose moments are compared, and whether contact begins there."""
+        both = ((True, self.snap_in), (False, self.pull_off))
+        return [(begins, jump) for begins, jump in both if jump is not None and jump.timed]
 
     @property
     def contact(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Which rows are in contact, and of which this is certain by a jump, shape (N,) each."""
-        place, middle = np.arange(self.background.size), (self.first + self.last) // 2
+        place, begins = np.arange(self.background.size), [begins for begins, _ in self.timed]
         recorded = (place >= self.first) & (place < self.last)
-        early, late = (jump is not None and jump.timed for jump in (self.snap_in, self.pull_off))
-        return recorded, np.where(place <= middle, early, late)
+        return recorded, np.where(2 * place <= self.first + self.last, True in begins, False in begins)
 
 
 def moments(curve: MeasuredCurve) -> Moments:

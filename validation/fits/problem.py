@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from contact_scene import SceneError
 from validation.fits.contact import Array
-from validation.fits.model import NO_CONTACT, CurveModel, CurvePrediction, FitRun, least_squares, run_of
+from validation.fits.model import NO_CONTACT, CurveModel, FitRun, Prediction, least_squares, run_of
 from validation.fits.parameters import CONTACT_POINT, TIME_OFFSET, FitSettings, Unknowns
 from validation.runs.pool import Task, TaskResult, run_tasks
 from validation.runs.provenance import fingerprint
@@ -33,7 +33,7 @@ class Point:
     """A point of the search: runs at the rows of the curves, residuals (R,) with the background that makes
     them least, its parts as columns over the noise (R, Q), and how much there is of each (Q,)."""
 
-    predictions: list[CurvePrediction]
+    predictions: list[Prediction]
     residuals: Array
     compared: NDArray[np.bool_]
     columns: Array
@@ -57,13 +57,14 @@ class FitProblem:
     _kept: dict[str, FitRun] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        ends = np.cumsum([0, *(model.size for model in self.models)]).tolist()
-        self._rows = [slice(first, last) for first, last in pairwise(ends)]
+        predicted = [model.prediction(NO_CONTACT, None) for model in self.models]
+        sizes = [one.residuals.size for one in predicted]
+        ends = np.cumsum([0, *sizes, self._bending(self.unknowns.start).size]).tolist()
+        self._rows, self.size = [slice(*both) for both in pairwise(ends[:-1])], ends[-1]
         self.force_rows = [
             slice(rows.start, rows.start + int(model.kept.sum()))
             for rows, model in zip(self._rows, self.models, strict=True)
         ]
-        self.size = ends[-1] + self._bending(self.unknowns.start).size
         self.background = [model.background(self.settings.free) for model in self.models]
         self.parts = [(curve, name) for curve, own in enumerate(self.background) for name in own]
         self.columns = np.zeros((self.size, len(self.parts)))
@@ -78,12 +79,9 @@ class FitProblem:
 
     def at(self, x: Array) -> Point:
         """A point of the search."""
-        predicted = self.predictions(list(enumerate(self._values(x))))
-        raw, compared = np.zeros(self.size), np.ones(self.size, bool)
-        for rows, model, one in zip(self._rows, self.models, predicted, strict=True):
-            raw[rows], compared[rows] = model.residuals(one), model.compared(one)
-        bending = self._bending(x)
-        raw[self.size - bending.size :] = bending
+        predicted, bending = self.predictions(list(enumerate(self._values(x)))), self._bending(x)
+        compared = np.concatenate([*(one.hold for one in predicted), np.ones(bending.size, bool)])
+        raw = np.concatenate([*(one.residuals for one in predicted), bending])
         raw, columns = np.where(compared, raw, 0.0), np.where(compared[:, None], self.columns, 0.0)
         background = -least_squares(columns, raw)
         return Point(predicted, raw + columns @ background, compared, columns, background)
@@ -109,31 +107,29 @@ class FitProblem:
                 calls.append((curve, self.unknowns.values(moved, curve)))
         predicted = self.predictions(calls)
         for (place, curve, step), other in zip(moves, predicted[len(curves) :], strict=True):
-            model, now = self.models[curve], predicted[curve]
-            change = (model.residuals(other) - model.residuals(now)) / step
-            result[self._rows[curve], place] = np.where(model.compared(now, other), change, 0.0)
+            now = predicted[curve]
+            change = (other.residuals - now.residuals) / step
+            result[self._rows[curve], place] = np.where(now.hold_with(other), change, 0.0)
         return result
 
-    def predictions(self, points: Sequence[tuple[int, Mapping[str, float]]]) -> list[CurvePrediction]:
+    def predictions(self, points: Sequence[tuple[int, Mapping[str, float]]]) -> list[Prediction]:
         """Predictions for curves, each with its numbers by path; equal runs are done once."""
         settings = self.settings
         asked_of = settings.solver, settings.resolution, self.tolerance, settings.max_steps
         asked: list[tuple[str, float | None]] = []  # key of the run, or why there is none; start of its clock
         tasks: dict[str, Task] = {}
         for curve, values in points:
-            of_scene = {path: value for path, value in values.items() if "." in path}
+            key, begin = "", None
             try:
+                of_scene = {path: value for path, value in values.items() if "." in path}
                 found = self.models[curve].scene_of(of_scene, values.get(CONTACT_POINT, 0.0))
+                if found is not None:
+                    key, begin = fingerprint("fit", found[0], *asked_of), found[1]
+                    if key not in self._kept:
+                        tasks[key] = Task(key, f"curve {curve + 1}", run_of, (found[0], *asked_of), FitRun)
             except SceneError as error:  # a corner of the search that no scene may have
-                asked.append((str(error), None))
-                continue
-            if found is None:
-                asked.append(("", None))
-                continue
-            key = fingerprint("fit", found[0], *asked_of)
-            asked.append((key, found[1]))
-            if key not in self._kept:
-                tasks[key] = Task(key, f"curve {curve + 1}", run_of, (found[0], *asked_of), FitRun)
+                key = str(error)
+            asked.append((key, begin))
         executor = self.executor if len(tasks) > 1 else None
         run_tasks(tasks.values(), executor, self.store, on_result=self._keep)
         made = []
