@@ -38,6 +38,11 @@ class PowerRate(Checked):
     """``w(v) = work (1 + (v/speed)^exponent)``.
 
     A.N. Gent, J. Schultz, J. Adhesion 3, 281 (1972); D. Maugis, M. Barquins, J. Phys. D 11, 1989 (1978).
+
+    Examples
+    --------
+    >>> cc.Adhesion(work=0.05, zone=1e-6, rate=cc.PowerRate(speed=1e-3, exponent=0.6)).rate
+    PowerRate(speed=0.001, exponent=0.6)
     """
 
     speed: Annotated[
@@ -55,6 +60,11 @@ class RateTable(Tabulated):
     """Works measured at speeds: straight from rest to the first row, in log-log between rows, then constant.
 
     ``speeds`` rise, ``works`` do not fall: an edge that takes less the faster it opens has no steady speed.
+
+    Examples
+    --------
+    >>> cc.RateTable(speeds=(1e-6, 1e-3), works=(0.05, 0.5)).works
+    (0.05, 0.5)
     """
 
     speeds: Annotated[tuple[Positive, ...], Key("speeds of the edge", "length time-1")]
@@ -83,6 +93,12 @@ class Adhesion(Checked):
     The process zone is part of the model, not a numerical parameter: results converge with mesh and step
     at *fixed* zone, and its length sets the speed scale of the viscoelastic enhancement. With a cohesive
     ``stress`` it follows from that; ``zone`` is then the length at rest, which the scene sets.
+
+    Examples
+    --------
+    >>> pinned = cc.Adhesion(work=0.05, zone=1e-6, work_closing=0.02)
+    >>> pinned.work_closing
+    0.02
     """
 
     work: Annotated[ZeroOrPositive, Key("work of adhesion at rest, of an opening edge", "force length-1")]

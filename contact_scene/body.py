@@ -18,7 +18,13 @@ that describe a layer grow in number with it."""
 
 @dataclass(frozen=True)
 class Layer(Checked):
-    """A layer of a ``thickness`` on a rigid ``base``, to which it is bonded, or where it slides."""
+    """A layer of a ``thickness`` on a rigid ``base``, to which it is bonded, or where it slides.
+
+    Examples
+    --------
+    >>> cc.Layer(thickness=2e-5, base="bonded")
+    Layer(thickness=2e-05, base='bonded')
+    """
 
     thickness: Annotated[Positive, Key("thickness", "length")]
     base: Annotated[Literal["bonded", "frictionless"], Key("how it rests on its base")]

@@ -26,6 +26,14 @@ class SceneError(ValueError):
         What would be accepted.
     file : str
         The file it was read from; empty for scenes built in Python.
+
+    Examples
+    --------
+    >>> try:
+    ...     cc.Sphere(radius=-1.0)
+    ... except cc.SceneError as error:
+    ...     print(error)
+    radius: got -1.0; allowed: a finite number > 0, from 1e-60 to 1e+60
     """
 
     key: str
@@ -48,7 +56,13 @@ class SceneError(ValueError):
 
 
 class UnsupportedScene(SceneError):
-    """A valid scene that a solver does not cover; the message gives the reason and an alternative."""
+    """A valid scene that a solver does not cover; the message gives the reason and an alternative.
+
+    Examples
+    --------
+    >>> issubclass(cc.UnsupportedScene, cc.SceneError)
+    True
+    """
 
 
 class _Short(reprlib.Repr):

@@ -58,7 +58,13 @@ class Indenter:
 
 @dataclass(frozen=True)
 class Sphere(Indenter, Checked):
-    """Paraboloid ``f = r^2/(2 R)``, the paper's sphere."""
+    """Paraboloid ``f = r^2/(2 R)``, the paper's sphere.
+
+    Examples
+    --------
+    >>> float(cc.Sphere(radius=1e-3).height(1e-4))
+    5e-06
+    """
 
     radius: Annotated[Positive, Key("radius R of the sphere", "length")]
     shape: ClassVar[str] = "sphere"
@@ -70,7 +76,13 @@ class Sphere(Indenter, Checked):
 
 @dataclass(frozen=True)
 class Cone(Indenter, Checked):
-    """Cone ``f = r cot(alpha)`` with semi-apical angle ``alpha`` (``half_angle``, degrees)."""
+    """Cone ``f = r cot(alpha)`` with semi-apical angle ``alpha`` (``half_angle``, degrees).
+
+    Examples
+    --------
+    >>> f"{float(cc.Cone(half_angle=45.0).height(1e-4)):.3e}"
+    '1.000e-04'
+    """
 
     half_angle: Annotated[
         float,
@@ -93,7 +105,13 @@ class Cone(Indenter, Checked):
 
 @dataclass(frozen=True)
 class FlatPunch(Indenter, Checked):
-    """Flat-ended cylinder of the given radius: ``f = 0``, contact never beyond ``radius``."""
+    """Flat-ended cylinder of the given radius: ``f = 0``, contact never beyond ``radius``.
+
+    Examples
+    --------
+    >>> cc.FlatPunch(radius=1e-3).edge
+    0.001
+    """
 
     radius: Annotated[Positive, Key("radius of the flat end", "length")]
     shape: ClassVar[str] = "flat-punch"
@@ -109,7 +127,13 @@ class FlatPunch(Indenter, Checked):
 
 @dataclass(frozen=True)
 class PowerLaw(Indenter, Checked):
-    """``f = coefficient * r^exponent``, exponent >= 1 (infinite where the power overflows)."""
+    """``f = coefficient * r^exponent``, exponent >= 1 (infinite where the power overflows).
+
+    Examples
+    --------
+    >>> float(cc.PowerLaw(exponent=4.0, coefficient=0.5).height(2.0))
+    8.0
+    """
 
     exponent: Annotated[float, Range("1 <= exponent <= 100", 1.0, 100.0), Key("exponent of the radius", "1")]
     # The unit of the coefficient is length^(1 - exponent), so its range is wider than that of a length.
@@ -134,6 +158,12 @@ class TabulatedProfile(Indenter, Tabulated):
     heights do not fall. Where they do, however little, the table is refused with the row: such an indenter
     may touch in a ring, which a contact area that is a full disc cannot represent, and smoothing would
     change the shape.
+
+    Examples
+    --------
+    >>> tip = cc.TabulatedProfile((0.0, 1e-6, 2e-6), (0.0, 5e-8, 2e-7))
+    >>> float(tip.height(1e-6))
+    5e-08
     """
 
     radii: Annotated[tuple[NotNegative, ...], Key("radii, rising from 0", "length")]

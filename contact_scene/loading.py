@@ -178,6 +178,11 @@ class Ramp(Step, Checked):
 
     With ``until_force`` or ``until_radius`` the step ends where the force, or the contact radius, reaches
     that level; a run that gets to ``to`` without it ends there, and says so.
+
+    Examples
+    --------
+    >>> cc.Ramp(to=-5e-5, rate=1e-6, until_radius=1e-5).trigger
+    Trigger(quantity='radius', level=1e-05)
     """
 
     to: Annotated[Finite, Key("penetration it goes to", "length")]
@@ -197,7 +202,13 @@ class Ramp(Step, Checked):
 
 @dataclass(frozen=True)
 class Hold(Step, Checked):
-    """Penetration stays for ``duration`` >= 0, or until the force has come to ``until_force`` before."""
+    """Penetration stays for ``duration`` >= 0, or until the force has come to ``until_force`` before.
+
+    Examples
+    --------
+    >>> cc.Hold(duration=10.0)
+    Hold(duration=10.0, until_force=None)
+    """
 
     duration: Annotated[NotNegative, Key("how long the penetration stays", "time")]
     until_force: Annotated[Finite | None, Key("force at which it ends", "force")] = None
@@ -217,6 +228,11 @@ class Force(Step, Checked):
 
     With ``until_penetration`` it stays until the indenter has come to that penetration before. The step to
     ``value`` comes first, whole: a penetration that it passes ends the load step right after it.
+
+    Examples
+    --------
+    >>> cc.Force(value=-2e-3, duration=60.0)
+    Force(value=-0.002, duration=60.0, until_penetration=None)
     """
 
     value: Annotated[Finite, Key("force", "force")]
@@ -234,7 +250,13 @@ class Force(Step, Checked):
 
 @dataclass(frozen=True)
 class ForceRamp(Step, Checked):
-    """Force goes linearly to ``to`` at ``rate`` > 0 (force per time); penetration is free."""
+    """Force goes linearly to ``to`` at ``rate`` > 0 (force per time); penetration is free.
+
+    Examples
+    --------
+    >>> cc.ForceRamp(to=-2e-3, rate=1e-4)
+    ForceRamp(to=-0.002, rate=0.0001)
+    """
 
     to: Annotated[Finite, Key("force it goes to", "force")]
     rate: Annotated[Positive, Key("force per time", "force time-1")]
@@ -304,7 +326,14 @@ class Cyclic(Step):
 
 @dataclass(frozen=True)
 class Oscillate(Cyclic, Checked):
-    """``D = D_start + amplitude sin(w t) - drift t``, t from the start of the step."""
+    """``D = D_start + amplitude sin(w t) - drift t``, t from the start of the step.
+
+    Examples
+    --------
+    >>> swing = cc.Oscillate(amplitude=1e-6, angular_frequency=6.0, duration=10.0)
+    >>> f"{swing.cycles_by(10.0):.2f}"
+    '9.55'
+    """
 
     amplitude: Annotated[Finite, Key("amplitude", "length")]
     angular_frequency: Annotated[Positive, Key("angular frequency", "time-1")]
@@ -315,7 +344,13 @@ class Oscillate(Cyclic, Checked):
 
 @dataclass(frozen=True)
 class Sweep(Cyclic, Checked):
-    """``D = D_start + amplitude sin(chirp t^2/2)``: angular frequency ``chirp t`` (paper, Fig. 6)."""
+    """``D = D_start + amplitude sin(chirp t^2/2)``: angular frequency ``chirp t`` (paper, Fig. 6).
+
+    Examples
+    --------
+    >>> f"{cc.Sweep(amplitude=1e-6, chirp=0.1, duration=100.0).cycles_by(100.0):.1f}"
+    '79.6'
+    """
 
     amplitude: Annotated[Finite, Key("amplitude", "length")]
     chirp: Annotated[Positive, Key("angular frequency gained per time", "time-2")]
@@ -335,6 +370,11 @@ class Table(Step, Tabulated):
     F.N. Fritsch and R.E. Carlson, SIAM J. Numer. Anal. 17, 238 (1980), without an extremum between the rows.
     Times count from the first row. If the first value differs from the current one, the load jumps to it.
     A table of penetrations drives the stage where the machine is a spring.
+
+    Examples
+    --------
+    >>> cc.Table(times=(0.0, 1.0, 3.0), values=(0.0, 1e-6, -1e-5)).quantity
+    'penetration'
     """
 
     times: Annotated[tuple[Finite, ...], Key("times, rising", "time")]
@@ -371,6 +411,12 @@ class Approach(Step, Checked):
     A run that gets to ``to`` without the force ends, and says so. Bounds that are not given the scene states
     where it can (:mod:`contact_scene.approach_bound`): ``to`` before which the force is reached for certain;
     ``away`` as far above the surface as ``to`` is below, or farther, where adhesion holds so far.
+
+    Examples
+    --------
+    >>> test = cc.Approach(rate=1e-6, force=1e-3, dwell=10.0)
+    >>> test.dwell
+    10.0
     """
 
     rate: Annotated[Positive, Key("speed of the approach", "length time-1")]
@@ -417,6 +463,12 @@ class Loading(Checked):
     which on a rigid machine is "jump-in". Where a profile allows more than one, it is the one with the
     outermost stable edge. With a spring, steps that prescribe a penetration prescribe the position of the
     stage, which is that of the start state at first. An :class:`Approach` stands for several steps.
+
+    Examples
+    --------
+    >>> steps = cc.Ramp(1e-5, 1e-6), cc.Hold(10.0), cc.Ramp(-5e-5, 1e-6)
+    >>> cc.Loading("jump-in", 0.0, steps, cc.Machine(stiffness=0.1)).start
+    'jump-in'
     """
 
     start: Annotated[str, Start, Key("state a run starts from")]

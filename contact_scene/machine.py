@@ -31,7 +31,13 @@ COLUMNS_OF_MACHINE = ("stage", "machine_energy", "instability_loss")
 
 @dataclass(frozen=True)
 class Machine(Checked):
-    """A spring of ``stiffness`` > 0 (force per length) in series with the contact; ``inf`` is rigid."""
+    """A spring of ``stiffness`` > 0 (force per length) in series with the contact; ``inf`` is rigid.
+
+    Examples
+    --------
+    >>> cc.Machine(stiffness=0.1).compliance
+    10.0
+    """
 
     stiffness: Annotated[
         float,

@@ -44,7 +44,13 @@ NEGLIGIBLE = 1e-31
 
 @dataclass(frozen=True)
 class Branch(Checked):
-    """One Maxwell branch, ``modulus * exp(-t/time)``; modulus >= 0, time > 0."""
+    """One Maxwell branch, ``modulus * exp(-t/time)``; modulus >= 0, time > 0.
+
+    Examples
+    --------
+    >>> cc.Branch(modulus=9e6, time=0.1)
+    Branch(modulus=9000000.0, time=0.1)
+    """
 
     modulus: Annotated[NotNegative, Key("modulus of the branch", "force length-2")]
     time: Annotated[Positive, Key("relaxation time", "time")]
@@ -56,6 +62,12 @@ class BulkRelaxation(Checked):
 
     ``modulus`` may be left out (``None``) to keep the relaxed bulk modulus that Young's modulus and
     Poisson's ratio imply, ``E0 / (3 (1 - 2 nu))``.
+
+    Examples
+    --------
+    >>> bulk = cc.BulkRelaxation(branches=(cc.Branch(2e6, 0.1),))
+    >>> cc.Material(1e6, 0.3, (cc.Branch(9e6, 0.1),), bulk).bulk is bulk
+    True
     """
 
     modulus: Annotated[Positive | None, Key("relaxed bulk modulus", "force length-2")] = None
@@ -68,6 +80,12 @@ class Material(Checked):
 
     Without ``bulk`` bulk and shear relax alike. Otherwise ``E(t)/(2 (1 + nu))`` is the *shear* relaxation
     modulus, and the bulk modulus is as given, or constant at ``E0/(3 (1 - 2 nu))`` (``"elastic"``).
+
+    Examples
+    --------
+    >>> rubber = cc.Material(1e6, 0.5, (cc.Branch(9e6, 0.1),))
+    >>> rubber.glassy_modulus
+    10000000.0
     """
 
     modulus: Annotated[Positive, Key("relaxed Young's modulus", "force length-2")]
@@ -170,7 +188,13 @@ class RelaxationLaw(Checked):
 
 @dataclass(frozen=True)
 class StandardLinearSolid(RelaxationLaw):
-    """``E(t) = relaxed + (glassy - relaxed) exp(-t/time)``."""
+    """``E(t) = relaxed + (glassy - relaxed) exp(-t/time)``.
+
+    Examples
+    --------
+    >>> cc.StandardLinearSolid(relaxed=1e6, glassy=1e7, time=0.1).material(0.5).branches
+    (Branch(modulus=9000000.0, time=0.1),)
+    """
 
     model: ClassVar[str] = "standard-linear"
     relaxed: Annotated[Positive, Key("Young's modulus at rest", "force length-2")]
@@ -187,7 +211,14 @@ class StandardLinearSolid(RelaxationLaw):
 
 @dataclass(frozen=True)
 class PowerLawRelaxation(RelaxationLaw):
-    """``E(t) = relaxed + modulus (t/time)^-exponent`` for ``t`` in ``range``, to ``error``."""
+    """``E(t) = relaxed + modulus (t/time)^-exponent`` for ``t`` in ``range``, to ``error``.
+
+    Examples
+    --------
+    >>> law = cc.PowerLawRelaxation(0.2, modulus=1e3, time=1.0, range=(1e-3, 1e3))
+    >>> len(law.material(0.5).branches)
+    23
+    """
 
     model: ClassVar[str] = "power-law"
     exponent: Annotated[float, Range("0 < exponent < 1", 0.0, 1.0, open=True), Key("exponent", "1")]

@@ -129,6 +129,12 @@ def read_material(
     ------
     SceneError
         One line: file, line or column, what is wrong, what is allowed.
+
+    Examples
+    --------
+    >>> _ = Path("series.csv").write_text("tau,E\\n0.1,9e6\\n")
+    >>> cc.read_material("series.csv", modulus=1e6).glassy_modulus
+    10000000.0
     """
     text, file, kind = text_and_format(path, format)
     given = None if modulus is None else positive(modulus, "modulus")
@@ -153,6 +159,12 @@ def read_measured(path: str | os.PathLike[str], format: str | None = None) -> Re
     ------
     SceneError
         One line: file, line or column, what is wrong, what is allowed.
+
+    Examples
+    --------
+    >>> _ = Path("moduli.csv").write_text("t,E\\n0.1,9\\n1,5\\n10,2\\n")
+    >>> cc.read_measured("moduli.csv").moduli
+    array([9., 5., 2.])
     """
     text, file, kind = text_and_format(path, format)
     if kind not in MEASURED:

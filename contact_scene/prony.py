@@ -113,6 +113,13 @@ class RelaxationData(MeasuredModuli):
         Whether they are shear moduli.
     units : pair of str
         Of time and stress, for labels; "" where the file names none.
+
+    Examples
+    --------
+    >>> times = np.logspace(-2, 2, 30)
+    >>> data = cc.RelaxationData(times, 1.0 + 9.0 * np.exp(-times))
+    >>> f"{cc.fit_prony(data).branches[0].time:.4f}"
+    '1.0000'
     """
 
     columns = ("times", "moduli")
@@ -143,6 +150,13 @@ class DynamicData(MeasuredModuli):
         > 0.
     shear, units
         As of :class:`RelaxationData`.
+
+    Examples
+    --------
+    >>> w = np.logspace(-2, 2, 30)
+    >>> storage, loss = 1.0 + 9.0 * w**2 / (1.0 + w**2), 9.0 * w / (1.0 + w**2)
+    >>> [f"{branch.time:.3f}" for branch in cc.fit_prony(cc.DynamicData(w, storage, loss)).branches]
+    ['1.000']
     """
 
     columns = ("angular_frequencies", "storage", "loss")
@@ -313,6 +327,14 @@ class PronyFit:
         In the order in which they were dropped.
     unknowns : int
         Numbers that were fitted: two a branch, and the relaxed modulus where it was not given.
+
+    Examples
+    --------
+    >>> times = np.logspace(-2, 2, 30)
+    >>> data = cc.RelaxationData(times, 1.0 + 9.0 * np.exp(-times))
+    >>> fitted = cc.fit_prony(data)
+    >>> fitted.misfit < 1e-3, fitted.material(poisson=0.5).glassy_modulus < 10.1
+    (True, True)
     """
 
     data: RelaxationData | DynamicData
@@ -339,6 +361,12 @@ class PronyFit:
     def largest_residual(self) -> float:
         """Largest relative residual."""
         return float(np.abs(self.residuals).max())
+
+    def __str__(self) -> str:
+        kind = "shear modulus" if self.data.shear else "Young's modulus"
+        rows = [("relaxed", self.modulus), *((f"{one.time:.4g}", one.modulus) for one in self.branches)]
+        table = [f"{time:>12}  {modulus:.6g}" for time, modulus in rows]
+        return "\n".join([f"{'time':>12}  {kind}", *table, f"{'misfit':>12}  {self.misfit:.1e}"])
 
     def material(self, poisson: float) -> Material:
         """The series as a material; shear moduli become Young's, ``E = 2 (1 + nu) G``.
@@ -387,6 +415,16 @@ def fit_prony(
     Returns
     -------
     PronyFit
+
+    Examples
+    --------
+    >>> times = np.logspace(-2, 2, 30)
+    >>> data = cc.RelaxationData(times, np.round(1.0 + 9.0 * np.exp(-times), 3))
+    >>> print(cc.fit_prony(data))
+            time  Young's modulus
+         relaxed  0.999922
+               1  9.00008
+          misfit  1.0e-04
     """
     measured = "RelaxationData or DynamicData, as read_measured reads them from a file"
     of_class(data, "data", (RelaxationData, DynamicData), measured)

@@ -36,7 +36,13 @@ LONGEST_UNIT = 16
 
 @dataclass(frozen=True)
 class Units(Checked):
-    """Names of the units of a scene, which is in any consistent system: labels, nothing is converted."""
+    """Names of the units of a scene, which is in any consistent system: labels, nothing is converted.
+
+    Examples
+    --------
+    >>> cc.Units(length="um", force="nN", time="s").force
+    'nN'
+    """
 
     length: Annotated[str, Key("unit of length")] = ""
     force: Annotated[str, Key("unit of force")] = ""
@@ -61,7 +67,16 @@ class Units(Checked):
 
 @dataclass(frozen=True)
 class Scene(Checked):
-    """A rigid indenter on a viscoelastic half-space, or on a layer."""
+    """A rigid indenter on a viscoelastic half-space, or on a layer.
+
+    Examples
+    --------
+    >>> rubber = cc.Material(1e6, 0.5, (cc.Branch(9e6, 0.1),))
+    >>> pull = cc.Loading("relaxed", 1e-5, (cc.Ramp(-5e-5, 1e-6),))
+    >>> scene = cc.Scene(rubber, cc.Sphere(1e-3), pull, cc.Adhesion(work=0.05, zone=1e-6))
+    >>> f"{cc.solve(scene).pull_off.force:.3e}"
+    '1.426e-03'
+    """
 
     material: Annotated[Material, Key("half-space or layer")]
     indenter: Annotated[Indenter, SHAPES, Key("rigid indenter")]
@@ -133,6 +148,12 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
     ------
     SceneError
         One line: file, key, what is wrong, what is allowed.
+
+    Examples
+    --------
+    >>> cc.write_scene(cc.builtin("cycle-v0.02"), "scene.toml")
+    >>> cc.read_scene("scene.toml") == cc.builtin("cycle-v0.02")
+    True
     """
     file = as_path(path, "", "the name of a scene file")
     text = read_text(file)
@@ -149,7 +170,18 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
 
 
 def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") -> Scene:
-    """Build a scene from the parsed contents of a scene file; tables are looked up in ``folder``."""
+    """Build a scene from the parsed contents of a scene file; tables are looked up in ``folder``.
+
+    Examples
+    --------
+    >>> scene = cc.scene_from_dict({
+    ...     "material": {"modulus": 1e6, "poisson": 0.5},
+    ...     "indenter": {"shape": "sphere", "radius": 1e-3},
+    ...     "loading": {"start": "jump-in", "penetration": 0.0, "steps": [{"kind": "hold", "duration": 1.0}]},
+    ... })
+    >>> scene.indenter
+    Sphere(radius=0.001)
+    """
     where = as_path(folder, "folder", "the path of a folder")
     if not isinstance(data, dict):
         raise SceneError("", f"got {shown(data)}", _A_SCENE)
@@ -183,6 +215,12 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
     ------
     SceneError
         One line, if the path is none of a file that can be written.
+
+    Examples
+    --------
+    >>> cc.write_scene(cc.builtin("cycle-v0.02"), "scene.toml")
+    >>> Path("scene.toml").read_text().splitlines()[0]
+    'title = "Approach and retraction at V = 0.02 (Fig. 2)"'
     """
     of_class(scene, "scene", Scene, "a Scene")
     target = as_target(path)
@@ -203,6 +241,14 @@ def write_material(material: Material, path: str | os.PathLike[str], remark: str
     ------
     SceneError
         One line, if the path is none of a file that can be written.
+
+    Examples
+    --------
+    >>> cc.write_material(cc.Material(1e6, 0.5), "material.toml")
+    >>> print(Path("material.toml").read_text(), end="")
+    [material]
+    modulus = 1000000.0
+    poisson = 0.5
     """
     of_class(material, "material", Material, "a Material")
     comments = "".join(f"# {line}\n" for line in a_string(remark, "remark").splitlines())

@@ -48,6 +48,13 @@ class WLF(_Law):
     """Williams, Landel and Ferry: ``log10 a_T = -c1 (T - T_ref)/(c2 + T - T_ref)``, for ``T > T_ref - c2``.
 
     Temperatures in degrees, Celsius or kelvin: only differences enter.
+
+    Examples
+    --------
+    >>> rubber = cc.Material(1e6, 0.5, (cc.Branch(9e6, 0.1),))
+    >>> cooled = cc.at_temperature(rubber, cc.WLF(17.44, 51.6, reference_temperature=20.0), 10.0)
+    >>> f"{cooled.branches[0].time:.1f}"
+    '1557.1'
     """
 
     model: ClassVar[str] = "WLF"
@@ -67,7 +74,15 @@ class WLF(_Law):
 
 @dataclass(frozen=True)
 class Arrhenius(_Law):
-    """``ln a_T = activation_energy/R (1/T - 1/T_ref)``; the scene's ``temperature`` is in kelvin too."""
+    """``ln a_T = activation_energy/R (1/T - 1/T_ref)``; the scene's ``temperature`` is in kelvin too.
+
+    Examples
+    --------
+    >>> rubber = cc.Material(1e6, 0.5, (cc.Branch(9e6, 0.1),))
+    >>> warmed = cc.at_temperature(rubber, cc.Arrhenius(8e4, reference_temperature=293.0), 313.0)
+    >>> f"{warmed.branches[0].time:.4f}"
+    '0.0123'
+    """
 
     model: ClassVar[str] = "Arrhenius"
     activation_energy: Annotated[Positive, Key("activation energy", "J/mol")]
@@ -84,6 +99,13 @@ class ShiftTable(_Law, Tabulated):
 
     Temperatures are distinct, at least two, in any order, on the scale of the scene's ``temperature``; the
     factor's logarithm is 0 at the reference temperature. In a file it stands as ``a_T`` or ``log_aT``.
+
+    Examples
+    --------
+    >>> rubber = cc.Material(1e6, 0.5, (cc.Branch(9e6, 0.1),))
+    >>> warmed = cc.at_temperature(rubber, cc.ShiftTable((20.0, 40.0), (0.0, -2.0)), 40.0)
+    >>> f"{warmed.branches[0].time:.4f}"
+    '0.0010'
     """
 
     model: ClassVar[str] = "file"
@@ -121,7 +143,14 @@ class ShiftTable(_Law, Tabulated):
 
 
 def read_shift_factors(path: str | os.PathLike[str]) -> ShiftTable:
-    """Shift factors from a table with the columns ``T`` and ``a_T`` or ``log_aT`` (decadic)."""
+    """Shift factors from a table with the columns ``T`` and ``a_T`` or ``log_aT`` (decadic).
+
+    Examples
+    --------
+    >>> _ = Path("shift.csv").write_text("T,a_T\\n20,1\\n40,0.01\\n")
+    >>> cc.read_shift_factors("shift.csv").log10_factors
+    (0.0, -2.0)
+    """
     shift: ShiftTable = from_table([ShiftTable], {"model": "file", "file": str(as_path(path))}, Path())
     return shift
 
@@ -142,6 +171,13 @@ def at_temperature(material: Material, shift: Shift, temperature: float) -> Mate
     SceneError
         If ``temperature`` is outside what the shift covers, or shifts by more than ``MOST_DECADES``, or a
         time leaves what a scene may hold.
+
+    Examples
+    --------
+    >>> rubber = cc.Material(1e6, 0.5, (cc.Branch(9e6, 0.1),))
+    >>> cooled = cc.at_temperature(rubber, cc.WLF(17.44, 51.6, reference_temperature=20.0), 10.0)
+    >>> cooled.modulus == rubber.modulus, cooled.branches[0].time > rubber.branches[0].time
+    (True, True)
     """
     of_class(material, "material", Material, "a Material")
     of_class(

@@ -38,7 +38,13 @@ COLUMNS = (
 
 
 class OutcomeKind(StrEnum):
-    """How a run can end."""
+    """How a run can end.
+
+    Examples
+    --------
+    >>> cc.solve("cycle-v0.02").outcome.kind is cc.OutcomeKind.DETACHED
+    True
+    """
 
     COMPLETED = "completed"
     DETACHED = "detached"
@@ -59,6 +65,12 @@ class Outcome(Checked):
 
     ``past_extremum`` matters for a contact that has shrunk to its process zone, where the model ends: whether
     the tension had its maximum, the pull-off force, before.
+
+    Examples
+    --------
+    >>> outcome = cc.solve("cycle-v0.02").outcome
+    >>> outcome.finished, outcome.reason
+    (True, 'no stable contact is left')
     """
 
     kind: OutcomeKind
@@ -110,6 +122,12 @@ class SurfaceProfile(Checked):
 
     ``radius``, ``pressure``, ``displacement`` and ``gap`` have shape (m,), rising radii from 0 to beyond the
     contact edge. ``pressure`` is zero outside; at the edge itself it may be singular and is not sampled.
+
+    Examples
+    --------
+    >>> profile, = cc.solve("cycle-v0.02", profile_times=[1.0]).trace.profiles
+    >>> profile.time, bool((profile.gap >= -1e-12).all())
+    (1.0, True)
     """
 
     time: AnyNumber
@@ -133,6 +151,12 @@ class Trace(Checked):
     ``events`` are instabilities, ``located`` the extrema and triggers that the solver has located, each of
     which is a row too. ``errors`` holds the solver's own relative error estimates by observable, empty where
     none was requested.
+
+    Examples
+    --------
+    >>> trace = cc.solve("cycle-v0.02").trace
+    >>> f"{-trace.force.min():.4e}"
+    '1.0185e-02'
     """
 
     solver: str

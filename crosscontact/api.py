@@ -27,19 +27,37 @@ if TYPE_CHECKING:
 
 
 def builtin(name: str) -> Scene:
-    """A built-in scene; :func:`scenes` lists them."""
+    """A built-in scene; :func:`scenes` lists them.
+
+    Examples
+    --------
+    >>> cc.builtin("cycle-v0.02").indenter
+    Sphere(radius=1.0)
+    """
     if not isinstance(name, str) or name not in builtin_scenes.names():
         raise SceneError("name", f"no built-in scene {shown(name)}", "a name listed by crosscontact.scenes()")
     return cases.load(name).scene
 
 
 def scenes() -> dict[str, str]:
-    """Titles of the built-in scenes by name."""
+    """Titles of the built-in scenes by name.
+
+    Examples
+    --------
+    >>> cc.scenes()["cycle-v0.02"]
+    'Approach and retraction at V = 0.02 (Fig. 2)'
+    """
     return builtin_scenes.titles()
 
 
 def solvers() -> tuple[str, ...]:
-    """Names of the solvers."""
+    """Names of the solvers.
+
+    Examples
+    --------
+    >>> cc.solvers()[:3]
+    ('bem', 'fem', 'reference')
+    """
     return arguments.names()
 
 
@@ -86,6 +104,12 @@ def solve(
     ------
     SceneError
         If an argument is wrong or the solver does not take the scene (``UnsupportedScene``); one line.
+
+    Examples
+    --------
+    >>> result = cc.solve("cycle-v0.02", estimate_errors=True)
+    >>> f"{result.pull_off.force:.5e}", result.errors["pull_off_force"] < 1e-5
+    ('1.01854e-02', True)
     """
     case = case_of(scene)
     arguments.check_solver(solver, "solver", arguments.selectable())
@@ -129,6 +153,12 @@ def compare(
     Returns
     -------
     SolverComparison
+
+    Examples
+    --------
+    >>> comparison = cc.compare("elastic-relaxed", solvers=("reference", "bem"))
+    >>> comparison.agree
+    True
     """
     case = case_of(scene)
     resolution = given(RESOLUTION, resolution, "resolution")
@@ -157,6 +187,12 @@ class SolverComparison:
         Why a solver gave no answer, by solver.
     checks : tuple of Check
         Differences from the reference and from known values, each with its verdict.
+
+    Examples
+    --------
+    >>> comparison = cc.compare("elastic-relaxed", solvers=("reference", "bem"))
+    >>> f"{comparison['bem'].pull_off.force:.3e}"
+    '2.432e-03'
     """
 
     scene: Scene

@@ -33,6 +33,11 @@ def export_exam(
     -------
     tuple of str
         Names of the scenes.
+
+    Examples
+    --------
+    >>> "elastic-press" in cc.export_exam("exam", "quick")
+    True
     """
     true_or_false(with_reference, "with_reference")
     target = output_folder(checked_path(folder), "folder")
@@ -57,7 +62,14 @@ def judge(folder: str | os.PathLike[str], out: str | os.PathLike[str] | None = N
     Returns
     -------
     Judgement
-        ``scenes``, each with a ``verdict`` in words for every code.
+        ``scenes``, each with ``verdicts``, one for every code.
+
+    Examples
+    --------
+    >>> _ = cc.export_exam("exam", "quick")
+    >>> _ = Path("exam/elastic-press/trace.csv").write_text("# code: none\\ntime,force\\n0,0\\n1,0\\n")
+    >>> sorted({one.verdict for scene in cc.judge("exam").scenes for one in scene.verdicts})
+    ['failed', 'no answer']
     """
     store = Store()
     judgement = judge_folder(read_folder(checked_path(folder)))

@@ -14,7 +14,6 @@ from contact_scene.value_checks import of_class, true_or_false
 from crosscontact.arguments import checked_path
 from validation.drawing import run_figures
 from validation.drawing.export import png
-from validation.drawing.styles import curve_style
 from validation.measure.scaling import SYMBOLS, kind_of, unit_name, unit_sizes
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder
@@ -62,6 +61,12 @@ class ContactState:
         Penetration positive downwards.
     force : float or None
         Positive in compression; at pull-off the largest tension, positive.
+
+    Examples
+    --------
+    >>> result = cc.solve("cycle-v0.02")
+    >>> f"{result.pull_off.time:.2f}", f"{result.pull_off.radius:.4f}"
+    ('2.47', '0.1285')
     """
 
     time: float | None
@@ -89,6 +94,12 @@ class Result:
         Every scalar by name, as in ``summary.json``; ``None`` where it does not apply.
     errors : dict
         Relative error estimates by measure and by column; empty unless asked for.
+
+    Examples
+    --------
+    >>> result = cc.solve("cycle-v0.02")
+    >>> f"{result.measures['loop_energy']:.3e}", result.trace.time.shape == result.trace.force.shape
+    ('4.745e-04', True)
     """
 
     def __init__(self, scene: Scene, run: Run) -> None:
@@ -195,8 +206,9 @@ class Result:
             behind the run, or before a line as broad as they are, in each panel whose quantities it holds,
             its times and positions as they are.
         **line
-            Line properties of Matplotlib, e.g. ``color``; ``label`` is by default the solver's name, behind
-            the scene's where the axes hold another run of that solver.
+            Line properties of Matplotlib, e.g. ``color``; ``label`` and colour are by default the solver's;
+            where the axes hold another run of that solver, the scene's name stands before it, and the colour
+            is the next.
 
         Returns
         -------
@@ -212,8 +224,7 @@ class Result:
         if axes is None:
             axes = run_figures.new_figure(len(pairs)).axes
         panels = run_figures.checked_axes(axes, len(pairs))
-        label = run_figures.free_label(panels[0], self.solver, self.name)
-        style = {"label": label} | curve_style(self.solver) | line
+        style = run_figures.run_line(panels[0], self.solver, self.name) | line
         pairs = pairs if len(panels) == len(pairs) else run_figures.side_by_side(False)
         if data is not None:
             run_figures.draw_measured(panels, data, scene, pairs)
@@ -293,5 +304,11 @@ def load(folder: str | os.PathLike[str]) -> Result:
     ------
     SceneError
         One line, if a file is missing or damaged, or the run gave no answer.
+
+    Examples
+    --------
+    >>> cc.solve("elastic-relaxed").save("out")
+    >>> cc.load("out").pull_off == cc.solve("elastic-relaxed").pull_off
+    True
     """
     return Result(*read_run(checked_path(folder)))

@@ -97,6 +97,13 @@ def sweep(
         written, before anything runs; one line.
     ConnectionError
         If the processes, the executor or its scheduler end before the runs; those done stay in ``out``.
+
+    Examples
+    --------
+    >>> works = {"adhesion.work": [2e-4, 4e-4]}
+    >>> data = cc.sweep("elastic-relaxed", works, measures=["pull_off_force"])
+    >>> f"{float(data.pull_off_force[1] / data.pull_off_force[0]):.2f}"
+    '1.99'
     """
     check_writable()
     one_of(design, "design", DESIGNS)

@@ -19,7 +19,7 @@ from validation import solvers
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 PAGES = [path for path in sorted((ROOT / "docs").rglob("*.md")) if "generated" not in path.parts]
-TEXTS = {path: path.read_text("utf-8") for path in [README, *PAGES]}
+TEXTS = {path: path.read_text("utf-8") for path in [README, ROOT / "CONTRIBUTING.md", *PAGES]}
 BLOCK = re.compile(
     r"^(`{3,})(?:\{code-(?:block|cell)\} )?(\w+)\n(?::caption: (\S+)\n\n?)?(.*?)^\1$",
     re.DOTALL | re.MULTILINE,

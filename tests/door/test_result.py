@@ -46,7 +46,7 @@ def result():
     return cc.solve(SCENE, estimate_errors=True)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def axes_free():
     """Figures that are drawn here are closed."""
     import matplotlib
@@ -277,6 +277,16 @@ def test_runs_in_one_figure_have_labels_of_their_own(result, axes_free):
     for panel in axes:
         labels = [line.get_label() for line in panel.lines if not line.get_label().startswith("_")]
         assert labels == ["1 um/s", "reference", named, f"{named} (2)"]
+        assert len({line.get_color() for line in panel.lines}) == 4
+
+
+def test_a_small_run_fills_its_panels(axes_free):
+    """Arrows of time, drawn in points, leave limits alone."""
+    for panel in cc.solve("afm-si", resolution=4).plot(units=True):
+        held = panel.dataLim
+        assert np.ptp(panel.get_xlim()) < 1.7 * held.width
+        assert np.ptp(panel.get_ylim()) < 1.7 * held.height
+        assert min(held.width, held.height) < 1e-5  # metres or newtons
 
 
 @pytest.mark.parametrize("many", [1, 3, (2, 2)])

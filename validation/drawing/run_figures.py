@@ -19,7 +19,7 @@ from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown as shown_value
 from validation.drawing.axes import SIZE, format_axes, label_axes
 from validation.drawing.curves import Labels, RunCurves, labels, of_trace
-from validation.drawing.styles import CLOSED_FORM, INK, curve_style
+from validation.drawing.styles import CLOSED_FORM, DASHES, INK, SERIES, curve_style
 from validation.measure.scaling import drawn_sizes
 
 if TYPE_CHECKING:
@@ -157,11 +157,18 @@ def checked_axes(axes: Any, panels: int) -> tuple[Axes, ...]:
     return tuple(given)
 
 
-def free_label(panel: Axes, solver: str, scene: str) -> str:
-    """The solver's name; where lines of the panel have it, behind the scene's, and numbered if need be."""
+def run_line(panel: Axes, solver: str, scene: str) -> dict[str, Any]:
+    """Label and look: its solver's; beside another of that solver the scene's name, another colour."""
     taken = {line.get_label() for line in panel.lines}
     longer = (f"{scene}, {solver}" + (f" ({number})" if number > 1 else "") for number in count(1))
-    return next(label for label in chain((solver,), longer) if label not in taken)
+    label = next(label for label in chain((solver,), longer) if label not in taken)
+    look = curve_style(solver)
+    drawn = [line.get_color() for line in panel.lines if line.get_linestyle() != "None"]
+    if look["color"] not in drawn:
+        return {"label": label} | look
+    number = len(set(drawn)) - 1
+    dashes = DASHES[(number + 1) % len(DASHES)]
+    return {"label": label, "color": SERIES[number % len(SERIES)], "linestyle": dashes, "linewidth": 1.4}
 
 
 def draw_side_by_side(
@@ -188,7 +195,7 @@ def draw_side_by_side(
             _mark_instabilities(panel, trace, scene, (across, up), line["color"])
         format_axes(panel)
         label_axes(panel, names[across], names[up])
-        panel.margins(0.3 if across == "force" else 0.06, 0.06 if across == "force" else 0.16)
+        panel.margins(0.3 if across == "force" else 0.1, 0.06 if across == "force" else 0.16)
         panel.locator_params(axis="x", nbins=5)  # more labels run into each other
     axes[0].legend(frameon=False, fontsize="small")
 
@@ -208,7 +215,7 @@ def _draw_direction(panel: Axes, x: Any, y: Any, color: Any) -> None:
             continue
         ends = [(np.interp(at, way, x[part]), np.interp(at, way, y[part])) for at in way[-1] / 3.0 + ARROW]
         look: dict[str, Any] = {"arrowstyle": "-|>", "color": color, "mutation_scale": 11}
-        panel.add_patch(FancyArrowPatch(*ends, shrinkA=0.0, shrinkB=0.0, **look))
+        panel.add_artist(FancyArrowPatch(*ends, shrinkA=0.0, shrinkB=0.0, **look))  # moves no limit
 
 
 def draw_measured(axes: Sequence[Axes], data: Any, scene: Scene, pairs: Pairs) -> None:

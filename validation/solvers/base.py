@@ -50,6 +50,11 @@ class RunOptions:
         Stops the run between two steps, or has it continued.
     estimate_errors : bool
         Put error estimates into ``Trace.errors``, if the solver makes its own.
+
+    Examples
+    --------
+    >>> cc.RunOptions(max_steps=500).max_steps
+    500
     """
 
     step_tolerance: float | None = None
@@ -139,6 +144,12 @@ class Solver(ABC):
         CSS variable that takes the place of the colour on a page.
     columns : tuple of str
         Columns of the trace that the method computes; the others it fills with zeros.
+
+    Examples
+    --------
+    >>> from validation.solvers import solver
+    >>> isinstance(solver("bem"), cc.Solver)
+    True
     """
 
     name: ClassVar[str]
