@@ -98,7 +98,7 @@ def test_what_an_argument_cannot_be_is_refused_in_one_line(name, tmp_path, monke
             optional = value is None and (parameter.default is None or (name, argument) in OPTIONAL)
             if optional or (argument in TAKEN.get(what, ()) and not exists):
                 continue
-            refusal(function, **good | {argument: value})
+            assert str(refusal(function, **good | {argument: value}))
 
 
 @pytest.mark.parametrize("what", [what for what in WRONG if what not in ("array", "list")])
@@ -111,7 +111,7 @@ def test_what_stands_within_the_arguments_of_a_sweep_is_refused_in_one_line(what
         ({("material.modulus", "indenter.radius"): [value]}, {}),
         ({"material.modulus": [1.0]}, {"measures": [value]}),
     ):
-        refusal(cc.sweep, SCENE, values, **options)
+        assert str(refusal(cc.sweep, SCENE, values, **options))
 
 
 @pytest.mark.parametrize(

@@ -248,7 +248,7 @@ def test_presses_with_any_times(
 
 
 @pytest.mark.slow
-@settings(max_examples=150)
+@settings(max_examples=60)
 @presses(*SHAPES)
 def test_many_presses_with_any_times(
     decades: float, branches: int, spread: float, shape: str, programme: str

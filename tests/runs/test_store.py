@@ -203,11 +203,11 @@ def test_a_damaged_folder_of_a_run_is_refused(tmp_path):
 
 
 @pytest.mark.slow
-def test_ten_thousand_damages(tmp_path):
+def test_three_thousand_damages(tmp_path):
     for name in STORED:
         (tmp_path / name).mkdir()
-        assert fuzzed(name, range(900), tmp_path / name) < 750
-    assert fuzzed_run(range(2000), tmp_path / "of a run") < 1500
+        assert fuzzed(name, range(300), tmp_path / name) < 250
+    assert fuzzed_run(range(700), tmp_path / "of a run") < 525
 
 
 class Executing:
