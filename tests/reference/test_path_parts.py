@@ -163,8 +163,8 @@ def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> N
 def test_memory_by_collocation_is_that_of_a_ramp(time: float) -> None:
     times, moduli, clock = np.array([time]), np.array([0.3]), np.array([0.0, 0.5, 0.4, 0.1, 0.0])
     exact = ConstantRate(times, clock, moduli, 0.1, 0.7).end
-    given = 0.7 * (PATH_AT_NODES @ clock)[:, None]
-    end = collocation(times, clock, moduli, np.array([0.1]), given, np.zeros(9)).given.end
+    values = np.column_stack((0.7 * (PATH_AT_NODES @ clock), np.zeros(9)))
+    end = collocation(times, clock, moduli, np.array([0.1]), values).given.end
     assert end[1] == pytest.approx(exact[1], rel=1e-12)
     assert end[0] == pytest.approx(exact[0], rel=1e-6, abs=1e-7)
 

@@ -51,8 +51,10 @@ class Image:
         phi = np.ones((len(self.coupling), len(x)))
         if len(phi) > 2:
             phi[2] = 2.0 * (x / self.reach) ** 2 - 1.0
+            twice = 2.0 * phi[2]
         for j in range(3, len(phi)):
-            phi[j] = 2.0 * phi[2] * phi[j - 1] - phi[j - 2]
+            np.multiply(twice, phi[j - 1], out=phi[j])
+            phi[j] -= phi[j - 2]
         return phi.T
 
 

@@ -15,7 +15,7 @@ of them it is the same one.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
@@ -45,6 +45,7 @@ _SLOPES = (
     )
     @ _TO_POWERS
 )
+_PACE, _EYE = _SLOPES @ PATH_AT_NODES, np.eye(COLLOCATION + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,28 +104,32 @@ class ConstantRate(Clock):
 
 @dataclass(frozen=True, eq=False)
 class Collocated(Clock):
-    """A step with penetrations (c, K + 1) that are polynomials of ``u``, as are the gains (c, K + 1, n).
+    """A step on which gains and penetrations, ``paths`` (c, K + 1, n + 1), are polynomials of ``u``.
 
-    ``layers`` (K + 1, n): what fades as ``exp(-t/tau)`` from the start, beside these. ``end``: gains and
-    penetrations at the end.
+    ``layers`` (K + 1, n): what fades as ``exp(-t/tau)`` from the start, beside the gains. ``ends``
+    (K + 1, n + 1): all of it at the end.
     """
 
-    gains: Array
+    paths: Array
     layers: Array
-    depths: Array
-    end: tuple[Array, Array]
+    ends: Array
 
     def during(self, points: OnCourse, _: Array, faded: Array) -> tuple[Array, Array]:
         """As of :class:`ConstantRate`."""
         course = points.course
-        gains = course @ self.gains.reshape(course.shape[1], -1)
+        found = course @ self.paths.reshape(course.shape[1], -1)
         if self.layers.any():
-            gains += course[:, : len(self.layers)] @ self.layers * (1.0 + faded)
-        return gains, course @ self.depths.ravel()
+            found[:, :-1] += course[:, : len(self.layers)] @ self.layers * (1.0 + faded)
+        return found[:, :-1], found[:, -1]
+
+    @property
+    def end(self) -> tuple[Array, Array]:
+        """Gains (K + 1, n) and penetrations (K + 1,) at the end."""
+        return self.ends[:, :-1], self.ends[:, -1]
 
     def depth_slopes(self) -> Array:
         """As of :class:`ConstantRate`."""
-        slopes = self.depths.copy()
+        slopes = self.paths[:, :, -1].copy()
         slopes[0] = 0.0
         return slopes
 
@@ -142,9 +147,12 @@ class Collocation:
     def motion(self, v: Array) -> Collocated:
         """The motion with the multiples ``v`` (K + 1,)."""
         given, free, each = self.given, self.free, v[:, None]
-        end = given.end[0] + free.end[0] * each, given.end[1] + free.end[1] * v
-        gains, layers = given.gains + free.gains * each, given.layers + free.layers * each
-        return Collocated(given.times, given.clock, gains, layers, given.depths + free.depths * v, end)
+        parts = (
+            given.paths + free.paths * each,
+            given.layers + free.layers * each,
+            given.ends + free.ends * each,
+        )
+        return Collocated(given.times, given.clock, *parts)
 
 
 def through_nodes(value: Callable[[float], float], start: float, clock: Array) -> Array:
@@ -160,35 +168,29 @@ def _in_powers(values: Array) -> Array:
     return coefficients
 
 
-def collocation(
-    times: Array, clock: Array, moduli: Array, depths: Array, given: Array, free: Array
-) -> Collocation:
-    """Gains under penetrations ``given`` (9, K + 1) and ``free`` (9,) at the nodes, relative to the first.
+def collocation(times: Array, clock: Array, moduli: Array, depths: Array, values: Array) -> Collocation:
+    """Gains under penetrations ``values`` (9, K + 2) at the nodes, relative to the first: the last is free.
 
     A branch slower than the step starts from nothing. A faster one has a smooth solution of its own, which it
     falls onto: that is collocated at all nodes, and what it begins with fades.
     """
-    count = COLLOCATION + 1
-    rates = PATH_AT_NODES @ clock @ _SLOPES.T  # t'(u)
-    duration = clock.sum()
-    fast = duration > FAST * times
-    matrix = np.empty((len(times), count, count))
-    matrix[:] = _SLOPES
-    matrix.reshape(-1, count * count)[:, :: count + 1] += rates / times[:, None]
-    matrix[~fast, 0] = np.eye(1, count)
-    values = np.column_stack((given, free))
-    right = np.empty((len(times), *values.shape))
-    right[:] = _SLOPES @ values
-    right[~fast, 0] = 0.0
-    gains = (np.linalg.solve(matrix, right) if len(times) else right) * moduli[:, None, None]
-    layers = np.where(fast[:, None], -gains[:, 0], 0.0).T
-    ends = gains[:, -1].T + layers * np.exp(-duration / times), values[-1]
-    paths = _in_powers(gains).transpose(1, 2, 0), _in_powers(values)
-    known, rest = (
-        Collocated(
-            times, clock, paths[0][:, part], layers[part], paths[1][:, part], (ends[0][part], ends[1][part])
-        )
+    duration, count = clock.sum(), len(times)
+    slow = duration <= FAST * times
+    matrix = _SLOPES + (_PACE @ clock / times[:, None])[:, :, None] * _EYE  # with t'(u) on the diagonal
+    matrix[slow, 0] = _EYE[0]
+    whole = np.empty((count + 1, *values.shape))
+    whole[:] = _SLOPES @ values
+    whole[:-1][slow, 0] = 0.0
+    if count:
+        whole[:-1] = np.linalg.solve(matrix, whole[:-1]) * moduli[:, None, None]
+    whole[-1] = values
+    layers = np.where(slow[:, None], 0.0, -whole[:-1, 0]).T
+    paths, ends = _in_powers(whole).transpose(1, 2, 0), whole[:, -1].T.copy()
+    ends[:, :-1] += layers * np.exp(-duration / times)
+    paths[0, :-1, -1] += depths
+    ends[:-1, -1] += depths
+    given, free = (
+        Collocated(times, clock, paths[:, part], layers[part], ends[part])
         for part in (slice(None, -1), slice(-1, None))
     )
-    known.depths[0] += depths
-    return Collocation(replace(known, end=(known.end[0], depths + known.end[1])), rest)
+    return Collocation(given, free)

@@ -79,9 +79,7 @@ class Trial:
         side = slice(count, None) if self.direction > 0.0 else slice(0, count)
         phi = (self._phi[side] - self._phi[count]).T
         phi[0] = 1.0
-        rows = np.vstack((phi, self._G[side] - self._G[count], self._begun[side].T))
-        self._factors = form.of_openings(rows) if self.direction > 0.0 else form.of_stresses(rows)
-        self._beside = rows[:, 0 if self.direction > 0.0 else -1]  # the point next to the edge
+        self._still = np.vstack((phi, self._G[side] - self._G[count], self._begun[side].T))
 
     def _lay(self, behind: Array, ahead: Array) -> None:
         """Points behind and ahead of the end, and of the sweep; those that change sides are on one side."""
@@ -141,18 +139,22 @@ class Trial:
         if leg.rate is not None and not layer:
             motion = ConstantRate(rheology.times, clock, rheology.moduli, state.depth, leg.rate)
             return Arrival(self, rise, motion)
-        given, basis = PATH_AT_NODES @ self.segment.depths, PATH_AT_NODES @ self.segment.basis
+        values = self._at_nodes.copy()
         if leg.rate is not None:
-            given[:, 0] = leg.rate * (PATH_AT_NODES @ clock)
+            values[:, 0] = leg.rate * (PATH_AT_NODES @ clock)
         elif not leg.free:
             at = state.parameter + PATH_AT_NODES @ course
-            given[:, 0] = np.array([leg.value(p) for p in at]) - state.depth
-            given[0, 0] = 0.0
-        unknown = basis.any() and (leg.free or layer)
-        family = collocation(rheology.times, clock, rheology.moduli, state.depths, given, basis)
+            values[1:, 0] = [leg.value(p) - state.depth for p in at[1:]]
+        family = collocation(rheology.times, clock, rheology.moduli, state.depths, values)
+        unknown = (leg.free or layer) and self.segment.basis.any()
         if not unknown or not self.within_reach:
             return Arrival(self, rise, family.given)
         return self._balanced(rise, family)
+
+    @cached_property
+    def _at_nodes(self) -> Array:
+        """What the penetrations change by, and what is free of them, at the nodes of the collocation."""
+        return np.asarray(PATH_AT_NODES @ np.column_stack((self.segment.depths, self.segment.basis)))
 
     def _balanced(self, rise: float, family: Collocation) -> Arrival:
         """The end at which the load is as it has to be, and ``q`` of ``C`` is ``M q``.
@@ -204,8 +206,8 @@ class Trial:
             changed = total(passing.end[: len(self._changing)])
             changed += (rheology.relaxed if covers else -1.0) * strain[self._changing]
             field[self._changing - (0 if covers else count)] = changed
-        beside = float(still @ self._beside), float(field[-1 if covers else 0])
-        return form.integral(float(still @ (self._factors @ field)), *(beside[::-1] if covers else beside))
+        other = still @ self._still
+        return form.between(field, other) if covers else form.between(other, field)
 
     def overlap(self, motion: Motion) -> float:
         """Strain by which the surface is within the indenter next to an edge that covers or stays."""
