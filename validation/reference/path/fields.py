@@ -209,6 +209,11 @@ class Passed(Points):
         """Those of the sweep."""
         return slice(-len(self.sweep.weight), None)
 
+    @cached_property
+    def bare(self) -> Points:
+        """The same under a plane face, and on a surface that was never touched."""
+        return Points(self.u_powers, np.ones((len(self.G), 1)), 0.0 * self.G, 0.0 * self.begun)
+
 
 class Passing(NamedTuple):
     """Points in contact as the edge passes them, ``elapsed`` (m, 1) after the step began.

@@ -286,10 +286,7 @@ class Trial:
         response = self.body.rheology.relaxed * gram + float(free.end[0].sum()) * staying
         if self.passed and self.direction > 0.0:
             points = self._over(self.passed, free.duration)
-            bare = replace(
-                points, phi=np.ones((len(points.G), 1)), G=0.0 * points.G, begun=0.0 * points.begun
-            )
-            phi, covered = points.phi[points.swept], total(self.passes(bare, free).end)[points.swept]
+            phi, covered = points.phi[points.swept], total(self.passes(points.bare, free).end)[points.swept]
             response += phi.T @ (phi * (points.sweep.weight * covered)[:, None])
         return response
 
