@@ -27,8 +27,7 @@ from scipy.special import j0
 
 from bem_solver.annuli import Annuli
 from bem_solver.cubic_interpolation import cubic_weights, divided_differences, interpolated
-from contact_scene import Scene
-from contact_scene.body import THINNEST
+from contact_scene import Layer, Scene
 
 Array = NDArray[np.float64]
 
@@ -120,9 +119,9 @@ class SmoothPart:
 
 @dataclass(frozen=True)
 class Compliance:
-    """That of a body of a ``thickness``, infinite for a half-space; ``lacking`` is ``1 - K(t)``."""
+    """That of a layer, or of a half-space; ``lacking`` is ``1 - K(t)``."""
 
-    thickness: float
+    layer: Layer | None
     lacking: Callable[[Array], Array]
     _parts: dict[float, SmoothPart] = field(default_factory=dict, compare=False, repr=False)
 
@@ -131,12 +130,17 @@ class Compliance:
         """The body of a scene."""
         if scene.body is None:
             return HALF_SPACE
-        return _layer(scene.body.thickness, scene.material.poisson, scene.body.base == "bonded")
+        return _layer(scene.body, scene.material.poisson)
+
+    @property
+    def thickness(self) -> float:
+        """Its thickness."""
+        return self.layer.thickness if self.layer is not None else math.inf
 
     @property
     def largest(self) -> float:
         """Radius of the largest contact that is taken."""
-        return THINNEST * self.thickness
+        return self.layer.largest_contact if self.layer is not None else math.inf
 
     def within(self, edge: float) -> SmoothPart:
         """For contacts of a radius: of the next reach in powers of two of the thickness."""
@@ -167,13 +171,13 @@ class Compliance:
         return SmoothPart(self.thickness / _PER_THICKNESS, fields, transforms)
 
 
-HALF_SPACE = Compliance(math.inf, np.zeros_like)
+HALF_SPACE = Compliance(None, np.zeros_like)
 
 
 @lru_cache(maxsize=4)
-def _layer(thickness: float, poisson: float, bonded: bool) -> Compliance:
+def _layer(layer: Layer, poisson: float) -> Compliance:
     """A layer on a rigid base; kept, for the next run or problem with it."""
-    return Compliance(thickness, lambda t: _lacking(t, poisson, bonded))
+    return Compliance(layer, lambda t: _lacking(t, poisson, layer.base == "bonded"))
 
 
 def _lacking(t: Array, poisson: float, bonded: bool) -> Array:
