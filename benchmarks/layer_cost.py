@@ -1,7 +1,8 @@
 """What a layer costs: ``python -m benchmarks.layer_cost [SOLVER ...] [--scenes NAME ...] [--turns N]``.
 
 Built-in scenes on a layer and on the half-space in its place, at the default resolution and in turn: the
-processor time of the layer, the least of all turns, and its ratio to that of the half-space.
+processor time of the layer, the least of all turns, and ratios to the half-space: of times, steps, and of
+the ways that the edge goes.
 """
 
 from __future__ import annotations
@@ -11,19 +12,22 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from contact_scene import Scene
 from validation import cases, scenes
 from validation.solvers import SOLVERS, solver
 
 
-def seconds(name: str, scene: Scene) -> float:
-    """Processor time of one run."""
+def run(name: str, scene: Scene) -> tuple[float, int, float]:
+    """Processor time, steps, and way of the edge of one run."""
     began = time.process_time()
     trace = solver(name).solve(scene)
     taken = time.process_time() - began
     if not trace.outcome.finished:
         raise SystemExit(f"{name}: {trace.outcome.reason}")
-    return taken
+    way = np.abs(np.diff(trace.contact_radius[trace.contact_radius > 0.0])).sum()
+    return taken, trace.counters.steps, float(way)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,9 +41,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         layer = cases.load(name).scene
         bodies = layer, replace(layer, body=None)
         for one in chosen.solvers or SOLVERS:
-            turns = [[seconds(one, scene) for scene in bodies] for _ in range(chosen.turns)]
-            on_layer, on_half_space = map(min, zip(*turns, strict=True))
-            print(f"{name:24} {one:10} {on_layer:7.2f} s {on_layer / on_half_space:6.2f}", flush=True)
+            turns = [[run(one, scene) for scene in bodies] for _ in range(chosen.turns)]
+            (taken, *on_layer), (least, *on_half_space) = map(min, zip(*turns, strict=True))
+            ratios = [taken / least, *(a / b for a, b in zip(on_layer, on_half_space, strict=True))]
+            print(f"{name:24} {one:10} {taken:6.2f} s", *(f"{ratio:6.2f}" for ratio in ratios), flush=True)
     return 0
 
 

@@ -6,10 +6,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from hypothesis import given, reject, settings
+from hypothesis import strategies as st
 from support.paper_scenes import ONE, STICKY, WORK, ZONE
 
 from contact_scene import (
     Adhesion,
+    Approach,
+    Branch,
     Cone,
     FlatPunch,
     Force,
@@ -20,6 +24,8 @@ from contact_scene import (
     Machine,
     Material,
     Oscillate,
+    OutcomeKind,
+    PowerLaw,
     Ramp,
     Scene,
     SceneError,
@@ -30,6 +36,7 @@ from contact_scene import (
 from validation.reference.elastic_layer import ElasticLayer
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
+from validation.reference.path import Options, solve
 from validation.solvers.contact_range import SPARE, largest_contact_radius
 from validation.solvers.finite_elements import LEAST_DIVISIONS, FiniteElements
 
@@ -190,3 +197,33 @@ def test_a_process_zone_holds_on_where_a_sharp_edge_has_let_go():
     assert limit < JKR(Sphere(1.0), 1.0, WORK).pull_off_penetration_control().penetration
     beyond = dataclasses.replace(scene(adhesion=STICKY, depth=0.995 * limit), material=Material(1.0, 0.0))
     assert largest_contact_radius(beyond) > law.at_penetration(0.995 * limit).contact_radius
+
+
+def powers_of_ten(low, high):
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+@pytest.mark.slow
+@settings(max_examples=10, deadline=None, database=None)
+@given(
+    st.sampled_from([Sphere(1.0), Cone(80.0), PowerLaw(3.0, 1.0)]),
+    st.builds(Layer, powers_of_ten(-1.5, 0.0), st.sampled_from(["bonded", "frictionless"])),
+    st.sampled_from([0.0, 0.3, 0.45, 0.5]),
+    st.builds(Branch, powers_of_ten(-1.0, 1.3), powers_of_ten(-2.0, 1.0)),
+    st.builds(Approach, powers_of_ten(-4.0, 0.0), powers_of_ten(-4.0, -1.5)),
+    st.sampled_from([None, Adhesion(1e-5, 1e-4), Adhesion(1e-4, 1e-3)]),
+    st.sampled_from([None, Machine(1.0)]),
+)
+def test_no_run_goes_beyond_what_ends_at_a_force(
+    indenter, layer, poisson, branch, approach, adhesion, machine
+):
+    """On a layer the force is reached before the bound of its approach, in a contact as foreseen."""
+    loading = Loading("jump-in", 0.0, (approach,), machine)
+    asked = Scene(Material(1.0, poisson, (branch,)), indenter, loading, adhesion, body=layer)
+    press = dataclasses.replace(loading, steps=asked.loading.steps[:1])
+    try:
+        trace = solve(dataclasses.replace(asked, loading=press), Options(resolution=1))
+    except SceneError:  # the contact at first touch is shorter than its zone
+        reject()
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.contact_radius.max() <= largest_contact_radius(asked)

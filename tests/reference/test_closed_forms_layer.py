@@ -6,7 +6,7 @@ from support.closed_forms.layer import FrozenLayer, growing_force, thin_punch
 from support.closed_forms.lee_radok import ramp
 from support.paper_scenes import ONE, WORK
 
-from contact_scene import Branch, Cone, FlatPunch, Layer, Material, Sphere
+from contact_scene import Branch, Cone, FlatPunch, Layer, Material, PowerLaw, Sphere
 from validation.reference import layer_formulas, sneddon
 from validation.reference.elastic_layer import ElasticLayer, force_ratio, moment, transfer
 from validation.reference.frozen import FrozenRetraction
@@ -204,3 +204,22 @@ def test_frozen_retraction_of_a_layer():
     elastic = FrozenLayer(Material(0.75, 0.5), sphere(0.1), WORK, 0.01)
     a = 0.8 * elastic.relaxed.contact_radius
     assert elastic.release(a).force == pytest.approx(sphere(0.1).state(a, WORK).force, rel=1e-12)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0, 4.0, 8.0])
+@pytest.mark.parametrize(("poisson", "base"), [(0.5, BONDED), (0.3, BONDED), (0.0, BONDED), (0.0, SLIDING)])
+def test_bounds_of_an_approach_hold_on_a_layer(exponent, poisson, base):
+    """What contact_scene.approach_bound says of it, at one depth against the half-space."""
+    indenter = PowerLaw(exponent, 1.0)
+    for ratio in np.geomspace(1e-3, 30.0, 24):
+        layer = ElasticLayer(Layer(1.0 / ratio, base), poisson, indenter)
+        at, beyond = layer.response(1.0), layer.response(1.0 + 1e-5)
+        depth = at.penetration()
+        slope = (beyond.penetration() - depth) / 1e-5
+        radius = sneddon.contact_radius(indenter, depth)
+        pressed = at.force(depth) / sneddon.force(indenter, radius, 1.0)
+        pulled = exponent * depth / (radius**2 * slope)
+        assert 2.0 * pressed > 1.0 + pulled
+        assert at.edge**2 > 1.0 / radius > 1.0
+        if ratio < 15.0:  # to the widest contact that a pull makes of it the depth rises as fast, or nearly
+            assert layer.response(2.0).penetration() - depth > 0.5**0.5 * slope

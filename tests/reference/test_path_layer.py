@@ -19,6 +19,7 @@ from contact_scene import (
     Loading,
     Machine,
     Material,
+    OutcomeKind,
     PowerLaw,
     Ramp,
     Scene,
@@ -211,6 +212,20 @@ def test_integrals_over_no_contact_are_zero():
     gram, shape = body.integrals(0.0)
     assert not gram.any()
     assert not shape.any()
+
+
+@pytest.mark.slow
+def test_what_a_thin_layer_rounds_moves_no_edge():
+    """At 26 thicknesses; four times the steps where residuals that are its rounding are not told apart."""
+    scene = Scene(
+        Material(0.75, 0.5, (Branch(6.75, 1.0),)),
+        Sphere(1.0),
+        Loading("jump-in", 0.003, (Hold(3.0), Ramp(-0.5, 0.01))),
+        Adhesion(1e-6, 1e-4),
+        body=Layer(0.004, "bonded"),
+    )
+    trace = solve(scene, Options(max_steps=300))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
 
 
 @pytest.mark.slow
