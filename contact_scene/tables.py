@@ -302,7 +302,7 @@ def bracketed(cell: str) -> str:
 
 def kind_of_unit(unit: str) -> str:
     """Kind of a plain unit; "" of any other text, compound units such as N/m included."""
-    return next((kind for kind, form in _UNITS.items() if re.fullmatch(form, _spelt(unit))), "")
+    return next((kind for kind, form in _UNITS.items() if re.fullmatch(form, spelt(unit))), "")
 
 
 def check_units(columns: Iterable[tuple[str, str]], file: str) -> None:
@@ -316,12 +316,12 @@ def check_units(columns: Iterable[tuple[str, str]], file: str) -> None:
             allowed = "no unit" if own == "number" else f"a unit of {own}, or none"
             raise SceneError("columns", f"{held} in {unit}", allowed, file)
         other, first = stated.setdefault(kind, (held, unit))
-        if _spelt(first) != _spelt(unit):
+        if spelt(first) != spelt(unit):
             problem = f"{held} in {unit}, but {other} in {first}"
             raise SceneError("columns", problem, f"one unit of {kind} in a file, that of the scene", file)
 
 
-def _spelt(unit: str) -> str:
+def spelt(unit: str) -> str:
     """One spelling of the micro sign, and of the second."""
     micro = unit.strip().replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
     return "s" if micro == "sec" else micro

@@ -16,12 +16,12 @@ from contact_scene.errors import shown
 from contact_scene.files import as_target
 from contact_scene.value_checks import as_tuple, function_or_none, of_class
 from crosscontact import arguments
-from crosscontact.arguments import RESOLUTION, case_of, checked_path, given
+from crosscontact.arguments import case_of, checked_path
 from crosscontact.result import html_table
 from validation.fits.fit import EachFit, dataset, fit_curves
 from validation.fits.fit import fit_each as fit_curves_each
 from validation.fits.page import draw_curves, lead, statements, table, write_each, write_fit
-from validation.fits.parameters import FitSettings, question
+from validation.fits.problem import FitSettings, question
 from validation.fits.readers import KNOWN, choose, read_file, write_afm
 from validation.fits.record import Given, MeasuredCurve
 from validation.fits.result import Estimate, FitResult, InterruptedFit
@@ -181,7 +181,7 @@ def fit(
         One line, if data or arguments are no good.
     """
     asked = locals()
-    settings = _settings(**{name: asked[name] for name in FitSettings.__dataclass_fields__})
+    settings = FitSettings(**{name: asked[name] for name in FitSettings.__dataclass_fields__})
     measured, guess, folder = _asked(curves, scene, executor, out, progress)
     return Fit(fit_and_write(measured, guess, settings, folder, executor, progress))
 
@@ -221,18 +221,10 @@ def fit_each(
     for name in options:
         if name not in FitSettings.__dataclass_fields__:
             raise SceneError(name, "is no option of a fit", ", ".join(FitSettings.__dataclass_fields__))
-    settings = _settings(**{"vary": vary, "starts": 1, "check_solver": None} | options)
+    asked: dict[str, Any] = {"vary": vary, "starts": 1, "check_solver": None}
+    settings = FitSettings(**asked | options)
     measured, guess, folder = _asked(curves, scene, executor, out, progress)
     return dataset(each_and_write(measured, guess, settings, folder, executor, progress))
-
-
-def _settings(**asked: Any) -> FitSettings:
-    """Settings of a fit from arguments that anybody may have made."""
-    for name in {"solver", "check_solver"} & set(asked):
-        if name == "solver" or asked[name] is not None:
-            arguments.check_solver(asked[name], name, arguments.names())
-    asked["resolution"] = given(RESOLUTION, asked.get("resolution"), "resolution")
-    return FitSettings(**asked)
 
 
 def _asked(
@@ -380,6 +372,14 @@ def read_given(path: str | os.PathLike[str], options: Namespace, si: bool) -> li
     file = checked_path(path, "path")
     given = Given(**{name: getattr(options, name) for name in Given.__dataclass_fields__})
     return choose(read_file(file, given, si or given != Given()), options.enum, options.segment, file)
+
+
+def read_all(files: list[str], options: Namespace, si: bool) -> list[list[MeasuredCurve]]:
+    """The curves of each of some files, as the options of a command read them."""
+    try:
+        return [read_given(file, options, si) for file in files]
+    except ImportError as error:
+        raise SceneError("", str(error), "a table of text, or the package") from None
 
 
 def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from contact_scene import SceneError
 from contact_scene.files import write_whole
 from contact_scene.value_checks import number, positive
 from crosscontact.arguments import option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import value
-from crosscontact.fitting import read_given
+from crosscontact.fitting import read_all
 from validation.fits.curve_page import draw_curve, rows, written
 from validation.fits.features import Features, common_wall
 from validation.fits.record import MeasuredCurve
@@ -32,10 +31,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     """Print a table for each curve: contact point, first guesses, pull-off, background, warnings."""
     number(options.poisson, "--poisson", "from -1 to 0.5", low=-1.0, high=0.5)
     folder = None if options.out is None else output_folder(options.out)
-    try:
-        files = [read_given(file, options, si=True) for file in options.files]
-    except ImportError as error:
-        raise SceneError("", str(error), "a table of text, or the package") from None
+    files = read_all(options.files, options, si=True)
     told = [each for curves in files for each in _shown(curves, options.radius, options.poisson)]
     for curve, seen in told:
         print("\n".join([curve.name, *aligned(rows(curve, seen))]))

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from contact_scene import SceneError
-from contact_scene.errors import shown
-from crosscontact import arguments
 from crosscontact.arguments import COUNT, option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import say, value
-from crosscontact.fitting import Fit, each_and_write, fit_and_write, read_given
+from crosscontact.fitting import Fit, each_and_write, fit_and_write, read_all
 from validation import cases
 from validation.fits.fit import EachFit
 from validation.fits.page import each_table
-from validation.fits.parameters import FitSettings
+from validation.fits.problem import FitSettings
 from validation.fits.result import InterruptedFit
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
+from validation.solvers import REFERENCE
 
 
-def _names(metavar: str, help: str) -> dict[str, object]:
+def _names(metavar: str, help: str) -> dict[str, Any]:
     return value(metavar, help, nargs="+", default=[])
 
 
@@ -32,7 +32,9 @@ def _share(text: str) -> float:
     return float(text.removesuffix("%")) * (0.01 if text.endswith("%") else 1.0)
 
 
-SETTINGS: shared.Options = {
+OPTIONS: shared.Options = {
+    "data": value("DATA", "files of instruments, tables of text, archives of these", nargs="+"),
+    "scene": value("SCENE", "the first guess: a TOML file or a built-in name"),
     "--vary": _names(
         "PATH[=LOW:HIGH]", "numbers of the scene, as adhesion.work or material.branches[0].time=0.1:10"
     ),
@@ -50,12 +52,6 @@ SETTINGS: shared.Options = {
     **shared.resolution("default: by the noise"),
     **shared.MAX_STEPS,
     "--regularisation": value("X", "weight of the bending of these moduli; default: 0.1", type=float),
-}
-"""Options that are settings of a fit as they are."""
-OPTIONS = {
-    "data": value("DATA", "files of instruments, tables of text, archives of these", nargs="+"),
-    "scene": value("SCENE", "the first guess: a TOML file or a built-in name"),
-    **SETTINGS,
     **shared.READING,
     **shared.solver("default: the reference"),
     "--check-solver": value("NAME", "or none; default: bem, with --each none"),
@@ -71,10 +67,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     the data. The best of an interrupted search is printed and written too."""
     settings = _settings(options)
     scene = cases.load(options.scene).scene
-    try:
-        curves = [curve for file in options.data for curve in read_given(file, options, si=False)]
-    except ImportError as error:
-        raise SceneError("", str(error), "a table of text, or the package") from None
+    curves = [curve for found in read_all(options.data, options, si=False) for curve in found]
     folder = None if options.out is None else output_folder(options.out)
     asked = curves, scene, settings, folder
     try:
@@ -111,16 +104,12 @@ def _of_each(found: list[EachFit], folder: Path | None) -> int:
 
 def _settings(options: argparse.Namespace) -> FitSettings:
     """What to fit and how."""
-    stated = [name.strip("-").replace("-", "_") for name in SETTINGS]
-    chosen = {name: getattr(options, name) for name in stated}
-    solver = options.solver or arguments.REFERENCE
-    arguments.check_solver(solver, "--solver", arguments.names())
+    chosen = {name: getattr(options, name) for name in FitSettings.__dataclass_fields__}
+    chosen["solver"] = options.solver or REFERENCE
     chosen["starts"] = options.starts or (1 if options.each else 3)
     check = options.check_solver or ("none" if options.each else "bem")
-    check = None if check == "none" else check
-    if check is not None and check not in arguments.names():
-        raise SceneError("--check-solver", f"got {shown(check)}", f"none, {', '.join(arguments.names())}")
+    chosen["check_solver"] = None if check == "none" else check
     try:
-        return FitSettings(**chosen, solver=solver, check_solver=check)
+        return FitSettings(**chosen)
     except SceneError as error:
         raise SceneError(f"--{error.key.replace('_', '-')}", error.problem, error.allowed) from None

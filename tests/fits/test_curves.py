@@ -14,12 +14,14 @@ from contact_scene.scene import with_values
 from validation.fits.data_checks import check, thickness_needed
 from validation.fits.model import CurveModel
 from validation.fits.moments import moments, straight_lines
-from validation.fits.parameters import unknowns
+from validation.fits.problem import unknowns
 from validation.fits.readers import read_file, write_afm
 from validation.fits.record import MeasuredCurve
 from validation.fits.tables import write_csv
 from validation.reference import sneddon
 from validation.reference.elastic_layer import ElasticLayer
+
+pytestmark = pytest.mark.usefixtures("closed_form")
 
 
 def test_a_curve_comes_back_from_csv_bit_for_bit(tmp_path):

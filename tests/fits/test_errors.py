@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from validation.fits.parameters import Unknown
+from validation.fits.problem import Unknown
 from validation.fits.result import (
     Goodness,
     combinations,

@@ -31,8 +31,7 @@ from crosscontact.fitting import each_and_write, fit_and_write
 from validation.fits.fit import fit_curves
 from validation.fits.model import CurveModel
 from validation.fits.page import document, draw_curves, statements
-from validation.fits.parameters import FitSettings, question, unknowns
-from validation.fits.problem import FitProblem
+from validation.fits.problem import FitProblem, FitSettings, question, unknowns
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import InterruptedFit
 from validation.fits.synthetic import synthetic

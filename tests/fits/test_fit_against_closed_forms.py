@@ -23,7 +23,7 @@ from contact_scene import (
 from contact_scene.scene import with_values
 from validation.fits.fit import fit_curves
 from validation.fits.moments import moments
-from validation.fits.parameters import FitSettings
+from validation.fits.problem import FitSettings
 from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 

@@ -11,7 +11,7 @@ import numpy as np
 from contact_scene import FlatPunch, Scene, SceneError
 from validation.fits.model import CurveModel
 from validation.fits.moments import count_lines, moments
-from validation.fits.parameters import CONTACT_POINT, SPRING, Unknowns
+from validation.fits.problem import CONTACT_POINT, SPRING, Unknowns
 from validation.fits.record import MeasuredCurve
 from validation.reference import sneddon
 from validation.reference.elastic_layer import ElasticLayer, moment

@@ -11,6 +11,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -21,8 +22,7 @@ from contact_scene import Scene, SceneError
 from validation.fits import data_checks
 from validation.fits.contact import Array
 from validation.fits.model import CurveModel
-from validation.fits.parameters import FitSettings, first_guess, question, unknowns
-from validation.fits.problem import FitProblem, Point
+from validation.fits.problem import FitProblem, FitSettings, Point, first_guess, question, unknowns
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import (
     CHI_SQUARED,
@@ -31,11 +31,11 @@ from validation.fits.result import (
     InterruptedFit,
     LikelihoodProfile,
     SecondSolver,
-    SolverDifference,
     covariance,
     goodness,
     independent,
     judged,
+    rms,
 )
 from validation.runs.store import Store
 from validation.solvers import REFERENCE
@@ -82,15 +82,8 @@ def fit_curves(
     search = Search(problem, progress)
 
     def found() -> FitResult:
-        best = judged(problem, search.x, scene)
-        return replace(
-            best,
-            warnings=(*warnings, *best.warnings),
-            ended=search.ended,
-            converged=search.converged,
-            starts=tuple(search.starts),
-            question=asked,
-        )
+        how = {"ended": search.ended, "converged": search.converged, "starts": tuple(search.starts)}
+        return judged(problem, search.x, scene, warnings, question=asked, runs=problem.runs, **how)
 
     try:
         problem.check_first_guess()
@@ -106,10 +99,9 @@ def fit_curves(
             raise InterruptedFit(None) from None
         search.tell("interrupted: the errors of the best so far are worked out (once more ends at once)")
         search.ended = "interrupted"
-        try:
-            best = replace(found(), runs=problem.runs)
-        except KeyboardInterrupt:
-            best = None
+        best = None
+        with suppress(KeyboardInterrupt):
+            best = found()
         raise InterruptedFit(best) from None
     result = replace(result, profiles=profiles, check=check, error_share=share)
     return replace(result, runs=problem.runs, seconds=time.perf_counter() - began)
@@ -146,12 +138,11 @@ def choose_steps(problem: FitProblem) -> float:
         problem.tolerance = finer
         fine = problem.residuals(x)
         change = np.concatenate([(fine - coarse)[rows] for rows in problem.force_rows])
-        share, coarse = ORDER_TWO * float(np.sqrt(np.mean(change**2))), fine
+        share, coarse = ORDER_TWO * rms(change), fine
         problem.tolerance = kept
         if share <= ERROR_SHARE:
             break
-    size = float(np.sqrt(np.mean(data**2)))
-    problem.step = float(np.clip(np.sqrt(share / size), SMALLEST_STEP, LARGEST_STEP))
+    problem.step = float(np.clip(np.sqrt(share / rms(data)), SMALLEST_STEP, LARGEST_STEP))
     return share
 
 
@@ -195,7 +186,9 @@ class Search:
         own = np.clip(self.problem.unknowns.start, low + inside, high - inside)
         self._stage = "first start"
         if not self.problem.derivatives(own).any():
-            raise self._without_influence(own)
+            failures = [f": {one.failure}" for one in self.problem.at(own).predictions if one.failure]
+            problem = f"no parameter changes the force at the first guess{''.join(failures[:1])}"
+            raise SceneError("vary", problem, "a first guess that comes to contact and can be run")
         followed = self._followed(own, MOST_EVALUATIONS)
         if not goodness(self.problem, self.problem.at(self.x)).explained:
             first = self.least
@@ -230,12 +223,6 @@ class Search:
         if counts and held is None:
             self.starts.append(self._of_start)
         return found
-
-    def _without_influence(self, x: Array) -> SceneError:
-        """The error for a first guess from which no search can set out."""
-        failures = [f": {one.failure}" for one in self.problem.at(x).predictions if one.failure]
-        problem = f"no parameter changes the force at the first guess{''.join(failures[:1])}"
-        return SceneError("vary", problem, "a first guess that comes to contact and can be run")
 
     def _more_starts(self, own: Array) -> list[Array]:
         """The best of a few points drawn about the scene's values, for each further start."""
@@ -303,17 +290,18 @@ class Search:
         self.tell(f"the same curves by {solver}")
         settings = replace(problem.settings, solver=solver, resolution=None)
         point, by_other = problem.at(x), replace(problem, settings=settings, tolerance=None).at(x)
-        change, differences = by_other.residuals - point.residuals, []
+        change = by_other.residuals - point.residuals
+        differences: list[dict[str, Any]] = []
         for model, rows, run in zip(problem.models, problem.force_rows, by_other.predictions, strict=True):
             own = change[rows] * model.allowed / model.moments.noise
-            rms = float(np.sqrt(np.mean(own**2)))
-            size = float(np.sqrt(np.mean(model.curve.force**2))) / model.moments.noise
-            largest = float(np.abs(own).max())
-            differences.append(SolverDifference(model.curve.name, rms, largest, rms / size, run.failure))
+            relative = rms(own) * model.moments.noise / rms(model.curve.force)
+            one = {"curve": model.curve.name, "root_mean_square": rms(own)}
+            one |= {"largest": float(np.abs(own).max()), "relative": relative, "failure": run.failure}
+            differences.append(one)
         slopes = problem.jacobian(x)
         spread = covariance(independent(problem, point, slopes), result.goodness.variance)[0]
         shifts: dict[str, float] = {}
-        if not any(one.failure for one in differences) and np.isfinite(np.diag(spread)).all():
+        if not any(one["failure"] for one in differences) and np.isfinite(np.diag(spread)).all():
             moved = -np.linalg.lstsq(slopes, change, rcond=None)[0] / np.sqrt(np.diag(spread))
             shifts = dict(zip(problem.unknowns.names, moved.tolist(), strict=True))
         return SecondSolver(solver, tuple(differences), shifts)

@@ -211,15 +211,9 @@ def _moved_corners(time: Array, position: Array, rows: np.ndarray) -> Array:
 
 
 def _heights(time: Array, position: Array, knots: Array) -> Array:
-    """Heights at the knots with which the lines miss the rows least."""
-    place = np.clip(np.searchsorted(knots, time, side="right") - 1, 0, knots.size - 2)
-    share = (time - knots[place]) / np.diff(knots)[place]
-    level = float(position.mean())
-    matrix = PRIOR * np.eye(knots.size)
-    target = PRIOR * (np.interp(knots, time, position) - level)
-    ends = (place, 1.0 - share), (place + 1, share)
-    for end, weight in ends:
-        np.add.at(target, end, weight * (position - level))
-        for other, of_other in ends:
-            np.add.at(matrix, (end, other), weight * of_other)
+    """Heights at the knots with which the lines miss the rows least; as recorded where no row tells."""
+    hats = np.array([np.interp(time, knots, hat) for hat in np.eye(knots.size)])
+    level, recorded = float(position.mean()), np.interp(knots, time, position)
+    matrix = hats @ hats.T + PRIOR * np.eye(knots.size)
+    target = hats @ (position - level) + PRIOR * (recorded - level)
     return np.asarray(np.linalg.solve(matrix, target) + level, float)

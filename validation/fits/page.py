@@ -192,8 +192,8 @@ def statements(result: FitResult) -> list[str]:
     found += [f"The data do not determine {one.text}; others below are known." for one in vague]
     if result.check is None:
         return found
-    solver, failed = result.check.solver, [one for one in result.check.differences if one.failure]
-    found += [f"{one.curve}: no second opinion, {solver} failed: {one.failure}" for one in failed]
+    solver, failed = result.check.solver, [one for one in result.check.differences if one["failure"]]
+    found += [f"{one['curve']}: no second opinion, {solver} failed: {one['failure']}" for one in failed]
     shifts = {name: at for name, at in result.check.shifts.items() if abs(at) > VISIBLE_SHIFT}
     moved = "of its standard deviations with"
     return found + [f"{name} would move by {at:+.2f} {moved} {solver}." for name, at in shifts.items()]
@@ -308,7 +308,7 @@ def _second_opinion(result: FitResult) -> Iterator[Part]:
     to in parameters."""
     if result.check is None:
         return
-    differences = map(asdict, result.check.differences)
+    differences = result.check.differences
     yield DataTable.of({plain(key): number(value, 2) for key, value in one.items()} for one in differences)
     if result.check.shifts:
         yield DataTable.of(
@@ -428,22 +428,17 @@ def each_table(found: Sequence[EachFit]) -> DataTable:
 
 def draw_each(found: Sequence[EachFit]) -> Drawing:
     """A panel for each parameter: values with their intervals over the number of the curve."""
-    from matplotlib.figure import Figure
-
     data = dataset(found)
-    figure = Figure(figsize=(7.2, 1.6 * data.parameter.size + 0.6), layout="constrained")
-    panels = figure.subplots(data.parameter.size, 1, squeeze=False, sharex=True)[:, 0]
+    [panels], figure = _panels(1, (7.2, 1.6 * data.parameter.size + 0.6), 1.0, (1.0,) * data.parameter.size)
     places, explained = np.arange(1, len(found) + 1), data.explained.values
     for axes, name in zip(panels, data.parameter.values, strict=True):
         value, _, low, high = (data[of].sel(parameter=name).values for of in OF_PARAMETER)
         reach = np.nan_to_num(np.abs([low - value, high - value]), posinf=0.0)
-        for kept, colour, label in ((explained, SERIES[0], ""), (~explained, VERMILION, "not ")):
-            look: dict[str, Any] = {
-                "fmt": "o",
-                "markersize": 3,
-                "color": colour,
-                "label": f"{label}explained",
-            }
+        for kept, colour, label in (
+            (explained, SERIES[0], "explained"),
+            (~explained, VERMILION, "not explained"),
+        ):
+            look: dict[str, Any] = {"fmt": "o", "markersize": 3, "color": colour, "label": label}
             axes.errorbar(places[kept], value[kept], reach[:, kept], **look)
         axes.set_ylabel(name, color=INK, fontsize="small")
         format_axes(axes)

@@ -1,31 +1,312 @@
-"""Residuals of several curves at a point of a search, and their derivatives by differences of runs.
+"""What is asked of a fit: numbers of the scene by dotted path, and of the instrument; and its residuals.
 
-The background (level, drift, tilt, drag, a wave) is linear: it costs no run, and every point of the search
-has the one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413, 1973). The time
-offset is a shift of the same run. All other derivatives are differences of runs, which share no work and may
-be carried out side by side.
+A search sees plain numbers of order one within bounds: the logarithm of a positive number, any other over its
+scale. Each sets the number it stands for, and at a ratio those that are tied to it.
+
+The background (level, drift, tilt, drag, a wave) is linear and no parameter of the search: it costs no run,
+and every point has the one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413,
+1973). The time offset is a shift of the same run. All other derivatives are differences of runs, which share
+no work and may be carried out side by side.
 """
 
 from __future__ import annotations
 
+import math
+import re
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import SceneError
+from contact_scene import Branch, Machine, Scene, SceneError
+from contact_scene.checked import Checked, NotNegative, Positive
+from contact_scene.errors import shown
+from contact_scene.scene import value_at
+from contact_scene.value_checks import Range, Rule, finite, whole_from
 from validation.fits.contact import Array
-from validation.fits.model import NO_CONTACT, CurveModel, FitRun, Prediction, least_squares, run_of
-from validation.fits.parameters import CONTACT_POINT, TIME_OFFSET, FitSettings, Unknowns
+from validation.fits.model import (
+    BACKGROUND,
+    NO_CONTACT,
+    CurveModel,
+    FitRun,
+    Prediction,
+    least_squares,
+    run_of,
+)
+from validation.fits.record import MeasuredCurve
 from validation.runs.pool import Task, TaskResult, run_tasks
-from validation.runs.provenance import fingerprint
+from validation.runs.provenance import fingerprint, hashed
 from validation.runs.store import Store
+from validation.solvers import REFERENCE, SOLVERS
+
+CONTACT_POINT, TIME_OFFSET = "contact_point", "time_offset"
+INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)
+SPRING = ("machine.stiffness", "loading.machine.stiffness")
+"""Paths of the spring between stage and indenter."""
+RANGE, TIME_SHARE = 1e3, 0.1
+"""Factor about the scene's value within which a positive parameter is searched, if no bounds are given; and
+time offset over the duration of a record, at most."""
+LIMITED = {"material.poisson": (0.0, 0.5)}
+"""Numbers that may not leave an interval, by path."""
+REGULARISATION = 0.1
+"""Weight of the squared second differences of the logarithms of Prony weights, beside squares of residuals:
+neighbours on the grid may bend by a factor of exp(3) at the cost of one standard deviation."""
 
 KEPT_RUNS = 2000
 """Runs kept in memory, some kB each: those of the last iterations."""
+SHARE = Range("a share of the range between 0 and 1", 0.0, 1.0, open=True)
+
+
+class SolverName(Rule):
+    """Names of the registered solvers, as they are when one is checked, behind ``words``."""
+
+    def __call__(self, value: Any, key: str) -> str:
+        if not isinstance(value, str) or value not in tuple(SOLVERS):
+            raise SceneError(key, f"got {shown(value)}", f"{self.words} {', '.join(SOLVERS)}")
+        return value
+
+
+SOLVER, CHECK_SOLVER = SolverName("one of"), SolverName("none,")
+
+
+@dataclass(frozen=True)
+class FitSettings(Checked):
+    """What to fit and how: see :func:`crosscontact.fit`; one name needs no sequence around it."""
+
+    vary: tuple[str, ...] = ()
+    tie: tuple[str, ...] = ()
+    per_curve: tuple[str, ...] = ()
+    free: tuple[str, ...] = ()
+    prony: tuple[Positive, ...] = ()
+    regularisation: NotNegative | None = REGULARISATION
+    starts: Annotated[int, whole_from(1)] = 3
+    seed: Annotated[int, whole_from(0)] = 0
+    profile: tuple[str, ...] = ()
+    solver: Annotated[str, SOLVER] = REFERENCE
+    resolution: Annotated[int, whole_from(1)] | None = None
+    check_solver: Annotated[str, CHECK_SOLVER] | None = "bem"
+    max_steps: Annotated[int, whole_from(1)] | None = None
+    within: Annotated[float, SHARE] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("vary", "tie", "per_curve", "free", "profile"):
+            if isinstance(getattr(self, name), str):
+                object.__setattr__(self, name, (getattr(self, name),))
+        super().__post_init__()
+
+    def rules(self) -> None:
+        for name in self.free:
+            if name not in INSTRUMENT:
+                raise SceneError("free", f"got {shown(name)}", ", ".join(INSTRUMENT))
+        if list(self.prony) != sorted(set(self.prony)):
+            raise SceneError("prony", f"got {shown(self.prony)}", "rising relaxation times")
+        if self.regularisation is None:
+            object.__setattr__(self, "regularisation", REGULARISATION)
+
+    @property
+    def grid(self) -> tuple[str, ...]:
+        """Paths of the moduli on the fixed relaxation times."""
+        return tuple(f"material.branches[{index}].modulus" for index in range(len(self.prony)))
+
+    def bending(self, values: Mapping[str, float]) -> Array:
+        """Second differences of the logarithms of the Prony weights, weighted; empty if they are free."""
+        weight = self.regularisation or 0.0
+        logarithms = np.log([values[name] for name in self.grid if weight])
+        return math.sqrt(weight) * np.diff(logarithms, 2)
+
+
+def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
+    """Hashes of curves, first guess and parameters; not of how the fit is carried out."""
+    varied = settings.vary, settings.tie, settings.per_curve, settings.free, settings.prony
+    return {
+        "curves": hashed([replace(curve, name="") for curve in curves]),
+        "first guess": hashed(scene),
+        "parameters": hashed(varied if settings.within is None else (*varied, settings.within)),
+    }
+
+
+def first_guess(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> Scene:
+    """The scene on the spring of the curves, where it has none and they share one, with the Prony series."""
+    springs = {None if curve.stage is None else curve.stiffness for curve in curves}
+    [spring] = springs if len(springs) == 1 else [None]
+    if scene.machine is None and spring is not None:
+        scene = replace(scene, loading=replace(scene.loading, machine=Machine(spring)))
+    if not settings.prony:
+        return scene
+    relaxing = scene.material.glassy_modulus - scene.material.modulus or scene.material.modulus
+    branches = tuple(Branch(relaxing / len(settings.prony), time) for time in settings.prony)
+    return replace(scene, material=replace(scene.material, branches=branches))
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number that is searched, with its first guess and bounds; of one curve alone it bears its name. It
+    ``sets`` numbers by path, each at a ratio to its value."""
+
+    name: str
+    start: float
+    low: float
+    high: float
+    logarithmic: bool = False
+    scale: float = 1.0
+    curve: int | None = None
+    sets: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.low <= self.start <= self.high or self.low >= self.high:
+            problem = f"starts at {self.start:.6g}, with bounds {self.low:.6g} to {self.high:.6g}"
+            raise SceneError(self.name, problem, "bounds with the value of the scene between them")
+
+    def plain(self, value: float) -> float:
+        """The number that the search sees."""
+        return math.log(value) if self.logarithmic else value / self.scale
+
+    def value(self, plain: float) -> float:
+        """The parameter of a number of the search."""
+        return math.exp(plain) if self.logarithmic else plain * self.scale
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """All that is searched."""
+
+    found: Sequence[Unknown]
+
+    def __post_init__(self) -> None:
+        known: dict[str, list[int | None]] = defaultdict(list)
+        for one in self.found:
+            for path in one.sets:
+                if one.curve in known[path] or None in known[path] or (known[path] and one.curve is None):
+                    raise SceneError(path, "is varied twice", "each number once")
+                known[path].append(one.curve)
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    @property
+    def names(self) -> list[str]:
+        """Of all, in their order."""
+        return [one.name for one in self.found]
+
+    def sets(self, *paths: str) -> bool:
+        """Whether one of some paths is varied or tied, or a number of each curve's instrument free."""
+        return any(path in one.sets for one in self.found for path in paths)
+
+    @property
+    def start(self) -> Array:
+        """First guess as the search sees it, shape (P,)."""
+        return np.array([one.plain(one.start) for one in self.found])
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Bounds as the search sees them, shape (P,) each."""
+        low = np.array([one.plain(one.low) for one in self.found])
+        return low, np.array([one.plain(one.high) for one in self.found])
+
+    def values(self, x: Array, curve: int | None = None) -> dict[str, float]:
+        """What a point sets by path: for a curve, or only what all curves share."""
+        return {
+            path: ratio * one.value(at)
+            for one, at in zip(self.found, x.tolist(), strict=True)
+            if one.curve in (None, curve)
+            for path, ratio in one.sets.items()
+        }
+
+
+def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) -> Unknowns:
+    """All parameters of a fit with their first guesses: shared ones, then those of each curve."""
+    shared = (*settings.vary, *settings.grid)
+    varied = [entry.partition("=")[0] for entry in (*shared, *settings.per_curve)]
+    tied = _ties(settings.tie, varied)
+    for path in (*varied, *(one for ties in tied.values() for one in ties)):
+        _check_part(path, models)
+    found = [_of_scene(scene, entry, tied) for entry in shared]
+    for index, model in enumerate(models):
+        of_curve = index, model.curve.name
+        found += [_of_scene(model.scene, entry, tied, of_curve) for entry in settings.per_curve]
+        kinds = [kind for kind in dict.fromkeys(settings.free) if kind not in BACKGROUND]
+        found += [_of_instrument(model, index, kind) for kind in kinds]
+    if not found:
+        raise SceneError("vary", "is empty", "at least one number of the scene")
+    return Unknowns(found)
+
+
+def _ties(entries: Sequence[str], varied: Sequence[str]) -> dict[str, list[str]]:
+    """The paths that are tied to each one that is varied."""
+    tied: dict[str, list[str]] = defaultdict(list)
+    for entry in entries:
+        path, _, other = entry.partition("=")
+        if not path or not other:
+            raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
+        if path == other:
+            raise SceneError("tie", f"{shown(path)} is tied to itself", "two numbers of the scene")
+        if other not in varied:
+            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
+        tied[other].append(path)
+    return tied
+
+
+def _check_part(path: str, models: Sequence[CurveModel]) -> None:
+    """Refuse a number of the scene that plays no part in the model of a curve."""
+    if path.startswith("loading.steps"):
+        problem = "plays no part: the measured motion takes the place of the loading steps"
+        raise SceneError(path, problem, "numbers of material, adhesion, indenter or machine")
+    for model in models:
+        if path in SPRING and model.scene.machine is None:
+            problem = "plays no part: the motion of the indenter is recorded, not that of a stage"
+            raise SceneError(path, problem, "curves with a column stage", model.curve.name)
+
+
+def _of_scene(
+    scene: Scene, entry: str, tied: Mapping[str, Sequence[str]], curve: tuple[int | None, str] = (None, "")
+) -> Unknown:
+    """The unknown of ``PATH``, ``PATH=LOW:HIGH`` or ``PATH=LOW:HIGH:linear``, with the paths tied to it."""
+    path, _, limits = entry.partition("=")
+    start = value_at(scene, path)
+    low, high, form = _limits(path, limits)
+    least, most = LIMITED.get(path, (-math.inf, math.inf))
+    logarithmic = form != "linear" and start > 0.0 and path not in LIMITED and (low is None or low > 0.0)
+    reach = RANGE * max(abs(start), 1e-3)
+    widest = (start / RANGE, start * RANGE) if logarithmic else (start - reach, start + reach)
+    low = max(widest[0] if low is None else low, least)
+    high = min(widest[1] if high is None else high, most)
+    if start == 0.0 and path in tied:
+        raise SceneError(path, "is zero, and others are tied to it", "a value that ratios refer to")
+    ratios = {path: 1.0} | {other: value_at(scene, other) / start for other in tied.get(path, ())}
+    place, name = curve
+    name = path if place is None else f"{path}@{name}"
+    return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place, ratios)
+
+
+def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
+    """Bounds and form that an entry states, if any."""
+    if not text:
+        return None, None, ""
+    match = re.fullmatch(r"([^:]+):([^:]+)(?::(linear))?", text)
+    if match is None:
+        raise SceneError(path, f"got bounds {shown(text)}", "LOW:HIGH or LOW:HIGH:linear")
+    try:
+        low, high = (finite(float(part), path) for part in match.groups()[:2])
+    except ValueError:
+        raise SceneError(path, f"got bounds {shown(text)}", "two finite numbers, LOW:HIGH") from None
+    return low, high, match[3] or ""
+
+
+def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
+    """Contact point or time offset of a curve, with its first guess from the record."""
+    curve, seen = model.curve, model.moments
+    start, scale = 0.0, float(np.ptp(curve.time if kind == TIME_OFFSET else curve.position))
+    reach = TIME_SHARE * scale if kind == TIME_OFFSET else scale
+    if kind == CONTACT_POINT and 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
+        first_touch = float(curve.position[seen.first - 1 : seen.first + 1].mean())
+        start = first_touch - model.scene.loading.penetration
+    name = f"{kind}@{curve.name}"
+    return Unknown(name, start, start - reach, start + reach, False, scale, index, {kind: 1.0})
 
 
 @dataclass(frozen=True)

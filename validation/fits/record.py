@@ -8,7 +8,7 @@ pauses or retracts.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -182,9 +182,8 @@ class MeasuredCurve(Checked):
 
     def between(self, first: int, last: int) -> Self:
         """The rows from ``first`` to ``last - 1`` as a curve of their own."""
-        cut = [CurveSegment(k, max(a, first) - first, min(b, last) - first) for k, a, b in self.segments]
-        columns: dict[str, Any] = {name: values[first:last] for name, values in self.columns().items()}
-        return replace(self, **columns, segments=[one for one in cut if one.first < one.last])
+        columns = {name: values[first:last] for name, values in self.columns().items()}
+        return self._of(columns, lambda row: min(max(row, first), last) - first)
 
     def features(
         self,
@@ -219,14 +218,17 @@ class MeasuredCurve(Checked):
         if together == 1:
             return self, 1
         rows = self.time.size // together
-        columns: dict[str, Any] = {
+        columns = {
             name: values[: rows * together].reshape(rows, together).mean(axis=1)
             for name, values in self.columns().items()
         }
         noise = None if self.noise is None else self.noise / float(np.sqrt(together))
-        cut = [CurveSegment(k, a // together, min(b // together, rows)) for k, a, b in self.segments]
-        segments = [one for one in cut if one.first < one.last]
-        return replace(self, **columns, noise=noise, segments=segments), together
+        return self._of(columns, lambda row: min(row // together, rows), noise=noise), together
+
+    def _of(self, columns: dict[str, Any], place: Callable[[int], int], **more: Any) -> Self:
+        """The curve with other rows, and where a row has come to."""
+        cut = [CurveSegment(kind, place(first), place(last)) for kind, first, last in self.segments]
+        return replace(self, **columns, **more, segments=[one for one in cut if one.first < one.last])
 
     def columns(self) -> dict[str, Array]:
         """The columns that were recorded, by name."""

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,7 @@ from numpy.typing import NDArray
 from contact_scene import Scene
 from contact_scene.scene import with_values
 from validation.fits.contact import Array
-from validation.fits.parameters import CONTACT_POINT, FitSettings, Unknown
-from validation.fits.problem import FitProblem, Point, least_squares
+from validation.fits.problem import CONTACT_POINT, FitProblem, FitSettings, Point, Unknown, least_squares
 from validation.fits.record import MeasuredCurve
 
 QUANTILE, CHI_SQUARED = 1.959963984540054, 3.841458820694124
@@ -125,7 +125,7 @@ class FittedCurve:
     @property
     def misfit_over_noise(self) -> float:
         """Root mean square of the residuals."""
-        return float(np.sqrt(np.mean(self.residuals[self.compared] ** 2)))
+        return rms(self.residuals[self.compared])
 
     @property
     def rms_over_range(self) -> float:
@@ -152,24 +152,13 @@ class LikelihoodProfile:
 
 
 @dataclass(frozen=True)
-class SolverDifference:
-    """Force of one curve by two solvers: their difference at the compared rows over the noise (root mean
-    square, largest) and over the force, or why the second gave no curve."""
-
-    curve: str
-    root_mean_square: float
-    largest: float
-    relative: float
-    failure: str = ""
-
-
-@dataclass(frozen=True)
 class SecondSolver:
-    """What a second solver says of a fit, and by how many of its deviations it would move each parameter, to
-    first order; no ``shifts`` if a run failed."""
+    """What a second solver says of a fit: for each curve the difference of its force at the compared rows
+    over the noise (root mean square, largest) and over the force, or its ``failure``; and by how many of its
+    deviations it would move each parameter, to first order; no ``shifts`` if a run failed."""
 
     solver: str
-    differences: tuple[SolverDifference, ...]
+    differences: tuple[dict[str, Any], ...]
     shifts: dict[str, float]
 
 
@@ -217,7 +206,7 @@ def goodness(problem: FitProblem, point: Point) -> Goodness:
         own = point.residuals[rows][point.compared[rows]]
         over_noise[rows] *= model.allowed / model.moments.noise
         tests.append(runs_test(model.curve.name, own))
-        shares.append(float(np.sqrt(np.mean(own**2)) * model.allowed / np.ptp(model.curve.force)))
+        shares.append(rms(own) * model.allowed / float(np.ptp(model.curve.force)))
         known += model.moments.noise_degrees
     free = len(problem.unknowns) + point.background.size
     degrees = max(int(point.compared.sum()) - free, 1)
@@ -234,6 +223,11 @@ def goodness(problem: FitProblem, point: Point) -> Goodness:
     return Goodness(total, degrees, known, chance, tuple(tests), misfit, max(shares), within, variance)
 
 
+def rms(values: Array) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def independent(problem: FitProblem, point: Point, rows_of: Array) -> Array:
     """Rows of a Jacobian, or residuals, over the root of the length over which those of a curve correlate."""
     found = rows_of.copy()
@@ -242,8 +236,8 @@ def independent(problem: FitProblem, point: Point, rows_of: Array) -> Array:
     return found
 
 
-def judged(problem: FitProblem, x: Array, scene: Scene) -> FitResult:
-    """Errors and goodness of the point at which a search ended."""
+def judged(problem: FitProblem, x: Array, scene: Scene, warnings: Sequence[str], **how: Any) -> FitResult:
+    """Errors and goodness of the point at which a search ended; ``how`` it was carried out."""
     point, slopes = problem.at(x), problem.derivatives(x)
     good = goodness(problem, point)
     unknowns = [*problem.unknowns.found, *_background(problem)]
@@ -263,8 +257,9 @@ def judged(problem: FitProblem, x: Array, scene: Scene) -> FitResult:
         combinations=combinations(names, whole, positive, good.variance),
         confused=confused(names, correlation(spread)),
         goodness=good,
-        warnings=tuple(f"{one.curve.name}: {told}: {one.failure}" for one in curves if one.failure),
+        warnings=(*warnings, *(f"{one.curve.name}: {told}: {one.failure}" for one in curves if one.failure)),
         tolerance=problem.tolerance,
+        **how,
     )
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from contact_scene.errors import SceneError
 from contact_scene.files import read_text, write_whole
-from contact_scene.tables import TextTable, bracketed, finite, is_number, read_table
+from contact_scene.tables import TextTable, bracketed, finite, is_number, read_table, spelt
 from contact_scene.value_checks import Range
 from validation.fits.contact import Array
 from validation.fits.record import (
@@ -115,7 +115,7 @@ def _force(deflection: Array, table: TextTable, given: Given, spring: Any, path:
 
 def _factor(table: TextTable, place: int) -> float:
     """From the unit of a column to SI."""
-    unit = _plain_unit(table.units[place])
+    unit = spelt(table.units[place])
     if unit in _POWERS:
         return float(f"1e{_POWERS[unit]}")
     if unit not in _OTHER:
@@ -124,18 +124,13 @@ def _factor(table: TextTable, place: int) -> float:
     return _OTHER[unit]
 
 
-def _plain_unit(unit: str) -> str:
-    """A unit whose prefix micro, of either code, is ``u``."""
-    return unit.replace("\N{MICRO SIGN}", "u").replace("\N{GREEK SMALL LETTER MU}", "u")
-
-
 def _in_si(head: str, name: str) -> float | None:
     """The number that the head states: ``k (N/m)  0.05``, ``# spring constant = 50 pN/nm``."""
     found = re.findall(rf"{name}\s*([\[(][^\])]*[\])])?[\"']?\s*[=:\t ]\s*({_NUMBER})[ \t]*([\w/µμ]*)", head)
     if not found:
         return None
     before, value, behind = found[-1]
-    parts = _plain_unit(bracketed(before) or behind).split("/")
+    parts = spelt(bracketed(before) or behind).split("/")
     power = sum(sign * _POWERS.get(part, 0) for part, sign in zip(parts, (1, -1), strict=False))
     return float(value.replace(",", ".")) * float(f"1e{power}")
 
