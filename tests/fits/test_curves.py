@@ -112,6 +112,16 @@ def test_fewer_rows_behind_the_loss_than_a_line_is_begun_with(rows, end):
     assert seen.noise == pytest.approx(1e-3, rel=0.5)
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_a_straight_record_is_contact_throughout(noise):
+    """Of a flat punch that never leaves: one line holds all rows, and it is no baseline, for it rises."""
+    time = np.linspace(0.0, 2.0, 200)
+    motion = 1.0 - np.abs(time - 1.0)
+    curve = MeasuredCurve(time, motion + noise * np.random.default_rng(0).standard_normal(200), motion)
+    seen = moments(curve)
+    assert (seen.first, seen.last) == (0, 200)
+
+
 def test_a_triangle_of_motion_is_three_points_wherever_its_corner_lies():
     time = np.linspace(0.0, 4.0, 173)
     for corner in (1.7, 1.7 + 4.0 / 172 * 0.3, 2.013):

@@ -51,4 +51,4 @@ def test_coverage_is_judged_from_enough_materials_on():
 def test_the_documentation_states_what_the_kept_numbers_give():
     kept = json.loads((DOCS / "data/recovery.json").read_text("utf-8"))
     found = [RecoveredMaterial(**entry) for entry in kept]
-    assert report(found, []) in (DOCS / "how-to/fit.md").read_text("utf-8")
+    assert report(found, []) in (DOCS / "explanation/fit-intervals.md").read_text("utf-8")
