@@ -35,9 +35,11 @@ class Family:
     decades: float = 0.0
     works: tuple[float, float] = (-3.3, -3.3)
     any_indenter: bool = False
+    cycle: bool = False
+    closing: float | None = None
 
     def scene(self, rng: np.random.Generator) -> Scene:
-        """One of them: a retraction from a relaxed start."""
+        """One of them: a retraction from a relaxed start, or a cycle from jump-in."""
         times = 10.0 ** (self.decades * np.linspace(-0.5, 0.5, self.branches))
         shares = rng.uniform(0.2, 1.0, self.branches) if self.any_indenter else np.ones(self.branches)
         moduli = (RATIO - 1.0) * shares / max(self.branches, 1)
@@ -50,8 +52,13 @@ class Family:
         work, zone, speed = (
             10.0 ** float(rng.uniform(*span)) for span in (self.works, self.zones, self.speeds)
         )
-        loading = Loading("relaxed", depth, (Ramp(-20.0, speed * WIDTH * 0.05),))
-        return Scene(Material(0.75, 0.5, branches), indenter, loading, Adhesion(work, zone * WIDTH))
+        rate = speed * WIDTH * 0.05
+        away = Ramp(-20.0, rate * (float(rng.uniform(0.2, 5.0)) if self.any_indenter else 1.0))
+        loading = Loading("relaxed", depth, (away,))
+        if self.cycle:
+            loading = Loading("jump-in", 0.0, (Ramp(depth, rate), away))
+        adhesion = Adhesion(work, zone * WIDTH, self.closing and self.closing * work)
+        return Scene(Material(0.75, 0.5, branches), indenter, loading, adhesion)
 
 
 FAMILIES = {
@@ -62,6 +69,13 @@ FAMILIES = {
     "retractions, three branches": Family(branches=3, decades=4.0),
     "retractions, ten branches over six decades": Family(branches=10, decades=6.0),
     "retractions, zone 1e-5 of the radius": Family(zones=(-5.0, -5.0)),
+    "cycles, speeds over four decades": Family(cycle=True, speeds=(-1.0, 3.0)),
+    "cycles with hysteresis, any indenter": Family(
+        cycle=True, speeds=(-1.0, 3.0), closing=0.5, any_indenter=True, zones=(-2.0, -2.0)
+    ),
+    "cycles, three branches": Family(cycle=True, branches=3, decades=4.0, zones=(-2.0, -2.0)),
+    "cycles, ten branches over six decades": Family(cycle=True, branches=10, decades=6.0, zones=(-2.0, -2.0)),
+    "cycles, zone 1e-5 of the radius": Family(cycle=True, zones=(-5.0, -5.0), speeds=(-1.0, 3.0)),
 }
 
 

@@ -1,0 +1,144 @@
+"""Scenes side by side, and the ramps that drive them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact_scene import Ramp, Scene
+from validation.reference.path.rheology import Rheology
+from validation.reference.sneddon import PowerTransform, transform
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.intp]
+
+
+def refusal(scene: Scene) -> str:
+    """Why a scene is none of those that are solved here; empty if it is."""
+    adhesion, loading = scene.adhesion, scene.loading
+    if not scene.is_adhesive or adhesion is None:
+        return "no adhesion"
+    if adhesion.stress is not None:
+        return "a cohesive stress: its zone has no fixed length"
+    if adhesion.rate is not None:
+        return "a work of adhesion that depends on the speed"
+    if scene.body is not None:
+        return "a layer"
+    shape = transform(scene.indenter)
+    if not isinstance(shape, PowerTransform) or shape.coefficient == 0.0:
+        return "an indenter that is no power of the radius"
+    if loading.compliance > 0.0:
+        return "a spring"
+    if loading.start not in ("relaxed", "jump-in"):
+        return f"the start {loading.start!r}"
+    if loading.has_triggers:
+        return "a level that ends a load step"
+    ramps = [step for step in loading.steps if isinstance(step, Ramp)]
+    if not 1 <= len(ramps) == len(loading.steps) <= 2:
+        return "load steps other than one ramp or two"
+    if ramps[-1].to >= (ramps[0].to if len(ramps) == 2 else loading.penetration):
+        return "a last ramp that does not retract"
+    if len(ramps) == 2 and ramps[0].to <= loading.penetration:
+        return "two ramps the first of which does not approach"
+    return ""
+
+
+def _numbers(scene: Scene) -> tuple[float, ...]:
+    """Shape, adhesion and loading of a scene that is solved here, in the order of the fields of bodies."""
+    shape, adhesion, loading = transform(scene.indenter), scene.adhesion, scene.loading
+    first, last = loading.steps[0], loading.steps[-1]
+    assert isinstance(shape, PowerTransform)
+    assert isinstance(first, Ramp)
+    assert isinstance(last, Ramp)
+    assert adhesion is not None
+    depth = loading.penetration
+    deepest = first.to if len(loading.steps) == 2 else depth
+    parts = shape.coefficient, shape.exponent, adhesion.zone, adhesion.work, adhesion.closing
+    approach, retraction = (deepest - depth) / first.rate, (deepest - last.to) / last.rate
+    return *parts, loading.start == "jump-in", depth, first.rate, approach, -last.rate, retraction
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Scenes side by side, along the last axis: plane moduli, times and shape as in the reference."""
+
+    relaxed: Array
+    moduli: Array
+    times: Array
+    compliances: Array
+    retardation: Array
+    units_of_branches: Array
+    coefficient: Array
+    exponent: Array
+    zone: Array
+    work: Array
+    closing: Array
+    glassy: Array
+    depth: Array
+    approach: Array
+    turn: Array
+    rate: Array
+    duration: Array
+
+    @classmethod
+    def of(cls, scenes: Sequence[Scene], rheologies: Sequence[Rheology]) -> Bodies:
+        """Of scenes with as many branches each."""
+        names = "moduli", "times", "compliances", "retardation", "units_of_branches"
+        found = [np.array([getattr(one, name) for one in rheologies]) for name in names]
+        moduli, times, compliances, retardation, mixing = (
+            np.ascontiguousarray(np.moveaxis(spectrum, 0, -1)) for spectrum in found
+        )
+        numbers = np.array([_numbers(scene) for scene in scenes]).T
+        relaxed = np.array([one.relaxed for one in rheologies])
+        return cls(relaxed, moduli, times, compliances, retardation, mixing, *np.ascontiguousarray(numbers))
+
+    def of_some(self, chosen: Whole) -> Bodies:
+        """Some of them."""
+        return Bodies(*(np.ascontiguousarray(getattr(self, part.name)[..., chosen]) for part in fields(self)))
+
+    def shape(self, x: Array) -> Array:
+        """``G`` (m, B) at radii."""
+        return self.coefficient * (x * x if (self.exponent == 2.0).all() else x**self.exponent)
+
+    def released(self, depth: Array, branches: Array) -> Array:
+        """``A_j`` (n, B)."""
+        strain = self.compliances * (self.relaxed * depth)
+        return np.asarray(strain + (self.units_of_branches * branches[:, None]).sum(axis=0))
+
+    def volume(self, radius: Array) -> Array:
+        """``int_0^a G dx``."""
+        return np.asarray(self.coefficient * radius ** (self.exponent + 1.0) / (self.exponent + 1.0))
+
+    def force(self, depth: Array, branches: Array, radius: Array, held: Array) -> Array:
+        """``2 int_0^a q dx`` where ``held`` (n, B) are integrals of what is left beside the ``branches``."""
+        uniform = (self.relaxed * depth + branches.sum(axis=0)) * radius
+        return 2.0 * (uniform - self.relaxed * self.volume(radius) + held.sum(axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A ramp: penetration and branch forces ``E_k M_k`` where it begins, and its rate."""
+
+    bodies: Bodies
+    depth: Array
+    rate: Array
+    branches: Array
+
+    def at(self, t: Array) -> tuple[Array, Array]:
+        """Both at times (B,) or (m, B) since it began: (B,) and (n, B), or (m, B) and (n, m, B)."""
+        times, moduli, begun = self.bodies.times, self.bodies.moduli, self.branches
+        if t.ndim == 2:
+            times, moduli, begun = times[:, None], moduli[:, None], begun[:, None]
+        steady, faded = moduli * self.rate * times, np.exp(-t / times)
+        return self.depth + self.rate * t, steady + (begun - steady) * faded
+
+    def after(self, t: Array, rate: Array) -> Leg:
+        """One that follows at a time."""
+        return Leg(self.bodies, *self.at(t)[:1], rate, self.at(t)[1])
+
+    def of_some(self, chosen: Whole, bodies: Bodies) -> Leg:
+        """Of some scenes."""
+        return Leg(bodies, self.depth[chosen], self.rate[chosen], self.branches[:, chosen])

@@ -1,0 +1,138 @@
+"""The closure over the zone, of many scenes at once: quadrature, and the kernel as series."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.reference.batch.scenes import Bodies
+from validation.reference.path.closure import kernel_slopes
+from validation.reference.path.numerics import chebyshev_series, gauss
+
+Array = NDArray[np.float64]
+
+SHORTEST = 1.5
+"""Process zones in the radius down to which the series of the kernel reaches."""
+LAYERS = (4e-3, 3e-2, 0.2, 0.6)
+"""Breaks of the quadrature, from the edge: a layer that recovers behind a slow edge is an exponential."""
+POINTS, WEIGHTS = gauss(4)
+_BREAKS = 1.0 - np.array([1.0, *LAYERS[::-1], 0.0])
+SWEPT = (_BREAKS[:-1, None] + np.diff(_BREAKS)[:, None] * POINTS).ravel()
+SHARES = (np.diff(_BREAKS)[:, None] * WEIGHTS).ravel()
+"""Points and weights of what a step sweeps, on [0, 1]: a layer relaxes behind an edge that closes."""
+SERIES, PLACES, NODES = 12, 10, 6
+"""Terms of the kernel in zone over radius, in the places in the zone, and of a stress behind the edge."""
+
+
+@lru_cache
+def _kernel() -> Array:
+    """Coefficients (r, p, q) of ``a^2 dK/dx`` in zone over radius, in place behind and place ahead."""
+    knots, places = chebyshev_series(PLACES)
+    share, zones = 0.5 * (1.0 + knots), 0.5 * (1.0 + chebyshev_series(SERIES)[0]) / SHORTEST
+    x = 1.0 - zones[:, None] * (1.0 - share)
+    slopes = kernel_slopes(x[:, None, :], x[:, :, None], zones[:, None, None, None])
+    return np.einsum("sr,qj,pi,rji->spq", chebyshev_series(SERIES)[1], places, places, slopes)
+
+
+def _polynomials(u: Array, order: int) -> Array:
+    """Chebyshev's (order, ...), in the dtype and shape of ``u``."""
+    table = [np.ones_like(u), u]
+    while len(table) < order:
+        table.append(2.0 * u * table[-1] - table[-2])
+    return np.array(table)
+
+
+def _inner(v: Array, closing: bool) -> Array:
+    """What the kernel makes at shares (m,) of values at nodes: (m, NODES * SERIES).
+
+    ``int_v^1 f(v') kernel(v', v) dv'`` of stresses behind or, where the edge closes, of openings ahead
+    ``int_0^v kernel(v, v') f(v') dv'``: products of Chebyshev's polynomials are sums of two.
+    """
+    order = NODES + PLACES
+    at = _polynomials(2.0 * v - 1.0, order + 1)
+    signs = (-1.0 if closing else 1.0) ** np.arange(order + 1)[:, None]
+    apart = at - signs if closing else signs - at
+    rest = np.empty((order, len(v)))
+    rest[0], rest[1] = apart[1], 0.25 * apart[2]
+    for m in range(2, order):
+        rest[m] = 0.5 * (apart[m + 1] / (m + 1) - apart[m - 1] / (m - 1))
+    one, two = np.arange(NODES)[:, None], np.arange(PLACES)
+    products = 0.25 * (rest[one + two] + rest[np.abs(one - two)])
+    kernel = np.einsum("sqp,qm->spm" if closing else "spq,qm->spm", _kernel(), at[:PLACES])
+    series = np.einsum("lpm,spm->lsm", products, kernel)
+    nodes = np.einsum("ln,lsm->mns", chebyshev_series(NODES)[1], series)
+    return np.ascontiguousarray(nodes.reshape(len(v), -1))
+
+
+@dataclass(frozen=True)
+class Quadrature:
+    """Points of the zone, and what the closure needs at them.
+
+    ``v``: shares from the inner end; points lie behind an edge that closes, else ahead.
+    """
+
+    v: Array
+    weight: Array
+    inner: Array
+    closing: bool
+
+    def forms(self, bodies: Bodies, radius: Array) -> tuple[Array, Array]:
+        """What is made of ones and of ``G`` on the other side (2, m, B), and ``G`` at the points (m, B)."""
+        zone = bodies.zone
+        behind, ahead = radius - zone * (1.0 - self.v), radius + zone * self.v
+        here, there = (behind, ahead) if self.closing else (ahead, behind)
+        share = 0.5 * (1.0 + chebyshev_series(NODES)[0])[:, None] - (0.0 if self.closing else 1.0)
+        series = self.series(bodies, radius)
+        values = np.empty((NODES, SERIES, 2, len(radius)))
+        values[:, :, 0] = series
+        np.multiply(bodies.shape(radius + zone * share)[:, None], series, out=values[:, :, 1])
+        forms = (self.inner @ values.reshape(NODES * SERIES, -1)).reshape(len(here), 2, -1)
+        forms *= zone / (radius * radius)
+        main = 0.5 * math.pi / np.sqrt(behind * ahead)
+        forms[:, 0] += main
+        forms[:, 1] += main * bodies.shape(there)
+        forms *= self.weight[:, None]
+        return np.ascontiguousarray(forms.swapaxes(0, 1)), bodies.shape(here)
+
+    def series(self, bodies: Bodies, radius: Array) -> Array:
+        """Polynomials (SERIES, B) of zone over radius."""
+        return _polynomials(2.0 * SHORTEST * bodies.zone / radius - 1.0, SERIES)
+
+    def behind(self, bodies: Bodies, radius: Array, layered: bool) -> Array:
+        """Radii where stresses are asked for: nodes and, if there is a layer at the edge, points."""
+        share = 0.5 * (1.0 + chebyshev_series(NODES)[0])[:, None]
+        return radius - bodies.zone * (1.0 - (np.concatenate((share, self.v)) if layered else share))
+
+    def stressed(self, bodies: Bodies, radius: Array, held: Array) -> Array:
+        """The forms (n, m, B) of stresses there. Of a layer the part of order zone over radius sees nodes."""
+        zone, nodes = bodies.zone, held[:, :NODES].transpose(1, 0, 2)
+        values = nodes[:, None] * self.series(bodies, radius)[:, None]
+        inner = self.inner @ values.reshape(NODES * SERIES, -1)
+        if held.shape[1] == NODES:
+            held = (self.between @ nodes.reshape(NODES, -1)).reshape(-1, *nodes.shape[1:]).transpose(1, 0, 2)
+        else:
+            held = held[:, NODES:]
+        main = 0.5 * math.pi / np.sqrt((radius - zone * (1.0 - self.v)) * (radius + zone * self.v))
+        inner = inner.reshape(len(self.v), *nodes.shape[1:]).transpose(1, 0, 2) * (zone / (radius * radius))
+        return np.asarray(self.weight * (main * held + inner))
+
+    @cached_property
+    def between(self) -> Array:
+        """Values at the points of those at nodes (m, NODES)."""
+        at = _polynomials(2.0 * self.v[:, 0] - 1.0, NODES)
+        return np.asarray(at.T @ chebyshev_series(NODES)[1])
+
+
+@lru_cache(maxsize=4096)
+def quadrature(corners: tuple[float, ...], closing: bool = False, both: bool = False) -> Quadrature:
+    """By Gauss between breaks from the edge, some of which are corners; ``both``: from the other end, too."""
+    ends = (0.0, 1.0, *(1.0 - layer for layer in LAYERS[:3])) if both else (0.0, 1.0)
+    breaks = np.unique(np.concatenate((ends, LAYERS, corners)))
+    width = np.diff(breaks)[:, None]
+    v = (breaks[:-1, None] + width * POINTS).ravel()
+    v = 1.0 - v if closing else v
+    return Quadrature(v[:, None], (width * WEIGHTS).ravel()[:, None], _inner(v, closing), closing)
