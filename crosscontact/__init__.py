@@ -41,7 +41,7 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
         write_curve,
     )
     from crosscontact.result import ContactState, Result, load
-    from crosscontact.sweeps import sweep
+    from crosscontact.sweeps import explore, sweep
 
     __version__: str
     from validation.solvers import RunOptions, Solver
@@ -96,6 +96,7 @@ __all__ = [
     "at_temperature",
     "builtin",
     "compare",
+    "explore",
     "export_exam",
     "fit",
     "fit_each",
@@ -133,7 +134,7 @@ _HOMES = {
         "write_curve",
     ),
     "crosscontact.result": ("ContactState", "Result", "load"),
-    "crosscontact.sweeps": ("sweep",),
+    "crosscontact.sweeps": ("explore", "sweep"),
     "validation.solvers": ("RunOptions", "Solver"),
 }
 """Module of each name that is not of ``contact_scene``."""

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from contact_scene import Scene, SceneError
 from contact_scene.errors import shown
-from contact_scene.value_checks import function_or_none, one_of, positive
+from contact_scene.value_checks import function_or_none, one_of, positive, several, whole_from
 from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, COUNT, checked_path, given
 from validation.runs.folder import claim, locked_folder
 from validation.runs.pool import engine_of, own_engine
 from validation.sweeps.dataset import check_writable, to_dataset, write_results
+from validation.sweeps.explorer import Exploration, check_drawable, explored, sliders_of
 from validation.sweeps.plan import DESIGNS, SAMPLES, SceneTable, builtin_or_file, of_scene, plan_from_dict
 from validation.sweeps.run_plan import carry_out, store_of
 
@@ -138,6 +139,64 @@ def sweep(
             claim(folder, "a sweep", {}, "out")
         runs = carry_out(plan, opened.enter_context(store_of(folder)), engine, progress)
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
+
+
+def explore(
+    scene: Scene | str | os.PathLike[str],
+    vary: Sequence[str],
+    *,
+    values: int | None = None,
+    solver: str = arguments.REFERENCE,
+    resolution: int | None = None,
+    jobs: int = 1,
+    progress: Callable[[float, str], None] | None = None,
+) -> Exploration:
+    """Make a page with a slider for each of up to three keys of a scene; a notebook shows it.
+
+    Parameters
+    ----------
+    scene : Scene, str or path
+        A scene, the name of a built-in one, or a scene file.
+    vary : sequence of str
+        Dotted paths of numbers of the scene, ``"PATH"`` or ``"PATH=LOW:HIGH"``; without bounds a factor of
+        ten either way.
+    values : int, optional
+        Of each key; by default 31 of one, 11 of two, 7 of three.
+    solver, resolution, jobs, progress
+        As for :func:`sweep`; by default the resolution is 4, enough for curves to look at.
+
+    Returns
+    -------
+    Exploration
+        ``save(path)`` writes the page, one file without a server or a network; ``page()`` is its text.
+
+    Raises
+    ------
+    SceneError
+        If an argument is wrong or Bokeh is not installed; one line.
+
+    Examples
+    --------
+    >>> found = cc.explore("elastic-relaxed", ["adhesion.work"], values=3)
+    >>> found.save("work.html")
+    >>> len(found.runs)
+    3
+    """
+    check_drawable()
+    function_or_none(progress, "progress", "the share that is done and a line of text")
+    arguments.check_solver(solver, "solver", arguments.names())
+    jobs, count = COUNT(jobs, "jobs"), given(whole_from(2), values, "values")
+    table = _base(scene)
+    sliders = sliders_of(table, several(vary, "vary", "dotted paths of the scene"), count)
+    with own_engine(jobs) as engine:
+        return explored(
+            table,
+            sliders,
+            solver,
+            given(COUNT, resolution, "resolution") or arguments.COARSE,
+            engine,
+            progress,
+        )
 
 
 def _base(scene: Scene | str | os.PathLike[str]) -> SceneTable:

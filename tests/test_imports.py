@@ -58,7 +58,7 @@ ROOMS = {
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "vtkmodules", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
-HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats", "igor2", "lmfit", "pyfmreader"}
+HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats", "igor2", "lmfit", "pyfmreader", "bokeh"}
 HEAVY |= {"tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
 # Packages that a function may import because a run that does not call it would load them for nothing: each
 # part of SciPy takes longer than a small scene; a bar is drawn on a terminal only; what is known about
@@ -254,6 +254,7 @@ def test_light_packages_load_nothing_heavy(package):
 OWN_EVIDENCE = {
     "compare": {"compare"}, "study": {"studies"}, "stability": {"stability"}, "fields": {"fields"},
     "exam": {"exam"}, "judge": {"exam"}, "fit": {"fits"}, "curve": {"fits"}, "sweep": {"sweeps"},
+    "explore": {"sweeps"},
 }  # fmt: skip
 """Evidence of ``validation`` that a command may load; others none, ``report`` any."""
 

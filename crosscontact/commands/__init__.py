@@ -21,6 +21,7 @@ COMMANDS = {
     "study": "refinement ladders and error against run time, every solver",
     "fields": "stresses, energies and losses in the body, for ParaView",
     "sweep": "one scene over many values of its keys, as a data set and maps",
+    "explore": "a page with sliders for up to three keys of a scene",
     "stability": "stiff and extreme cases: where each solver holds",
     "report": "run a suite of built-in scenes, check and draw everything",
     "material": "read a Prony series, or fit one to measured moduli",

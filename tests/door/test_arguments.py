@@ -28,6 +28,7 @@ REQUIRED = {
     "at_temperature": {"material": ELASTIC, "shift": cc.Arrhenius(1.0, 300.0), "temperature": 310.0},
     "builtin": {"name": "cycle-v0.1"},
     "compare": {"scene": SCENE, "resolution": 4, "max_steps": 5},
+    "explore": {"scene": SCENE, "vary": ("material.modulus",), "values": 2, "resolution": 4},
     "export_exam": {"folder": "exam"},
     "fit": {"curves": CURVE, "scene": SCENE, "vary": ("material.modulus",), "max_steps": 5000},
     "fit_each": {"curves": CURVE, "scene": SCENE, "vary": ("material.modulus",)},
@@ -59,7 +60,19 @@ TAKEN = {
     EMPTY: (*TIMES, "tie", "per_curve", "free", "profile", "measures", "segments"),
 }
 """Arguments that may be one of the wrong values after all, ``None`` aside where it is the default."""
-NAMED = ("solve", "compare", "fit", "sweep", "synthetic", "builtin", "load", "judge", "scene_from", "read_")
+NAMED = (
+    "solve",
+    "compare",
+    "explore",
+    "fit",
+    "sweep",
+    "synthetic",
+    "builtin",
+    "load",
+    "judge",
+    "scene_from",
+    "read_",
+)
 """Where a text has to be the name of something that there is."""
 OPTIONAL = {("fit", "check_solver")}
 NOT_ASKED = {"OutcomeKind", "SceneError", "Solver", "SolverComparison", "UnsupportedScene", "__version__"}

@@ -28,6 +28,7 @@ TRIED = {
     "dask": """from distributed import Client
 with Client(processes=False) as client, client.get_executor() as pool:
     cc.sweep('relaxed-equilibrium', {'adhesion.work': [4e-4, 5e-4]}, resolution=4, executor=pool)""",
+    "explore": "cc.explore('relaxed-equilibrium', ['adhesion.work'], values=2).save('page.html')",
     "fit": """cc.write_curve(cc.synthetic(cc.builtin('cycle-v0.1'), noise=0.01), 'a.h5')
 assert len(cc.read_curves('a.h5')) == 1""",
     "tamaas": "cc.solve('adhesionless-force', solver='tamaas', resolution=16)",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+from pathlib import Path
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 CHROMIUM = next((path for name in NAMES if (path := shutil.which(name))), None)
@@ -37,6 +38,20 @@ addEventListener("load", () => setTimeout(() => {
 </script>"""
 
 
+def title_of(page: Path, *flags: str) -> str:
+    """The title that a page has given itself; of a page without one what the browser says."""
+    said = subprocess.run(
+        [
+            str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+            "--disable-background-networking", "--disable-component-update", "--disable-sync",
+            "--allow-file-access-from-files", f"--user-data-dir={page.parent / 'profile'}",
+            "--virtual-time-budget=5000", "--window-size=1600,1000", *flags, "--dump-dom", page.as_uri(),
+        ],
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    return said.stdout.partition("<title>")[2].partition("</title>")[0] or said.stderr[-500:]
+
+
 def measure_page(folder, html: str, width: int, *flags: str) -> dict:
     """What the page says about itself when it is ``width`` pixels wide."""
     (seen,) = measure_pages(folder, [(html, width)], *flags)
@@ -47,19 +62,9 @@ def measure_pages(folder, pages: list[tuple[str, int]], *flags: str) -> list[dic
     """The same of several pages and widths by one browser, each in a frame: windows have a minimum width."""
     frames = []
     for number, (html, width) in enumerate(pages):
-        (folder / f"page{number}.html").write_text(html.replace("<head>", "<head>" + PROBE))
+        (folder / f"page{number}.html").write_text(html.replace("<head>", "<head>" + PROBE, 1))
         frames.append(FRAME.format(number=number, width=width))
     (folder / "frame.html").write_text("".join(("<!doctype html><title>waiting</title>", *frames, COLLECT)))
-    said = subprocess.run(
-        [
-            str(CHROMIUM), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
-            "--disable-background-networking", "--disable-component-update", "--disable-sync",
-            "--allow-file-access-from-files", f"--user-data-dir={folder / 'profile'}",
-            "--virtual-time-budget=5000", "--window-size=1600,1000", *flags,
-            "--dump-dom", (folder / "frame.html").as_uri(),
-        ],
-        capture_output=True, text=True, timeout=120,
-    )  # fmt: skip
-    title = said.stdout.partition("<title>")[2].partition("</title>")[0]
-    assert title.startswith("[{"), f"the page said nothing: {said.stderr[-500:]}"
+    title = title_of(folder / "frame.html", *flags)
+    assert title.startswith("[{"), f"the page said nothing: {title}"
     return json.loads(title)
