@@ -442,6 +442,8 @@ def draw_each(found: Sequence[EachFit]) -> Drawing:
             axes.errorbar(places[kept], value[kept], reach[:, kept], **look)
         axes.set_ylabel(name, color=INK, fontsize="small")
         format_axes(axes)
+        axes.locator_params(axis="x", integer=True)
+        axes.label_outer()
     panels[-1].set_xlabel("number of the curve")
     panels[0].legend(**LEGEND)
     return figure
