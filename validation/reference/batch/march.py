@@ -20,6 +20,8 @@ Flags = NDArray[np.bool_]
 
 CONVERGED, ITERATIONS = 1e-8, 20
 """Relative change of the time at which secants end (its error is the product of the last two), and most."""
+NOISE = 1e-10
+"""Residual that is noise: the places in a zone of 1e-6 radii are rounded by as much of it."""
 ROUNDED = 1e-15
 """Share of the penetration that is lost in rounding, and so the time in which it is driven."""
 ROOM = 128
@@ -125,7 +127,7 @@ def secants(
         slope = np.where(moving, (value - f) / (two - one), slope)
         change = np.where(moving, value / slope, 0.0)
         one, f, two = np.where(done, one, two), np.where(done, f, value), two - change
-        done = done | ~(np.abs(change) > CONVERGED * (np.abs(two) + scale))
+        done = done | ~(np.abs(change) > CONVERGED * (np.abs(two) + scale)) | (np.abs(value) < NOISE)
         if done.all():
             break
     return two, slope, done & np.isfinite(two)

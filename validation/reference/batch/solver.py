@@ -91,7 +91,7 @@ def retract(leg: Leg, start: Array, duration: Array, steps: Grid, held: Held | N
     if opens.any():
         travel, behind = steps.step(0), None
         if held is not None:
-            behind = held.branches(travel.points.behind(bodies, start, True), now)
+            behind = held.branches(travel.points.behind(bodies, start), now)
         guess, slope = begun(Opening(leg, travel, start, behind, own), rest, rows.quick, -1.0)
         t, _, found = secants(Opening(leg, travel, start, behind, own), guess, slope, rows.lost, opens)
         rest = np.where(opens & found, t, 0.0)
@@ -112,7 +112,7 @@ def retract(leg: Leg, start: Array, duration: Array, steps: Grid, held: Held | N
         travel, before, behind = steps.step(k), rows.time[k - 1], None
         if held is not None:
             passed = a + np.where(rows.going, past - a, 0.0) * POINTS[:, None]
-            places = travel.points.behind(bodies, a, bool(steps.g[k] < 1.0)), a[None], passed
+            places = travel.points.behind(bodies, a), a[None], passed
             values = held.branches(np.concatenate(places), now)
             m = len(places[0])
             behind, own, lost = values[:, :m], values[:, m], values[:, m + 1 :] * WEIGHTS[:, None]

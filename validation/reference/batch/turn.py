@@ -127,7 +127,7 @@ def turned(bodies: Bodies, first: Leg, closing: March, resolution: int) -> tuple
     held, top = Held(bodies, first, second, start, radius, time, last, kinks), last.copy()
     if len(bodies.moduli):
         step = _first_step(held)
-        moves = (closing.ending == ENDED) & (AfterTurn(held, step)(edge) < 0.0)
+        moves = (closing.ending == ENDED) & (AfterTurn(held, step)(edge) < AfterTurn(held, 0.0 * step)(edge))
         some = np.flatnonzero(moves)
         if len(some):
             found = _closing_on(held.of_some(some, bodies.of_some(some)), step[some], resolution)
@@ -178,6 +178,7 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
     kinks = np.clip(held.kinks - held.last + window, 0, window)
     top, edge = np.full(len(step), window), radius[window].copy()
     elapsed, moves, found = 0.0 * step, np.ones(len(step), bool), np.full(len(step), -1)
+    error = 0.0 * step
     for k in range(1, LONGEST):
         if not moves.any():
             break
@@ -185,11 +186,13 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
         step = step * (1.0 + 2.0 / resolution)
         local = Held(bodies, held.first, held.second, held.start, radius, time, top, kinks)
         residual = AfterTurn(local, elapsed)
+        if k == 1:
+            error = AfterTurn(local, 0.0 * step)(edge)  # of the place of the turn
         y = (radius[window : window + k] - edge) / bodies.zone
         guess = np.where(moves, 2.0 * y[-1] - y[-2] if k > 1 else 1e-4, y[-1])
 
-        def at(y: Array, residual: AfterTurn = residual) -> Array:
-            return residual(edge + y * bodies.zone)
+        def at(y: Array, residual: AfterTurn = residual, error: Array = error) -> Array:
+            return residual(edge + y * bodies.zone) - error
 
         slope = (at(guess + 1e-4) - at(guess)) * 1e4
         place, _, done = secants(at, guess, slope, np.full(len(step), 1e-3), moves)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,29 +102,19 @@ class Quadrature:
         """Polynomials (SERIES, B) of zone over radius."""
         return _polynomials(2.0 * SHORTEST * bodies.zone / radius - 1.0, SERIES)
 
-    def behind(self, bodies: Bodies, radius: Array, layered: bool) -> Array:
-        """Radii where stresses are asked for: nodes and, if there is a layer at the edge, points."""
+    def behind(self, bodies: Bodies, radius: Array) -> Array:
+        """Radii where stresses are asked for: nodes and points."""
         share = 0.5 * (1.0 + chebyshev_series(NODES)[0])[:, None]
-        return radius - bodies.zone * (1.0 - (np.concatenate((share, self.v)) if layered else share))
+        return radius - bodies.zone * (1.0 - np.concatenate((share, self.v)))
 
     def stressed(self, bodies: Bodies, radius: Array, held: Array) -> Array:
-        """The forms (n, m, B) of stresses there. Of a layer the part of order zone over radius sees nodes."""
+        """The forms (n, m, B) of stresses there. Nodes see what the kernel has of order zone over radius."""
         zone, nodes = bodies.zone, held[:, :NODES].transpose(1, 0, 2)
         values = nodes[:, None] * self.series(bodies, radius)[:, None]
         inner = self.inner @ values.reshape(NODES * SERIES, -1)
-        if held.shape[1] == NODES:
-            held = (self.between @ nodes.reshape(NODES, -1)).reshape(-1, *nodes.shape[1:]).transpose(1, 0, 2)
-        else:
-            held = held[:, NODES:]
-        main = 0.5 * math.pi / np.sqrt((radius - zone * (1.0 - self.v)) * (radius + zone * self.v))
         inner = inner.reshape(len(self.v), *nodes.shape[1:]).transpose(1, 0, 2) * (zone / (radius * radius))
-        return np.asarray(self.weight * (main * held + inner))
-
-    @cached_property
-    def between(self) -> Array:
-        """Values at the points of those at nodes (m, NODES)."""
-        at = _polynomials(2.0 * self.v[:, 0] - 1.0, NODES)
-        return np.asarray(at.T @ chebyshev_series(NODES)[1])
+        main = 0.5 * math.pi / np.sqrt((radius - zone * (1.0 - self.v)) * (radius + zone * self.v))
+        return np.asarray(self.weight * (main * held[:, NODES:] + inner))
 
 
 @lru_cache(maxsize=4096)
