@@ -189,8 +189,5 @@ def collocation(times: Array, clock: Array, moduli: Array, depths: Array, values
     ends[:, :-1] += layers * np.exp(-duration / times)
     paths[0, :-1, -1] += depths
     ends[:-1, -1] += depths
-    given, free = (
-        Collocated(times, clock, paths[:, part], layers[part], ends[part])
-        for part in (slice(None, -1), slice(-1, None))
-    )
-    return Collocation(given, free)
+    given = Collocated(times, clock, paths[:, :-1], layers[:-1], ends[:-1])
+    return Collocation(given, Collocated(times, clock, paths[:, -1:], layers[-1:], ends[-1:]))
