@@ -181,6 +181,14 @@ def test_a_coarser_reference_serves_or_values_are_judged_alone(scene_file, fakes
     assert "No reference" in page_without_figures(found)
 
 
+def test_what_knows_no_layer_is_not_studied_on_one():
+    asked = {
+        name: {one.scheme for one in schemes.ladders(load(name).scene)}
+        for name in ("cycle-v0.02", "layer-cycle")
+    }
+    assert asked["cycle-v0.02"] - asked["layer-cycle"] == {"paper-scheme"}
+
+
 ASKED = {"bem": (1.8, 3.2, 5e-5), "paper-scheme": (0.7, 1.2, 3e-3), "fem": (1.8, 4.5, 5e-5)}
 """Annuli are of second order, the path of an opening edge of third: order and last error of the loop."""
 

@@ -215,6 +215,8 @@ def ladders(scene: Scene) -> list[Ladder]:
     ]  # fmt: skip
     if adhesive:
         found += [_zone_ladder(BEM, 6), _zone_ladder(FEM, 4), _zone_ladder(REFERENCE, 5)]
+    if scene.body is not None:  # uniform annuli know no layer
+        found = [each for each in found if each.scheme != PAPER]
     others = [name for name in SOLVERS if name not in SCHEMES]
     return found + [_ladder(name, "together", "divisions per zone", four) for name in others]
 

@@ -42,6 +42,7 @@ _REST = ((1.0 - POINTS[:, None] ** np.arange(1, COUNT + 1)) / np.arange(1, COUNT
     powers(POINTS, COUNT - 1)
 )
 _RUNNING = np.vstack((_REST, WEIGHTS)).T
+_BEFORE = np.column_stack((_REST, np.ones(COUNT)))
 _GRADED = 2e-3 * 4.0 ** np.arange(4)
 """Breaks near the ends of a zone: a layer that relaxes behind a slow edge is an exponential of any thickness,
 which five points follow to 1e-6 over a ratio of 4 (of 10: 1e-4)."""
@@ -69,30 +70,52 @@ def points(breaks: Array) -> tuple[Array, Array]:
 class Closure:
     """The closure at a radius.
 
-    ``s``, ``weight`` (m,): points and weights from the inner end of the zone. ``main`` (m,): of the first
-    term. ``within`` (l, m): polynomials of their places, times the widths of their panels over x; ``kernel``
-    (l, m): what their integrals are multiplied with.
+    ``s``, ``weight`` (m,): points and weights from the inner end of the zone. ``moments`` (l, m): polynomials
+    of their places; ``within``: times the widths of their panels, over x. ``kernel`` (l, l): its series.
     """
 
     zone: float
     s: Array
     weight: Array
     main: Array
+    moments: Array
     within: Array
     kernel: Array
 
-    def between(self, q: Array, d: Array) -> float:
-        """``I`` of stresses behind and openings ahead (m,); negative where they press next to the edge.
+    def of_stresses(self, q: Array) -> Array:
+        """What openings (m,) are to be multiplied with for the form, of stresses behind (c, m)."""
+        order, count = len(self.kernel), len(q)
+        parts = (self.within[:, None] * q).reshape(-1, COUNT) @ _RUNNING
+        parts = parts.reshape(order * count, -1, COUNT + 1)
+        totals = parts[:, :, COUNT]
+        later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
+        rest = self.kernel @ (parts[:, :, :COUNT] + later[:, :, None]).reshape(order, -1)
+        inner = (self.moments[:, None] * rest.reshape(order, count, -1)).sum(axis=0)
+        return self.weight * (self.main * q + inner)
+
+    def of_openings(self, d: Array) -> Array:
+        """What stresses (m,) are to be multiplied with, of openings ahead (c, m)."""
+        opened = self.weight * d
+        order, count = len(self.kernel), len(d)
+        parts = ((self.kernel.T @ self.moments)[:, None] * opened).reshape(-1, COUNT) @ _BEFORE
+        parts = parts.reshape(order * count, -1, COUNT + 1)
+        totals = parts[:, :, COUNT]
+        earlier = totals.cumsum(axis=1) - totals
+        before = (parts[:, :, :COUNT] + earlier[:, :, None] * WEIGHTS).reshape(order, count, -1)
+        return self.main * opened + (self.within[:, None] * before).sum(axis=0)
+
+    def integral(self, product: float, stress: float, opening: float) -> float:
+        """``I`` of the product of both; negative where they are those of pressing next to the edge.
 
         There the form is not positive, so that it does not jump where an edge ceases to be pressed.
         """
-        order = len(self.kernel)
-        parts = ((self.within * q).reshape(-1, COUNT) @ _RUNNING).reshape(order, -1, COUNT + 1)
-        totals = parts[:, :, COUNT:]
-        later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
-        inner = (self.kernel * (parts[:, :, :COUNT] + later).reshape(order, -1)).sum(axis=0)
-        value = float((self.main * q + inner) @ (self.weight * d)) * (-1.0 / (math.pi**2 * self.zone))
-        return -abs(value) if q[-1] > 0.0 and d[0] < 0.0 else value
+        value = product * (-1.0 / (math.pi**2 * self.zone))
+        return -abs(value) if stress > 0.0 and opening < 0.0 else value
+
+    def between(self, q: Array, d: Array) -> float:
+        """``I`` of stresses and openings (m,)."""
+        product = float(self.of_stresses(q[None])[0] @ d)
+        return self.integral(product, float(q[-1]), float(d[0]))
 
 
 def closure(radius: float, zone: float, breaks: Array) -> Closure:
@@ -109,18 +132,19 @@ def closure(radius: float, zone: float, breaks: Array) -> Closure:
     reach = float(place[-1])
     order = TERMS + int(TERMS_A_FACTOR * reach)
     moments = chebyshev(2.0 * place / reach - 1.0, order)
-    kernel = kernel_slope(x[0], reach, zone, order).T @ moments
-    return Closure(zone, s, weight, main, moments * (width / x), kernel)
+    return Closure(
+        zone, s, weight, main, moments, moments * (width / x), kernel_slope(x[0], reach, zone, order)
+    )
 
 
 def kernel_slope(start: float, reach: float, zone: float, order: int) -> Array:
     """``x dK/dx`` as a series (order, order) in the places of ``y - zone`` and ``x``."""
     knots, series = chebyshev_series(order)
     at = start * np.exp(0.5 * reach * (1.0 + knots))
-    return np.asarray(series @ (at * kernel_slopes(at, at[:, None], zone)) @ series.T)
+    return np.asarray(series @ (at * _kernel_slopes(at, at[:, None], zone)) @ series.T)
 
 
-def kernel_slopes(x: Array, behind: Array, zone: float | Array) -> Array:
+def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:
     """``dK/dx`` at pairs of ``x`` and ``y = behind + zone``."""
     x, behind = x[..., None], behind[..., None]
     r = 0.5 * (x + behind) + 0.5 * (x - behind) * _RING

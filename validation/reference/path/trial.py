@@ -79,7 +79,9 @@ class Trial:
         side = slice(count, None) if self.direction > 0.0 else slice(0, count)
         phi = (self._phi[side] - self._phi[count]).T
         phi[0] = 1.0
-        self._still = np.vstack((phi, self._G[side] - self._G[count], self._begun[side].T))
+        rows = np.vstack((phi, self._G[side] - self._G[count], self._begun[side].T))
+        self._factors = form.of_openings(rows) if self.direction > 0.0 else form.of_stresses(rows)
+        self._beside = rows[:, 0 if self.direction > 0.0 else -1]  # the point next to the edge
 
     def _lay(self, behind: Array, ahead: Array) -> None:
         """Points behind and ahead of the end, and of the sweep; those that change sides are on one side."""
@@ -206,8 +208,8 @@ class Trial:
             changed = total(passing.end[: len(self._changing)])
             changed += (rheology.relaxed if covers else -1.0) * strain[self._changing]
             field[self._changing - (0 if covers else count)] = changed
-        other = still @ self._still
-        return form.between(field, other) if covers else form.between(other, field)
+        beside = float(still @ self._beside), float(field[-1 if covers else 0])
+        return form.integral(float(still @ (self._factors @ field)), *(beside[::-1] if covers else beside))
 
     def overlap(self, motion: Motion) -> float:
         """Strain by which the surface is within the indenter next to an edge that covers or stays."""
