@@ -141,10 +141,10 @@ def kernel_slope(start: float, reach: float, zone: float, order: int) -> Array:
     """``x dK/dx`` as a series (order, order) in the places of ``y - zone`` and ``x``."""
     knots, series = chebyshev_series(order)
     at = start * np.exp(0.5 * reach * (1.0 + knots))
-    return np.asarray(series @ (at * _kernel_slopes(at, at[:, None], zone)) @ series.T)
+    return np.asarray(series @ (at * kernel_slopes(at, at[:, None], zone)) @ series.T)
 
 
-def _kernel_slopes(x: Array, behind: Array, zone: float) -> Array:
+def kernel_slopes(x: Array, behind: Array, zone: float | Array) -> Array:
     """``dK/dx`` at pairs of ``x`` and ``y = behind + zone``."""
     x, behind = x[..., None], behind[..., None]
     r = 0.5 * (x + behind) + 0.5 * (x - behind) * _RING
