@@ -112,6 +112,19 @@ def test_fewer_rows_behind_the_loss_than_a_line_is_begun_with(rows, end):
     assert seen.noise == pytest.approx(1e-3, rel=0.5)
 
 
+def test_a_loss_that_the_force_runs_into_is_a_jump_too():
+    """The last change is less than three times the one before it, as of a bead that leaves a gel."""
+    time = np.arange(70.0)
+    motion = 26.0 - np.abs(time - 26.0)
+    left = 61.5 - time  # rows to the loss
+    held = np.where(time < 26.0, 5.0 * time, 130.0 - 7.0 * (time - 26.0))
+    held = np.where(time > 50.0, -130.0 + 100.0 * 0.5 ** np.abs(left), held)
+    force = np.where(left > 0.0, held, 0.0) + np.random.default_rng(0).standard_normal(70)
+    seen = moments(MeasuredCurve(time, force, motion))
+    assert seen.last == 62
+    assert seen.noise == pytest.approx(1.0, rel=0.5)
+
+
 @pytest.mark.parametrize("noise", [0.0, 1e-3])
 def test_a_straight_record_is_contact_throughout(noise):
     """Of a flat punch that never leaves: one line holds all rows, and it is no baseline, for it rises."""

@@ -39,9 +39,6 @@ EXTENSIONS = 8
 JUMP, JUMP_SHARE, LEFT = 8.0, 0.25, 0.15
 """A jump rises by eight deviations of the noise and a quarter of the pull-off force; it is the loss of
 contact if less than the last share still pulls behind it."""
-OVER_NEIGHBOURS = 3.0
-"""Change between two rows over that beside it on the side in contact, from which it is a jump for certain: a
-smooth curve has them about equal."""
 STEEP, SHORT = 0.5, 0.1
 """Change of the line over the travel, over the pull-off force, from which a tail of less than a tenth of
 the rows is no free one, for the force still falls; nor is the whole, which is contact throughout."""
@@ -78,8 +75,8 @@ def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
     count = stage.size
     width, tail = max(3, count // 400), max(min(12, count // 4), count // 20)
     deepest = float(np.median(force[-max(10, count // 20) :]) - force.min())
-    change, least = np.abs(np.diff(force)), max(JUMP * noise, JUMP_SHARE * deepest)
-    jumps = np.flatnonzero(change[1:] > np.maximum(least, OVER_NEIGHBOURS * (change[:-1] + noise)))
+    change = np.abs(np.diff(force))  # grows towards a loss, and falls where a smooth force comes to nothing
+    jumps = np.flatnonzero(change[1:] > np.maximum(change[:-1] + JUMP * noise, JUMP_SHARE * deepest))
     begin = max(count - tail, min(int(jumps.max(initial=-2)) + 2, count - width))  # behind the last jump
     along = np.column_stack([np.ones(count), (stage - stage[-1]) / (float(np.ptp(stage)) or 1.0)])
     for _ in range(EXTENSIONS):

@@ -19,9 +19,12 @@ from numpy.typing import NDArray
 
 from contact_scene.errors import SceneError
 from validation.fits.contact import Array, white_noise
-from validation.fits.features import FEWEST, JUMP, OVER_NEIGHBOURS, background, loss_of_contact
+from validation.fits.features import FEWEST, JUMP, background, loss_of_contact
 from validation.fits.record import MeasuredCurve
 
+OVER_NEIGHBOURS = 3.0
+"""Change between two rows over that beside it on the side in contact, from which it is a jump for certain: a
+smooth curve has them about equal."""
 OFF = 4.0
 """Deviations of the noise from which a row is off the background: one in 16 000 by chance."""
 EXCLUDED, FEWEST_ROWS = 2, 6
