@@ -57,6 +57,13 @@ class Fit:
     ----------
     result : FitResult
         Everything, as it stands in ``fit.json``.
+
+    Examples
+    --------
+    >>> curve = cc.synthetic(cc.builtin("cycle-v0.02"), noise=0.01)
+    >>> found = cc.fit(curve, "cycle-v0.02", ["adhesion.work"], starts=1, check_solver=None)
+    >>> found.scene.adhesion.work == found["adhesion.work"].value
+    True
     """
 
     def __init__(self, result: FitResult) -> None:
@@ -179,6 +186,14 @@ def fit(
     ------
     SceneError
         One line, if data or arguments are no good.
+
+    Examples
+    --------
+    >>> curve = cc.synthetic(cc.builtin("cycle-v0.02"), noise=0.01)
+    >>> found = cc.fit(curve, "cycle-v0.02", ["adhesion.work"], starts=1, check_solver=None)
+    >>> work = found["adhesion.work"]
+    >>> work.low < 5.026548e-4 < work.high
+    True
     """
     asked = locals()
     settings = FitSettings(**{name: asked[name] for name in FitSettings.__dataclass_fields__})
@@ -217,6 +232,13 @@ def fit_each(
     ------
     SceneError
         One line, if arguments are no good or no curve can be fitted.
+
+    Examples
+    --------
+    >>> curves = [cc.synthetic(cc.builtin("cycle-v0.02"), seed=seed, name=f"{seed}") for seed in (1, 2)]
+    >>> table = cc.fit_each(curves, "cycle-v0.02", ["adhesion.work"])
+    >>> table.value.shape
+    (2, 1)
     """
     for name in options:
         if name not in FitSettings.__dataclass_fields__:
@@ -310,7 +332,15 @@ def _stored(folder: Path | None, kind: str, asked: dict[str, str], key: str, fre
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
-    """All curves of a file as :func:`fit` takes them: tables in units of the scene, others in SI units."""
+    """All curves of a file as :func:`fit` takes them: tables in units of the scene, others in SI units.
+
+    Examples
+    --------
+    >>> cc.write_curve(cc.synthetic(cc.builtin("elastic-relaxed")), "curve.csv")
+    >>> [curve] = cc.read_curves("curve.csv")
+    >>> curve.stage is None
+    True
+    """
     return read_file(checked_path(path, "path"))
 
 
@@ -358,6 +388,13 @@ def read_curve(
         One line: what is wrong, or which of the arguments states what the file does not.
     ImportError
         If the package that reads such files is not installed.
+
+    Examples
+    --------
+    >>> rows = "\\n".join(f"{t} {t - 9} {max(0, t - 9)}" for t in range(20))
+    >>> _ = Path("a.txt").write_text(rows)
+    >>> cc.read_curve("a.txt", spring_constant=0.1, columns="time=1,stage=2:1e-7,deflection=3:1e-9").stiffness
+    0.1
     """
     asked = Namespace(**locals())
     curves = read_given(path, asked, si=True)
@@ -389,6 +426,12 @@ def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
     ------
     SceneError
         One line, if the path is none of a file that can be written.
+
+    Examples
+    --------
+    >>> cc.write_curve(cc.synthetic(cc.builtin("elastic-relaxed")), "curve.csv")
+    >>> Path("curve.csv").read_text().splitlines()[0]
+    'time,penetration,force'
     """
     of_class(curve, "curve", MeasuredCurve, "a MeasuredCurve")
     file = as_target(path)

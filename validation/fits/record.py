@@ -86,6 +86,13 @@ class MeasuredCurve(Checked):
     ------
     SceneError
         One line, if the columns are no record of a curve.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 2.0, 21)
+    >>> curve = cc.MeasuredCurve(time, 1e-6 * np.sin(np.pi * time), penetration=1e-7 * np.sin(np.pi * time))
+    >>> len(curve.time)
+    21
     """
 
     time: Numbers

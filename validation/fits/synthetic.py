@@ -72,6 +72,12 @@ def synthetic(
     ------
     SceneError
         If a load step controls the force, or the solver does not finish the scene.
+
+    Examples
+    --------
+    >>> curve = cc.synthetic(cc.builtin("cycle-v0.02"), noise=0.01)
+    >>> curve.force.shape == curve.time.shape
+    True
     """
     of_class(scene, "scene", Scene, "a Scene, as read_scene reads one from a file")
     noise = not_negative(noise, "noise")
