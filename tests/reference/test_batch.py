@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.batch import FAMILIES, Family, difference
-from contact_scene import Adhesion, Hold, Layer, Machine, PowerRate, Ramp, TabulatedProfile
+from contact_scene import Adhesion, Branch, Hold, Layer, Machine, Material, PowerRate, Ramp, TabulatedProfile
 from validation.cases import load
 from validation.reference import batch
 from validation.reference.path import Options
@@ -93,6 +93,22 @@ def test_rows_lie_on_the_curve_of_the_reference():
     assert (answer.force[-1], answer.contact_radius[-1]) == (0.0, 0.0)
 
 
+@pytest.mark.parametrize(("ratio", "quickness"), [(0.01, 10.0), (0.1, 0.01), (0.03, 0.02)])
+def test_an_edge_whose_times_go_over_decades(ratio, quickness):
+    """Extrapolated times came before those known, and secants leapt about a bend of the residual."""
+    zone, work = 1e-7, 8e-3 * ratio / (9.0 * np.pi)
+    depth = 0.01 - np.sqrt(0.2 * np.pi * work)
+    scene = changed(
+        material=Material(0.75, 0.5, (Branch(0.75 * (1.0 / ratio - 1.0), 1.0),)),
+        adhesion=Adhesion(work, zone),
+        start="relaxed",
+        penetration=depth,
+        steps=(Ramp(depth - 1.0, quickness * zone),),
+    )
+    [answer] = batch.solve([scene])
+    assert difference(scene, answer) < min(answer.errors["pull_off_force"], 1e-4)
+
+
 def test_a_ramp_that_ends_in_contact():
     """The run ends with its ramp, at its penetration, before the largest tension or after it."""
     for to in (0.03, 0.0235, 0.0223):
@@ -124,7 +140,7 @@ def test_neither_order_nor_company_changes_an_answer():
 
 def changed(**parts):
     """The retraction with other parts."""
-    loading = {key: parts.pop(key) for key in ("start", "steps", "machine") if key in parts}
+    loading = {key: parts.pop(key) for key in ("start", "penetration", "steps", "machine") if key in parts}
     return replace(RETRACTION, loading=replace(RETRACTION.loading, **loading), **parts)
 
 

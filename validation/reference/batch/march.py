@@ -20,8 +20,8 @@ Flags = NDArray[np.bool_]
 
 CONVERGED, ITERATIONS = 1e-8, 20
 """Relative change of the time at which secants end (its error is the product of the last two), and most."""
-NOISE = 1e-10
-"""Residual that is noise: the places in a zone of 1e-6 radii are rounded by as much of it."""
+ROUNDING = 16.0 * np.finfo(float).eps
+"""Of a place in the zone, over the radius: times radius over zone, that of a residual."""
 ROUNDED = 1e-15
 """Share of the penetration that is lost in rounding, and so the time in which it is driven."""
 ROOM = 128
@@ -116,18 +116,27 @@ class Closing(Step):
 
 
 def secants(
-    residual: Callable[[Array], Array], one: Array, slope: Array, scale: Array, asked: Flags
+    residual: Callable[[Array], Array], one: Array, slope: Array, scale: Array, noise: Array, asked: Flags
 ) -> tuple[Array, Array, Flags]:
-    """Roots, slopes and whether they are found, of those asked for; each scene stops by itself."""
+    """Roots, slopes and whether they are found, of those asked for; each scene stops by itself.
+
+    A residual below its ``noise`` is none. Where a secant leads out of the two places between which the sign
+    changes, the next one is in their middle: over a layer that relaxes the residual bends sharply.
+    """
     f, done = residual(one), ~asked
+    rising = np.sign(slope)
+    low, high = np.where(rising * f < 0.0, one, -np.inf), np.where(rising * f < 0.0, np.inf, one)
     two = np.where(asked, one - f / slope, one)
     for _ in range(ITERATIONS):
         value = residual(two)
+        low, high = np.where(rising * value < 0.0, two, low), np.where(rising * value < 0.0, high, two)
         moving = ~done & (two != one) & (value != f)
         slope = np.where(moving, (value - f) / (two - one), slope)
         change = np.where(moving, value / slope, 0.0)
+        astray = moving & np.isfinite(high - low) & ((two - change - low) * (two - change - high) > 0.0)
+        change = np.where(astray, two - 0.5 * (low + high), change)
         one, f, two = np.where(done, one, two), np.where(done, f, value), two - change
-        done = done | ~(np.abs(change) > CONVERGED * (np.abs(two) + scale)) | (np.abs(value) < NOISE)
+        done = done | ~(np.abs(change) > CONVERGED * (np.abs(two) + scale)) | (np.abs(value) < noise)
         if done.all():
             break
     return two, slope, done & np.isfinite(two)
@@ -164,7 +173,7 @@ def start_radius(bodies: Bodies) -> Array:
         radius = np.maximum(radius - (G - D - root) / ((n * G - 0.5 * root) / radius), 0.3 * radius)
     radius = np.maximum(radius, SHORTEST * bodies.zone)
     slope = (released(radius * (1.0 + 1e-3)) - released(radius)) / (1e-3 * radius)
-    return secants(released, radius, slope, 0.0 * radius, radius > 0.0)[0]
+    return secants(released, radius, slope, 0.0 * radius, ROUNDING * radius / bodies.zone, radius > 0.0)[0]
 
 
 @dataclass(eq=False)
@@ -233,7 +242,12 @@ class March:
             guess, self.slope = begun(step, first, self.quick, sign)
         else:
             guess = travel.guess @ self.time[k - len(travel.guess) : k]
-        t, slope, found = secants(step, guess, self.slope, self.lost, going)
+            if k > 2:  # a polynomial through times of several decades may come before the last of them
+                g, before, now = self.grid.g, *self.time[k - 2 : k]
+                straight = now + (now - before) * (g[k] - g[k - 1]) / (g[k - 1] - g[k - 2])
+                guess = np.where(guess > now, guess, straight)
+        noise = ROUNDING * self.radius[0] / self.leg.bodies.zone
+        t, slope, found = secants(step, guess, self.slope, self.lost, noise, going)
         self.ending[going & ~found] = FAILED
         going = going & found
         self.slope = np.where(going & (slope != 0.0), slope, 1.0)

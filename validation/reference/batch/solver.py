@@ -19,6 +19,7 @@ from validation.reference.batch.march import (
     ENDED,
     FAILED,
     REASONS,
+    ROUNDING,
     SHORT,
     Closing,
     March,
@@ -93,7 +94,8 @@ def retract(leg: Leg, start: Array, duration: Array, steps: Grid, held: Held | N
         if held is not None:
             behind = held.branches(travel.points.behind(bodies, start), now)
         guess, slope = begun(Opening(leg, travel, start, behind, own), rest, rows.quick, -1.0)
-        t, _, found = secants(Opening(leg, travel, start, behind, own), guess, slope, rows.lost, opens)
+        noise = ROUNDING * start / bodies.zone
+        t, _, found = secants(Opening(leg, travel, start, behind, own), guess, slope, rows.lost, noise, opens)
         rest = np.where(opens & found, t, 0.0)
         rows.ending[(opens & ~found) | (rest >= duration)] = FAILED
     rows.add(

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.march import ENDED, FAILED, March, secants
+from validation.reference.batch.march import ENDED, FAILED, ROUNDING, March, secants
 from validation.reference.batch.scenes import Bodies, Leg
 from validation.reference.batch.zone import SHARES, SWEPT, quadrature
 
@@ -178,7 +178,7 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
     kinks = np.clip(held.kinks - held.last + window, 0, window)
     top, edge = np.full(len(step), window), radius[window].copy()
     elapsed, moves, found = 0.0 * step, np.ones(len(step), bool), np.full(len(step), -1)
-    error = 0.0 * step
+    error, rounding = 0.0 * step, ROUNDING * edge / bodies.zone
     for k in range(1, LONGEST):
         if not moves.any():
             break
@@ -195,7 +195,7 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
             return residual(edge + y * bodies.zone) - error
 
         slope = (at(guess + 1e-4) - at(guess)) * 1e4
-        place, _, done = secants(at, guess, slope, np.full(len(step), 1e-3), moves)
+        place, _, done = secants(at, guess, slope, np.full(len(step), 1e-3), rounding, moves)
         rises = moves & done & (place > y[-1])
         turns = moves & ~rises & np.isfinite(place)
         row = window + k
