@@ -439,3 +439,19 @@ def until_largest_tension(start: StepStart, step: float) -> float:
     if not -1.5 * near < distance < step + near:
         return math.inf
     return distance - near if distance > 1.5 * near else near
+
+
+def short_of_largest_tension(start: StepStart, trial: TrialContact, parameter: float) -> float:
+    """The step to close before the largest tension of the run, if the one tried passes it far off; else 0.
+
+    Where slopes bend the last rows have not told where the load would turn; with the trial they do. Steps
+    that are short because it is near may pass it.
+    """
+    state, taken = start.state, parameter - start.state.parameter
+    near, tension = _BESIDE_EXTREMUM * taken, -state.contact.surface.force
+    hardest = start.interval.control != "force" and tension > 0.0 and tension >= state.largest_tension
+    if not hardest or taken <= 1.5 * _BESIDE_EXTREMUM * state.step:
+        return 0.0
+    row = AcceptedRow(parameter, trial.motion.new_edge, trial.surface.force)
+    turn = taken + AcceptedSteps([*state.accepted.rows, row]).until_load_turns()
+    return turn - near if 1.5 * near < turn < taken - 1.5 * near else 0.0

@@ -26,6 +26,7 @@ from bem_solver.control import (
     free_load,
     grown,
     limited_step,
+    short_of_largest_tension,
     shrunk,
 )
 from bem_solver.creep import surface_material
@@ -242,6 +243,10 @@ class GradedRun:
                 state.step = shrunk(taken, result.error, 2 if len(state.accepted.rows) > 1 else 1)
                 return None
             result = at_jump
+        if not at_once and (before := short_of_largest_tension(start, result.trial, result.parameter)) > 0.0:
+            problem.counters.rejected_steps += 1
+            state.step = before
+            return None
         if interval.trigger is None or interval.jump:
             return self._accept(result, leaps)
         result, reached = to_level(trial_step, interval.trigger, result)
