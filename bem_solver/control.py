@@ -354,7 +354,7 @@ def _load_scale(start: StepStart, surface: ContactSurface, step: float) -> float
     if problem.curves:
         tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * surface.edge**3)
         opens = surface.edge < start.state.contact.edge  # behind a closing edge it may be a thin layer's
-        singular = min(abs(surface.singular_force), math.inf if opens else tip)
+        singular = min(abs(2.0 * surface.edge * surface.kappa), math.inf if opens else tip)
         force = min(force, max(abs(surface.force), singular))
     if start.interval.control != "force" or surface.edge == 0.0:
         return force

@@ -135,12 +135,6 @@ def first_stable(
             known[n] = -way * trial(radii[n]).residual
         return known[n]
 
-    def stable_within(first: int, last: int) -> tuple[float, float] | None:
-        for n in range(first + 1, last + 1):
-            if excess(n) < -rounding:
-                return radii[n - 1], radii[n]
-        return None
-
     for first in range(0, count, stride):
         last, before = min(first + stride, count), max(first - stride, 0)
         one, two, three = (first, last, min(last + stride, count)) if first == 0 else (before, first, last)
@@ -149,9 +143,9 @@ def first_stable(
         bent = three == two or abs(excess(one) - 2.0 * excess(two) + excess(three)) >= least
         low, high = sorted((radii[before], radii[last]))
         if bent or any(low <= place <= high for place in places):
-            found = stable_within(before, last)
-            if found is not None:
-                return found
+            below = (n for n in range(before + 1, last + 1) if excess(n) < -rounding)
+            if (n := next(below, None)) is not None:
+                return radii[n - 1], radii[n]
     return None
 
 

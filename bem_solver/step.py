@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cache
 from typing import NamedTuple
 
 from scipy.optimize import brentq
@@ -333,7 +333,8 @@ class TrialStep(StepStart):
         if not self.problem.curves or travel < least_bent_travel(self, edge):
             return self._as_earlier(self.state.accepted.earlier(_SHARE_OF_STEP * duration))
         curved, runs_away = self._as_earlier(before), self.state.accepted.runs_away
-        return replace(curved, load=before.edge_load, ahead=0.0, fall=self._fall, runs_away=runs_away)
+        fall = OuterFall.outside(self.state.contact.surface, self.problem.nearest)
+        return replace(curved, load=before.edge_load, ahead=0.0, fall=fall, runs_away=runs_away)
 
     def _as_earlier(self, row: AcceptedRow) -> EarlierRow:
         """An accepted row as the earlier one of a parabola."""
@@ -344,11 +345,6 @@ class TrialStep(StepStart):
         if not self.problem.curves:
             return EarlierRow(time, penetration)
         return EarlierRow(time, penetration, row.edge, row.load_ahead, self.problem.ahead)
-
-    @cached_property
-    def _fall(self) -> OuterFall:
-        """Fall of the load outside the edge at the start."""
-        return OuterFall.outside(self.state.contact.surface, self.problem.nearest)
 
     def result(self) -> Candidate | FailedStep:
         """The candidate, or why there is none."""

@@ -37,10 +37,6 @@ class EdgeKinks:
         inside = np.array(sorted({r for r in radii if 0.0 < r < edge}))
         return cls(inside, np.minimum(np.diff(np.append(inside, edge)), reach))
 
-    def and_at(self, radius: float, reach: float) -> EdgeKinks:
-        """One more, beyond the others."""
-        return EdgeKinks(np.append(self.radius, radius), np.append(self.reach, reach))
-
     @property
     def readings(self) -> Array:
         """Radii (3 k,) at which the required ``v`` is wanted: at each, a quarter reach and one beyond."""
@@ -231,11 +227,6 @@ class ContactSurface:
             return 0.0
         tip, quarter, full = self.outside(self.edge + np.array([0.0, 0.25, 1.0]) * reach)
         return float((4.0 * (tip - quarter) - (tip - full)) / np.sqrt(reach))
-
-    @property
-    def singular_force(self) -> float:
-        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
-        return 2.0 * self.edge * self.kappa
 
     @property
     def stress_intensity(self) -> float:

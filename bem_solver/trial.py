@@ -363,9 +363,8 @@ def _motion(
         row = row or (earlier.time, earlier.penetration)
     if earlier is not None and earlier.edge is not None and earlier.fall is not None:
         if edge != state.edge:
-            path = BentPath.through(
-                (earlier.time, earlier.edge), state.edge, duration, edge, earlier.runs_away
-            )
+            before = earlier.time, earlier.edge
+            path = BentPath.through(before, state.edge, duration, edge, earlier.runs_away)
             fall = earlier.fall
     elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
         path = BentPath.straight(state.edge, edge)
@@ -434,4 +433,5 @@ def _kinks_inside(problem: Problem, state: HalfSpaceState, edge: float) -> EdgeK
     if rested is None or edge <= state.edge:
         return EdgeKinks.within(history.past_kinks, min(edge, state.edge), longest)
     reach = max(state.edge - rested, min(longest, edge - rested))
-    return EdgeKinks.within(history.kinks, rested, longest).and_at(rested, reach)
+    kinks = EdgeKinks.within(history.kinks, rested, longest)
+    return EdgeKinks(np.append(kinks.radius, rested), np.append(kinks.reach, reach))
