@@ -1,27 +1,32 @@
 """One surface point as a viscoelastic element: Voigt chain outside the contact, Maxwell chain inside.
 
 With ``v`` the displacement the present pressure would cause at unit plane modulus, the paper's Eq.
-convolution reads ``w = int J*(t - t') dv(t')`` at every radius separately. Outside the contact ``v`` is known
-and ``w`` creeps; inside ``w`` is prescribed and ``v`` relaxes. Two sets of internal variables say the same:
+convolution reads ``w = int J*(t - t') dv(t')`` at every radius separately, ``w`` the surface displacement
+and ``J* = (1 - nu^2) J``. Outside the contact ``v`` is known and ``w`` creeps; inside ``w`` is prescribed
+and ``v`` relaxes. Two sets of internal variables describe the same state:
 
 - Voigt lags ``l_k = J_k v - e_k`` with ``dl_k/dt = J_k dv/dt - l_k/theta_k`` and ``w = v/E0 - sum l_k``;
 - Maxwell stresses ``b_j`` with ``db_j/dt = E_j dw/dt - b_j/tau_j`` and ``v = E0 w + sum b_j``.
 
-Both dissipate ``sum b_j^2/(E_j tau_j) = sum l_k^2/(J_k theta_k)``: scaled by those square roots, as stored
-here, they are images of each other under the *orthogonal* matrix ``Q``, ``Q_kj = sqrt(E_j tau_j J_k
-theta_k)/(theta_k - tau_j)``. The retardation times theta_k are the roots of ``E0 + sum_k E_k tau_k/(tau_k -
-x)``, one in each gap of the tau_k, found as *distances from the nearer pole*: no spectrum costs digits.
-Compliances follow from ``s E(s) = E0 prod_k (1 + s theta_k)/(1 + s tau_k)``, whose factors are such distances
-(the device of Gu and Eisenstat, SIAM J. Matrix Anal. Appl. 16, 1995).
+Both dissipate ``sum b_j^2/(E_j tau_j) = sum l_k^2/(J_k theta_k)``, for every state; scaled by those square
+roots (the variables stored here) they are therefore images of each other under an *orthogonal* matrix,
+``Q_kj = sqrt(E_j tau_j J_k theta_k)/(theta_k - tau_j)``. Either recursion is exact when its input is linear
+in time, unconditionally stable, and tends to the elastic limits for steps from 0 to infinity. The paper's
+scheme (Eq. linear system) is the same with backward Euler factors.
+
+The retardation times theta_k are the roots of ``E0 + sum_k E_k tau_k/(tau_k - x)``, one in each gap: ``tau_1
+< theta_1 < tau_2 < theta_2 < ...``. A root is represented by its *distance from the nearer pole*, found by
+bisection of the logarithm of that distance: neither spectra over many decades nor nearly equal times cost
+digits. Compliances follow from the product form, ``s E(s) = E0 prod_k (1 + s theta_k)/(1 + s tau_k)``, whose
+factors are differences of times: they belong exactly to the computed roots (the device of Gu and Eisenstat,
+SIAM J. Matrix Anal. Appl. 16, 1995).
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import dawsn, factorial
+from scipy.special import dawsn, erf, erfcx, factorial
 
 from contact_scene import Branch, BulkRelaxation, Material
 
@@ -129,8 +134,9 @@ def surface_material(material: Material) -> Material:
 
     Where bulk relaxes apart a frictionless surface meets ``1/E* = 1/A + 1/B`` with ``A = 4 G`` and ``B = 4 K
     + 4 G/3`` (as functions of time, products are convolutions): two bodies in series, with the energies of
-    both. The times of ``E* = A - A^2/(A + B)`` are those ``theta`` at which ``A + B``, of compliances ``J``,
-    vanishes, with the moduli ``A(theta)^2 J``, and those of the shear, with ``A_k B_k/(A_k + B_k)``.
+    both. From ``E* = A - A^2/(A + B)``: its times are those ``theta`` at which ``A + B`` vanishes, with the
+    moduli ``A(theta)^2 J``, where ``J`` are the compliances of ``A + B``, and those of the shear, with
+    ``A_k B_k/(A_k + B_k)``.
     """
     bulk = material.bulk
     if bulk is None:
@@ -154,11 +160,22 @@ def surface_material(material: Material) -> Material:
 
 
 class Chain:
-    """The material as seen by one surface point, of K branches: plane moduli, times ``tau`` and ``theta``.
+    """The material as seen by one surface point.
 
-    ``stress_scale`` and ``lag_scale`` (K,), ``sqrt(E_j tau_j)`` and ``sqrt(J_k theta_k)``, make stresses and
-    lags of stored variables; ``stress_rate`` and ``lag_rate``, the same over the times, are stored stress per
-    ``w`` and stored lag per ``v``. Stored lags are ``rotation`` (K, K), ``Q``, @ stored stresses.
+    Attributes
+    ----------
+    relaxed, glassy : float
+        Plane moduli ``E0*`` and ``Einf*``.
+    relaxation, retardation : ndarray (K,)
+        Relaxation times ``tau`` and retardation times ``theta``.
+    stress_scale, lag_scale : ndarray (K,)
+        ``sqrt(E_j tau_j)`` and ``sqrt(J_k theta_k)``: stored variable -> stress, lag.
+    stress_rate, lag_rate : ndarray (K,)
+        ``sqrt(E_j/tau_j)`` and ``sqrt(J_k/theta_k)``: stored stress per ``w``, stored lag per ``v``.
+    rotation : ndarray (K, K)
+        ``Q``; lags = Q @ stresses (both scaled).
+    compliances : ndarray (K,)
+        ``J_k``, plane.
     """
 
     def __init__(self, material: Material, backward_euler: bool = False) -> None:
@@ -176,7 +193,7 @@ class Chain:
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
         self.lag_rate = self.lag_scale / self.retardation
         self.rotation = np.outer(self.lag_scale, self.stress_scale) / distances
-        self.in_contact = lru_cache(_STEPS_KEPT)(self._in_contact)
+        self._in_contact: dict[float, tuple[Array, Array, Array]] = {}
 
     def __len__(self) -> int:
         return len(self.relaxation)
@@ -216,10 +233,14 @@ class Chain:
         weight = self.stress_scale**2 / self.relaxation * y
         return min(1.0 - float(weight @ twice) / float(weight @ once), _LATEST_SHARE)
 
-    def _in_contact(self, duration: float) -> tuple[Array, Array, Array]:
+    def in_contact(self, duration: float) -> tuple[Array, Array, Array]:
         """Of stored stresses what is left, and what a rise and a bend of ``w`` leave in them, each (K,)."""
-        y, rate = duration / self.relaxation, self.stress_rate
-        return self.decay(y), rate * self.spread(y), rate * self.spread_bent(y)
+        if duration not in self._in_contact:
+            if len(self._in_contact) >= _STEPS_KEPT:
+                self._in_contact.clear()
+            y, rate = duration / self.relaxation, self.stress_rate
+            self._in_contact[duration] = self.decay(y), rate * self.spread(y), rate * self.spread_bent(y)
+        return self._in_contact[duration]
 
     def decay(self, y: Array) -> Array:
         """What is left of an internal variable after ``y`` = step/time."""
@@ -237,6 +258,43 @@ class Chain:
         safe = np.maximum(y, 0.01)
         even = phi(safe)
         return np.where(y < 0.02, small, even - 2.0 * (even - np.exp(-safe)) / safe)
+
+    def spread_to_edge(self, y: Array) -> Array:
+        """As :meth:`spread`, the increment following ``-sqrt(distance)`` to an edge arriving at the end."""
+        if self.backward_euler:
+            return self.spread(y)
+        root = np.sqrt(y)
+        return np.divide(0.5 * np.sqrt(np.pi) * erf(root), root, out=np.ones_like(y), where=root > 0)
+
+    def spread_from_edge(self, y: Array) -> Array:
+        """As :meth:`spread`, the increment following ``-sqrt(distance)`` to an edge leaving at the start."""
+        if self.backward_euler:
+            return self.spread(y)
+        root = np.sqrt(y)
+        return np.divide(dawsn(root), root, out=np.ones_like(y), where=root > 0)
+
+    def spread_outside(self, y: Array, before: Array, after: Array) -> Array:
+        """As :meth:`spread`, following ``sqrt(distance)`` to a steady edge (Dawson, scaled erfc)."""
+        if self.backward_euler:
+            return self.spread(y)
+        s0, s1 = np.sqrt(before), np.sqrt(after)
+        change = s1 - s0
+        far = np.abs(change) < 1e-3 * (s0 + s1)  # there sqrt is linear and the difference loses digits
+        safe = np.where(far, 1.0, change)
+        c = np.sqrt(y / np.where(far, 1.0, np.abs(after - before)))
+        tail = np.exp(-y)
+        receding = dawsn(c * s1) - tail * dawsn(c * s0)
+        advancing = 0.5 * np.sqrt(np.pi) * (erfcx(c * s1) - tail * erfcx(c * s0))
+        share = np.where(change > 0, receding, -advancing)
+        return np.where(far | (y == 0), self.spread(y), np.divide(share, c * safe, out=phi(y), where=y > 0))
+
+    def stress(self, variables: Array) -> Array:
+        """``sum b_j`` (m,) from stored variables (m, K)."""
+        return variables @ self.stress_scale
+
+    def lag(self, lags: Array) -> Array:
+        """``sum l_k`` (m,) from scaled lags (m, K)."""
+        return lags @ self.lag_scale
 
     def from_strains(self, strains: Array, load: Array) -> Array:
         """Stored variables (m, K) from Voigt strains ``e_k/sqrt(J_k theta_k)`` (m, K) and ``v`` (m,)."""

@@ -20,9 +20,9 @@ from fem_solver.state import ComponentState
 from validation.reference.path import numerics
 from validation.reference.path.path import Rows
 
-ORDER = {"bem": 3, "fem": 4, "reference": 5}
+ORDER = {"bem": 4, "fem": 4, "reference": 5}
 """Rows that the path goes through, the end of the step among them."""
-STEPS = 0.05, 0.025
+STEPS = 0.2, 0.1
 MOST = 1e-4
 """Error of a moment, in steps, at the shorter step."""
 SHARES = np.linspace(0.1, 0.9, 9)
@@ -35,7 +35,8 @@ def edge(time):
 
 
 def by_boundary_elements(h, radii):
-    return 1.0 - BentPath.through((h, float(edge(-h))), float(edge(0.0)), h, float(edge(h))).left(radii)
+    rows = [(n * h, float(edge(-n * h))) for n in (1, 2)]
+    return 1.0 - BentPath.through(rows, float(edge(0.0)), h, float(edge(h))).left(radii)
 
 
 def by_finite_elements(h, radii):

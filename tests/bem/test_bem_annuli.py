@@ -10,9 +10,10 @@ import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import observed_order
 
-from bem_solver.annuli import Annuli, PowerContact, even_cubic
+from bem_solver.annuli import Annuli, PowerContact
+from bem_solver.cubic_interpolation import even_cubic
 from bem_solver.size_estimates import graded_annuli
-from bem_solver.surface import ContactSurface
+from bem_solver.surface import ContactSurface, LoadBetween
 
 COUNTS = (16, 32, 64)
 OUTSIDE = np.array([1.0 + 1e-9, 1.0001, 1.01, 1.1, 1.5, 3.0, 30.0, 1e4])
@@ -136,6 +137,35 @@ def test_even_cubic_is_exact_for_cubics_inside_and_flat_at_the_ends():
     waves = np.cos(np.pi * at / 12.0)
     ends = np.linspace(0.0, 12.0, 61)
     assert_allclose(even_cubic(waves, ends), np.cos(np.pi * ends / 12.0), atol=2e-4)
+
+
+@pytest.mark.parametrize(("divisions", "accuracy"), [(6, 1e-4), (12, 1.5e-5)])
+def test_a_bend_between_collocation_radii_counts_wherever_it_lies(divisions, accuracy):
+    """``v`` falls beyond b, where nodes lie close, with slope 1: ``kappa = -arccos(b)``.
+
+    At the collocation radii alone the bend comes and goes as b moves over an annulus.
+    """
+    annuli = Annuli(*graded_annuli(divisions, 1e-4))
+    alone, with_nodes = [], []
+    for distance in np.geomspace(1e-3, 3e-3, 23):
+        close = distance * np.geomspace(1e-4, 0.3, 60)
+        nodes = np.concatenate((1.0 - np.geomspace(1.0, 1e-6, 300), 1.0 - distance + close))
+        nodes = np.unique(np.concatenate((nodes, 1.0 - distance - close, [1.0 - distance])))
+        between = LoadBetween.of(annuli, 1.0, nodes)
+        assert between is not None
+        radius = np.concatenate((annuli.radii, between.radius))
+        load = -np.maximum(radius - (1.0 - distance), 0.0)
+        exact = -np.arccos(1.0 - distance)
+        alone.append(ContactSurface.under(annuli, 1.0, load[: annuli.count]).kappa / exact - 1.0)
+        with_nodes.append(ContactSurface.under(annuli, 1.0, load, between=between).kappa / exact - 1.0)
+    assert np.abs(with_nodes).max() < accuracy
+    assert np.ptp(with_nodes) < 0.02 * np.ptp(alone)
+
+
+def test_no_nodes_count_where_they_are_no_closer_than_asked_for():
+    """Smooth load is left to the annuli: sums over nodes that come and go would be noise."""
+    annuli = Annuli(*graded_annuli(12, 1e-4))
+    assert LoadBetween.of(annuli, 1.0, 1.0 - np.geomspace(1.0, 1e-6, 300)) is None
 
 
 @pytest.mark.parametrize("grading", [1.0, 0.1, 1e-2])

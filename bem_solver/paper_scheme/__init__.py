@@ -1,0 +1,1 @@
+"""The paper's own discretisation: uniform annuli, fixed time steps, backward Euler."""
