@@ -186,12 +186,12 @@ def test_memory_of_a_batch():
 @pytest.mark.parametrize("name", FAMILIES)
 def test_families_of_the_benchmark(name):
     """Pull-off within 1e-5 of the reference in most scenes, 2e-4 in all, and its estimate is one."""
-    scenes = [FAMILIES[name].scene(rng) for rng in [np.random.default_rng(1)] for _ in range(64)]
+    scenes = [FAMILIES[name].scene(rng) for rng in [np.random.default_rng(1)] for _ in range(32)]
     answers = batch.solve(scenes)
     answered = [pair for pair in zip(scenes, answers, strict=True) if pair[1].answered]
-    found = [(difference(*pair), pair[1].errors["pull_off_force"]) for pair in answered[:16]]
+    found = [(difference(*pair), pair[1].errors["pull_off_force"]) for pair in answered[:8]]
     apart, told = np.array(found).T
-    assert len(answered) > 56  # others shrink to one and a half zones
+    assert len(answered) > 28  # others shrink to one and a half zones
     assert np.median(apart) < 1e-5
     assert apart.max() < 2e-4
-    assert (apart > 2.0 * told + 1e-5).sum() <= 1  # after a slow turn both resolutions may agree by chance
+    assert (apart <= 2.0 * told + 1e-5).all()
