@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from contact_scene.files import as_target
 from contact_scene.value_checks import whole_from
@@ -11,11 +10,9 @@ from crosscontact import arguments
 from crosscontact.arguments import option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import say, value
+from crosscontact.sweeps import explore
 from validation.runs.folder import in_words
-from validation.runs.pool import own_engine
 from validation.runs.progress import Progress
-from validation.sweeps.explorer import check_drawable, explored, sliders_of
-from validation.sweeps.plan import builtin_or_file
 
 OPTIONS = {
     **shared.SCENE,
@@ -38,24 +35,21 @@ OPTIONS = {
 
 def run(options: argparse.Namespace, jobs: int) -> int:
     """Solve the grid and write the page; a run that does not come to its end is shown as that."""
-    check_drawable()
     page = as_target(options.page)
-    table = builtin_or_file(options.scene, Path())
-    sliders = sliders_of(table, options.vary, options.values)
-    solver = options.solver or arguments.REFERENCE
-    with Progress(f"explore {table.name}") as progress, own_engine(jobs) as engine:
+    with Progress(f"explore {options.scene}") as progress:
         progress.phase("runs")
-        found = explored(
-            table,
-            sliders,
-            solver,
-            options.resolution or arguments.COARSE,
-            engine,
-            lambda share, text: progress(share, detail=text),
+        found = explore(
+            options.scene,
+            options.vary,
+            values=options.values,
+            solver=options.solver or arguments.REFERENCE,
+            resolution=options.resolution,
+            jobs=jobs,
+            progress=lambda share, text: progress(share, detail=text),
         )
     found.save(page)
     if found.unfinished:
         say(f"{found.unfinished} of {len(found.runs)} runs did not reach their end; the page says why")
-    print(f"{len(found.runs)} runs of {table.name} by {solver}")
+    print(f"{len(found.runs)} runs of {found.plan.scene.name} by {found.plan.solver}")
     print(f"written to {page} ({in_words(page.stat().st_size)})")
     return 0

@@ -39,6 +39,14 @@ COLUMNS = ("time", "penetration", "force", "contact_radius")
 DEPTH = 65_534
 """Steps of a range; one more number says that there is nothing."""
 
+SIZE: dict[str, Any] = {
+    "width": 350,
+    "height": 300,
+    "tools": "pan,box_zoom,reset,save",
+    "toolbar_location": "below",
+}
+"""Of a panel: settings of Bokeh."""
+
 
 @dataclass(frozen=True)
 class Slider:
@@ -95,8 +103,7 @@ class Exploration:
         write_whole(Path(path), self.page())
 
     def _repr_html_(self) -> str:
-        text = self.page().replace("&", "&amp;").replace('"', "&quot;")
-        return f'<iframe srcdoc="{text}" style="border:0" width="100%" height="900"></iframe>'
+        return f'<iframe srcdoc="{escape(self.page())}" style="border:0" width="100%" height="900"></iframe>'
 
 
 def check_drawable() -> None:
@@ -151,7 +158,8 @@ def explored(
     progress: Callable[[float, str], None] | None = None,
 ) -> Exploration:
     """Solve the scene and the grid; what does not come to its end is shown as that."""
-    asked = {"solver": solver, "resolution": resolution, "estimate": False, "traces": "hdf5"}
+    asked = {"solver": solver, "resolution": resolution, "estimate": False}
+    asked |= {"traces": "hdf5"}  # so that runs keep their rows; no file of them is written
     grid = [{"key": one.path, "values": one.values} for one in sliders]
     own = [{"key": one.path, "values": [one.given]} for one in sliders]
     given, plan = (plan_from_dict(asked | {"coordinates": some}, Path(), table) for some in (own, grid))
@@ -232,10 +240,8 @@ def _document(found: Exploration) -> Any:
     from bokeh.models import Slider as Handle
 
     scene = found.scene if found.scene.units is not None else replace(found.scene, units=Units())
-    curve, present = (
-        ColumnDataSource({name: [] for name in COLUMNS}, name="shown"),
-        ColumnDataSource({"x": [], "y": []}),
-    )
+    curve = ColumnDataSource({name: [] for name in COLUMNS}, name="shown")
+    present = ColumnDataSource({"x": [], "y": []})
     own, curves = ColumnDataSource(_columns(found.own, scene)), [_columns(run, scene) for run in found.runs]
     pulled = [run.measures.get("pull_off_force") for run in found.runs]
     picture, cells = _map(found.sliders, pulled, unit_name(scene, "force"), present)
@@ -282,14 +288,6 @@ def _document(found: Exploration) -> Any:
     return document
 
 
-SIZE: dict[str, Any] = {
-    "width": 350,
-    "height": 300,
-    "tools": "pan,box_zoom,reset,save",
-    "toolbar_location": "below",
-}
-
-
 def _panel(names: Any, across: str, up: str, own: Any, curve: Any) -> Any:
     from bokeh.plotting import figure
 
@@ -306,7 +304,7 @@ def _map(
     from bokeh.models import ColorBar, ColumnDataSource, LinearColorMapper, LogColorMapper
     from bokeh.plotting import figure
 
-    kinds = [{True: "log", False: "linear"}[one.logarithmic] for one in sliders]
+    kinds = ["log" if one.logarithmic else "linear" for one in sliders]
     first, label = sliders[0], f"pull-off force ({unit})"
     titles = [f"{one.path} ({one.unit})" if one.unit else one.path for one in sliders]
     if len(sliders) == 1:

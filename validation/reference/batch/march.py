@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from validation.reference.batch.grid import ROWS, Grid, Travel
 from validation.reference.batch.scenes import Bodies, Leg
 from validation.reference.batch.zone import SHORTEST, quadrature
-from validation.reference.path.numerics import horner
+from validation.reference.path.numerics import derivative, horner
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -296,10 +296,11 @@ class March:
         for panel in (row - 1, row):
             panel = np.minimum(np.maximum(panel, 0), np.maximum(self.last - 1, 0))
             curve = self.polynomials(values, panel)
+            slopes, bends = derivative(curve), derivative(derivative(curve))
             near = horner(curve, u).argmax(axis=0)
             middle = np.clip(near, 1, len(u) - 2) / (len(u) - 1.0)
             for _ in range(3):
-                slope, bend = (horner(each, middle) for each in _derivatives(curve))
+                slope, bend = horner(slopes, middle), horner(bends, middle)
                 middle = np.where(bend < 0.0, np.clip(middle - slope / bend, 0.0, 1.0), middle)
             middle = np.where((near == 0) | (near == len(u) - 1), near / (len(u) - 1.0), middle)
             value = horner(curve, middle)
@@ -318,10 +319,3 @@ class March:
             low, high = np.where(above, low, middle), np.where(above, middle, high)
         g = self.grid.g
         return g[panel] + high * (g[panel + 1] - g[panel])
-
-
-def _derivatives(curve: Array) -> tuple[Array, Array]:
-    """Coefficients of the first and the second."""
-    orders = np.arange(1.0, len(curve))[:, None]
-    slope = curve[1:] * orders
-    return slope, slope[1:] * orders[:-1]

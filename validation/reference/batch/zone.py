@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from validation.reference.batch.scenes import Bodies
 from validation.reference.path.closure import kernel_slopes
-from validation.reference.path.numerics import chebyshev_series, gauss
+from validation.reference.path.numerics import chebyshev, chebyshev_series, gauss
 
 Array = NDArray[np.float64]
 
@@ -38,14 +38,6 @@ def _kernel() -> Array:
     return np.einsum("sr,qj,pi,rji->spq", chebyshev_series(SERIES)[1], places, places, slopes)
 
 
-def _polynomials(u: Array, order: int) -> Array:
-    """Chebyshev's (order, ...), in the dtype and shape of ``u``."""
-    table = [np.ones_like(u), u]
-    while len(table) < order:
-        table.append(2.0 * u * table[-1] - table[-2])
-    return np.array(table)
-
-
 def _inner(v: Array, closing: bool) -> Array:
     """What the kernel makes at shares (m,) of values at nodes: (m, NODES * SERIES).
 
@@ -53,7 +45,7 @@ def _inner(v: Array, closing: bool) -> Array:
     ``int_0^v kernel(v, v') f(v') dv'``: products of Chebyshev's polynomials are sums of two.
     """
     order = NODES + PLACES
-    at = _polynomials(2.0 * v - 1.0, order + 1)
+    at = chebyshev(2.0 * v - 1.0, order + 1)
     signs = (-1.0 if closing else 1.0) ** np.arange(order + 1)[:, None]
     apart = at - signs if closing else signs - at
     rest = np.empty((order, len(v)))
@@ -100,7 +92,7 @@ class Quadrature:
 
     def series(self, bodies: Bodies, radius: Array) -> Array:
         """Polynomials (SERIES, B) of zone over radius."""
-        return _polynomials(2.0 * SHORTEST * bodies.zone / radius - 1.0, SERIES)
+        return chebyshev(2.0 * SHORTEST * bodies.zone / radius - 1.0, SERIES)
 
     def behind(self, bodies: Bodies, radius: Array) -> Array:
         """Radii where stresses are asked for: nodes and points."""

@@ -51,8 +51,8 @@ def horner(coefficients: Array, u: Array) -> Array:
 
 
 def derivative(coefficients: Array) -> Array:
-    """Coefficients of the derivative."""
-    return coefficients[1:] * np.arange(1, len(coefficients))
+    """Coefficients (n - 1, ...) of the derivative."""
+    return (coefficients[1:].T * np.arange(1, len(coefficients))).T
 
 
 def powers(u: Array, degree: int) -> Array:
