@@ -79,7 +79,7 @@ FAMILIES = {
 }
 
 
-def difference(scene: Scene, answer: batch.Answer, resolution: int | None = None) -> float:
+def difference(scene: Scene, answer: batch.Solution, resolution: int | None = None) -> float:
     """Relative difference of the pull-off force from that of the reference."""
     tension = -float(solve(scene, Options(resolution=resolution)).force.min())
     return abs(answer.pull_off_force - tension) / max(tension, 1e-300)

@@ -120,7 +120,7 @@ def test_a_ramp_that_ends_in_contact():
         assert answer.pull_off_force == pytest.approx(max(-trace.force.min(), 0.0), rel=1e-5)
 
 
-def same(one: batch.Answer, other: batch.Answer) -> bool:
+def same(one: batch.Solution, other: batch.Solution) -> bool:
     """Equal but for rounding."""
     names = (*COLUMNS, "pull_off_force", "pull_off_time") if one.answered else ()
     pairs = [(np.asarray(getattr(one, name)), np.asarray(getattr(other, name))) for name in names]

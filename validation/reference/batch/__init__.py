@@ -25,6 +25,6 @@ where it covered at ``t_c`` what was never touched. An error is the change from 
 travels.
 """
 
-from validation.reference.batch.solver import Answer, refusal, solve
+from validation.reference.batch.solver import Solution, refusal, solve
 
-__all__ = ["Answer", "refusal", "solve"]
+__all__ = ["Solution", "refusal", "solve"]

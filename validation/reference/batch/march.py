@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.batch.grid import ROWS, Grid, Travel
-from validation.reference.batch.scenes import Bodies, Leg
+from validation.reference.batch.scenes import Bodies, LoadRamp
 from validation.reference.batch.zone import SHORTEST, quadrature
 from validation.reference.path.numerics import derivative, horner
 
@@ -33,7 +33,7 @@ REASONS = {
 }
 
 
-class Step:
+class StepResidual:
     """``I/w - 1`` at the radii of a step, of any time at which the edge gets there.
 
     ``still``: sums of the forms, and of them times ``G`` at their points. Those that the edge has passed
@@ -42,7 +42,7 @@ class Step:
 
     carried: Array | float
 
-    def __init__(self, leg: Leg, travel: Travel, forms: Array, shape: Array) -> None:
+    def __init__(self, leg: LoadRamp, travel: Travel, forms: Array, shape: Array) -> None:
         self.bodies, self.leg, self.travel = leg.bodies, leg, travel
         self.still = forms.sum(axis=1), (forms * shape).sum(axis=1)
         self.forms, self.shape = forms[:, : travel.passed], shape[: travel.passed, None]
@@ -63,10 +63,10 @@ class Step:
         return np.asarray((fields.sum(axis=1) * self.forms).sum(axis=1))
 
 
-class Opening(Step):
+class Opening(StepResidual):
     """``held``, ``edge``: branch forces beside ``E_k M_k`` behind the edge and at it, when the leg begins."""
 
-    def __init__(self, leg: Leg, travel: Travel, radius: Array, held: Array | None, edge: Array) -> None:
+    def __init__(self, leg: LoadRamp, travel: Travel, radius: Array, held: Array | None, edge: Array) -> None:
         forms, ahead = travel.points.forms(leg.bodies, radius)
         if held is not None:
             forms = np.concatenate((forms, travel.points.stressed(leg.bodies, radius, held)))
@@ -89,12 +89,12 @@ class Opening(Step):
         return (np.array(factors) * sums).sum(axis=0) / (-(math.pi**2) * bodies.work) - 1.0
 
 
-class Closing(Step):
+class Closing(StepResidual):
     """Of an edge that closes over a surface never touched."""
 
     carried = 1.0
 
-    def __init__(self, leg: Leg, travel: Travel, radius: Array) -> None:
+    def __init__(self, leg: LoadRamp, travel: Travel, radius: Array) -> None:
         forms, behind = travel.points.forms(leg.bodies, radius)
         super().__init__(leg, travel, forms, behind)
         inside = forms[:, travel.passed :], (forms * behind)[:, travel.passed :]
@@ -185,7 +185,7 @@ class March:
     """
 
     grid: Grid
-    leg: Leg
+    leg: LoadRamp
     columns: Array
     left: Array
     last: Whole
@@ -195,7 +195,7 @@ class March:
     lost: Array
 
     @classmethod
-    def empty(cls, steps: Grid, leg: Leg, start: Array, duration: Array) -> March:
+    def empty(cls, steps: Grid, leg: LoadRamp, start: Array, duration: Array) -> March:
         """Before the first row."""
         bodies, count = leg.bodies, len(start)
         usable = np.isfinite(start) & np.isfinite(duration)

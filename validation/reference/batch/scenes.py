@@ -119,7 +119,7 @@ class Bodies:
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
+class LoadRamp:
     """A ramp: penetration and branch forces ``E_k M_k`` where it begins, and its rate."""
 
     bodies: Bodies
@@ -135,10 +135,10 @@ class Leg:
         steady, faded = moduli * self.rate * times, np.exp(-t / times)
         return self.depth + self.rate * t, steady + (begun - steady) * faded
 
-    def after(self, t: Array, rate: Array) -> Leg:
+    def after(self, t: Array, rate: Array) -> LoadRamp:
         """One that follows at a time."""
-        return Leg(self.bodies, *self.at(t)[:1], rate, self.at(t)[1])
+        return LoadRamp(self.bodies, *self.at(t)[:1], rate, self.at(t)[1])
 
-    def of_some(self, chosen: Whole, bodies: Bodies) -> Leg:
+    def of_some(self, chosen: Whole, bodies: Bodies) -> LoadRamp:
         """Of some scenes."""
-        return Leg(bodies, self.depth[chosen], self.rate[chosen], self.branches[:, chosen])
+        return LoadRamp(bodies, self.depth[chosen], self.rate[chosen], self.branches[:, chosen])

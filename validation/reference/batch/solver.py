@@ -28,7 +28,7 @@ from validation.reference.batch.march import (
     secants,
     start_radius,
 )
-from validation.reference.batch.scenes import Bodies, Leg, refusal
+from validation.reference.batch.scenes import Bodies, LoadRamp, refusal
 from validation.reference.batch.turn import Held, turned
 from validation.reference.batch.zone import POINTS, SHARES, SHORTEST, SWEPT, WEIGHTS
 from validation.reference.path.rheology import Rheology, rheology
@@ -53,9 +53,9 @@ NO_TENSION = 1e-12
 """Pull-off force, in the largest force, below which there is none."""
 
 
-def approach(bodies: Bodies, start: Array, steps: Grid) -> tuple[March, Leg]:
+def approach(bodies: Bodies, start: Array, steps: Grid) -> tuple[March, LoadRamp]:
     """Follow the edge until the load turns; some leave nothing to follow."""
-    leg = Leg(bodies, bodies.depth, bodies.approach, np.zeros_like(bodies.moduli))
+    leg = LoadRamp(bodies, bodies.depth, bodies.approach, np.zeros_like(bodies.moduli))
     total = bodies.glassy * bodies.moduli * (bodies.depth * start - bodies.volume(start))
     rows = March.empty(steps, leg, start, bodies.turn)
     rows.ending[bodies.turn <= 0.0] = ENDED
@@ -81,7 +81,9 @@ def approach(bodies: Bodies, start: Array, steps: Grid) -> tuple[March, Leg]:
     return rows, leg
 
 
-def retract(leg: Leg, start: Array, duration: Array, steps: Grid, held: Held | None, now: Array) -> March:
+def retract(
+    leg: LoadRamp, start: Array, duration: Array, steps: Grid, held: Held | None, now: Array
+) -> March:
     """Follow the edge until contact is lost, or the ramp ends; ``held``: in contact, ``now``."""
     bodies = leg.bodies
     rows, none = March.empty(steps, leg, start, duration), np.zeros_like(bodies.moduli)
@@ -133,7 +135,7 @@ def _none() -> Array:
 
 
 @dataclass(frozen=True)
-class Answer:
+class Solution:
     """What came of a scene: rows, pull-off, detachment, errors; or why there is none.
 
     ``errors``: relative, by the names of a trace; times and penetrations relative to the largest of the run.
@@ -169,7 +171,7 @@ class Events:
     radius: Array
 
 
-def events(found: March, leg: Leg, duration: Array) -> Events:
+def events(found: March, leg: LoadRamp, duration: Array) -> Events:
     """Largest time, or the end of the ramp, and the least force up to there."""
     bodies = leg.bodies
     place, time = found.largest(found.time)
@@ -187,7 +189,7 @@ def events(found: March, leg: Leg, duration: Array) -> Events:
 
 @single_threaded()
 @np.errstate(over="ignore", under="ignore", invalid="ignore", divide="ignore")
-def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Answer]:
+def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solution]:
     """Solve scenes together; one that is refused, or fails, costs no other.
 
     Parameters
@@ -199,7 +201,7 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Answer]
 
     Returns
     -------
-    list of Answer
+    list of Solution
         In the order of the scenes; of what is refused the ``reason``, before anything is computed.
 
     Examples
@@ -211,7 +213,7 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Answer]
     0.022283 True True
     """
     reasons = [refusal(scene) for scene in scenes]
-    answers = [Answer(reason) for reason in reasons]
+    answers = [Solution(reason) for reason in reasons]
     known: dict[Material, Rheology] = {}
     alike: dict[tuple[int, bool], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
@@ -233,7 +235,7 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Answer]
 class Retraction:
     """The last ramp of scenes, how long it takes, the radius and time it begins at, and what went before."""
 
-    leg: Leg
+    leg: LoadRamp
     duration: Array
     radius: Array
     when: Array
@@ -264,7 +266,7 @@ class Retraction:
         """From the start, or as the approach leaves it."""
         none = np.zeros_like(bodies.moduli)
         if not cycle:
-            leg = Leg(bodies, bodies.depth, bodies.rate, none)
+            leg = LoadRamp(bodies, bodies.depth, bodies.rate, none)
             return cls(leg, bodies.duration, start, 0.0 * start, None, None)
         before, first = approach(bodies, start, grid(resolution, ANY, "closing"))
         held, when = turned(bodies, first, before, resolution)
@@ -272,7 +274,7 @@ class Retraction:
         radius = held.radius[held.last, np.arange(len(start))]
         return cls(leg, bodies.duration - (when - bodies.turn), radius, when, held, before)
 
-    def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, Leg, Array]:
+    def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, LoadRamp, Array]:
         """The rows of some of the scenes."""
         bodies = self.leg.bodies.of_some(chosen)
         leg = self.leg.of_some(chosen, bodies)
@@ -284,11 +286,11 @@ class Retraction:
         return found, leg, duration
 
 
-def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Answer]:
+def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     """Answers of scenes, with the change from half the resolution as their errors."""
     start = start_radius(bodies)
     fine, coarse = (Retraction.of(bodies, start, n, cycle) for n in (resolution, resolution // 2))
-    answers = [Answer(REASONS[FAILED])] * len(start)
+    answers = [Solution(REASONS[FAILED])] * len(start)
     sizes = np.floor(2.0 * np.log2(fine.radius / bodies.zone))
     alike: dict[tuple[int, Kind], list[int]] = defaultdict(list)
     for i in np.flatnonzero(np.isfinite(sizes)).tolist():
@@ -305,8 +307,8 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Answer]:
 
 
 def _answers(
-    runs: list[tuple[March, Leg, Array]], first: Retraction, second: Retraction, chosen: Whole
-) -> list[Answer]:
+    runs: list[tuple[March, LoadRamp, Array]], first: Retraction, second: Retraction, chosen: Whole
+) -> list[Solution]:
     """Answers of scenes of one loop, of two resolutions."""
     (fine, leg, _), (coarse, *_) = runs
     one, two = (events(*run) for run in runs)
@@ -331,14 +333,14 @@ def _answers(
 
 def _answer(
     j: int, found: March, events: Events, errors: dict[str, Array], other: int, when: float, before: Array
-) -> Answer:
+) -> Solution:
     """Of one scene; ``other``: how it ends at the other resolution; ``before``: rows until the load turns.
 
     The edge opens ``when`` the retraction of its rows begins, or later.
     """
     ending, detached = int(found.ending[j]), found.ending[j] == DETACHED
     if ending in REASONS or other != ending:
-        return Answer(REASONS.get(ending) or REASONS.get(other, "two resolutions end differently"))
+        return Solution(REASONS.get(ending) or REASONS.get(other, "two resolutions end differently"))
     end = np.array([part[j] for part in (events.time, events.depth, events.force, events.radius)])
     rows = found.columns[:, : found.last[j] + 1, j]
     columns = np.column_stack((rows[:, (rows[0] < end[0]) & (rows[3] > end[3])], end))
@@ -348,7 +350,7 @@ def _answer(
     columns[0] += when
     columns = np.column_stack((before, columns[:, columns[0] > before[0, -1]]))
     time, depth, force, radius = columns
-    return Answer(
+    return Solution(
         "",
         time,
         depth,

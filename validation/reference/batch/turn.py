@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.batch.march import ENDED, FAILED, ROUNDING, March, secants
-from validation.reference.batch.scenes import Bodies, Leg
+from validation.reference.batch.scenes import Bodies, LoadRamp
 from validation.reference.batch.zone import SHARES, SWEPT, quadrature
 
 Array = NDArray[np.float64]
@@ -35,8 +35,8 @@ class Held:
     """
 
     bodies: Bodies
-    first: Leg
-    second: Leg
+    first: LoadRamp
+    second: LoadRamp
     start: Array
     radius: Array
     time: Array
@@ -113,7 +113,7 @@ class Held:
         return np.asarray(strain * np.exp((t - now) / bodies.times[:, None]))
 
 
-def turned(bodies: Bodies, first: Leg, closing: March, resolution: int) -> tuple[Held, Array]:
+def turned(bodies: Bodies, first: LoadRamp, closing: March, resolution: int) -> tuple[Held, Array]:
     """What an edge leaves that has come to rest some time after the turn of the load, and when that was."""
     scenes, last = np.arange(len(bodies.zone)), closing.last
     second = first.after(bodies.turn, bodies.rate)
