@@ -170,6 +170,16 @@ def can_be_told(asked: cs.Scene) -> bool:
         return step_budget(asked) > 0
 
 
+@pytest.mark.parametrize(
+    ("depth", "rate", "warned"),
+    [(0.0, 10.0, False), (0.1, 10.0, True), (0.1, 1e-4, False), (-0.01, 10.0, False)],
+)
+def test_a_punch_that_was_pressed_in_and_is_torn_off_is_warned_of(depth, rate, warned):
+    asked = scene(cs.Ramp(-1.0, rate), indenter=cs.FlatPunch(1.0), depth=depth)
+    trace = SOLVERS["reference"].solve(asked)
+    assert any("fresh crack" in line for line in trace_warnings(asked, trace)) == warned
+
+
 @settings(max_examples=20)
 @given(scenes.filter(lambda asked: not isinstance(asked.indenter, cs.TabulatedProfile)))
 def test_telling_never_fails_and_never_warns(asked):

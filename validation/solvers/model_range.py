@@ -175,7 +175,23 @@ def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
     largest, when = float(trace.contact_radius[row]), f"grows by t = {trace.time[row]:.4g}"
     start = _long_zone(scene, float(trace.contact_radius[0]))
     strained = _strained(scene, float(trace.penetration.max()), largest)
-    return (*start, *strained, *_outgrown(scene, largest, when), *_still_in_contact(scene, trace))
+    ends = *_held_at_the_rim(scene, trace), *_still_in_contact(scene, trace)
+    return (*start, *strained, *_outgrown(scene, largest, when), *ends)
+
+
+def _held_at_the_rim(scene: Scene, trace: Trace) -> Iterator[str]:
+    """A sentence on a flat face whose rim bears more tension than a fresh crack needs in the glassy body."""
+    adhesion, radius, tension = scene.adhesion, scene.indenter.edge, -float(trace.force.min())
+    if adhesion is None or not isinstance(scene.indenter, FlatPunch) or scene.body is not None:
+        return
+    released = max(tension, 0.0) ** 2 / (8.0 * math.pi * radius**3 * scene.material.glassy_plane_modulus)
+    work = adhesion.opening(math.inf)
+    if released > work * (1.0 + adhesion.zone / radius):
+        yield (
+            f"the face bears {released / work:.3g} times the work of adhesion at its rim, where 1 opens a fresh "
+            "crack at any speed: the surface beside a face that was pressed in keeps its shape, which the "
+            "closure takes for a gap that is yet to open"
+        )
 
 
 def _still_in_contact(scene: Scene, trace: Trace) -> Iterator[str]:
