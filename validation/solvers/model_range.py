@@ -188,9 +188,9 @@ def _held_at_the_rim(scene: Scene, trace: Trace) -> Iterator[str]:
     work = adhesion.opening(math.inf)
     if released > work * (1.0 + adhesion.zone / radius):
         yield (
-            f"the face bears {released / work:.3g} times the work of adhesion at its rim, where 1 opens a fresh "
-            "crack at any speed: the surface beside a face that was pressed in keeps its shape, which the "
-            "closure takes for a gap that is yet to open"
+            f"the face bears {released / work:.3g} times the work of adhesion at its rim, where 1 opens a "
+            "fresh crack at any speed: the surface beside a face that was pressed in keeps its shape, which "
+            "the closure takes for a gap that is yet to open"
         )
 
 
