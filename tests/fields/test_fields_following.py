@@ -191,5 +191,5 @@ def test_files_hold_what_is_lost(tmp_path, monkeypatch, capsys):
     assert moment["dissipated"] == pytest.approx(moment["branch_dissipation"], rel=3e-2)
     section = pyvista.read(next((folder / "body").glob("*.vtu")))
     assert "dissipation_rate tau=0.3 [energy/(length^3 time)]" in section.point_data
-    assert "dissipated_energy tau=0.3 [energy/length^3]" in section.cell_data
+    assert "mean_dissipated_energy tau=0.3 [energy/length^3]" in section.cell_data
     assert all(np.isfinite(section.point_data[name]).all() for name in section.point_data)

@@ -4,8 +4,9 @@ The section through the axis, the surface and the indenter are data sets in the 
 ``x = r``, ``y = 0``, ``z`` upwards with the undeformed surface at 0, as in the components ``rr, zz, tt, rz``.
 ``displacement_applied [length]`` is the vector that has led there: to warp by it again magnifies the
 deformation, to warp by -1 times it takes it away. Arrays are named with what they measure, as on the command
-line, in units of the scene. Cells are the finite elements cut in four; cell data are means over whole
-elements, so summed with ``undeformed_volume [length^3]`` (of revolution) they give integrals over the mesh.
+line, in units of the scene. Cells are the finite elements cut in four; cell data (``mean_``) are means over
+whole elements, so summed with ``undeformed_volume [length^3]`` (of revolution) they give integrals over the
+mesh.
 
 ``body.pvd``, ``surface.pvd`` and ``indenter.pvd`` list the files of the folder of that name by time;
 ``moments.json`` says what each moment is, what the densities add up to, and what all this cost. Each file
@@ -70,10 +71,11 @@ def point_data(state: FieldState) -> dict[str, Array]:
 
 def cell_data(state: FieldState) -> dict[str, Array]:
     """Means over the finite elements, by their names in a file; shape (4 m,)."""
-    means = {f"stored_energy [{DENSITY}]": state.element_stored}
-    means[f"dissipation_rate [{RATE}]"] = state.element_rate.sum(axis=0)
-    means[f"dissipated_energy [{DENSITY}]"] = state.element_dissipated.sum(axis=0)
-    means |= _by_branch(state, state.element_rate, state.element_dissipated)
+    means = {f"mean_stored_energy [{DENSITY}]": state.element_stored}
+    means[f"mean_dissipation_rate [{RATE}]"] = state.element_rate.sum(axis=0)
+    means[f"mean_dissipated_energy [{DENSITY}]"] = state.element_dissipated.sum(axis=0)
+    by_branch = _by_branch(state, state.element_rate, state.element_dissipated)
+    means |= {f"mean_{name}": values for name, values in by_branch.items()}
     # of revolution: 2 pi times area times mean radius
     radii = state.points[state.triangles][:, :, 0].mean(axis=1)
     volumes = {"undeformed_volume [length^3]": 2.0 * np.pi * triangle_areas(state) * radii}
