@@ -42,7 +42,6 @@ _REST = ((1.0 - POINTS[:, None] ** np.arange(1, COUNT + 1)) / np.arange(1, COUNT
     powers(POINTS, COUNT - 1)
 )
 _RUNNING = np.vstack((_REST, WEIGHTS)).T
-_BEFORE = np.column_stack((_REST, np.ones(COUNT)))
 _GRADED = 2e-3 * 4.0 ** np.arange(4)
 """Breaks near the ends of a zone: a layer that relaxes behind a slow edge is an exponential of any thickness,
 which five points follow to 1e-6 over a ratio of 4 (of 10: 1e-4)."""
@@ -82,40 +81,20 @@ class Closure:
     within: Array
     kernel: Array
 
-    def of_stresses(self, q: Array) -> Array:
-        """What openings (m,) are to be multiplied with for the form, of stresses behind (c, m)."""
-        order, count = len(self.kernel), len(q)
-        parts = (self.within[:, None] * q).reshape(-1, COUNT) @ _RUNNING
-        parts = parts.reshape(order * count, -1, COUNT + 1)
-        totals = parts[:, :, COUNT]
-        later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
-        rest = self.kernel @ (parts[:, :, :COUNT] + later[:, :, None]).reshape(order, -1)
-        inner = (self.moments[:, None] * rest.reshape(order, count, -1)).sum(axis=0)
-        return self.weight * (self.main * q + inner)
-
-    def of_openings(self, d: Array) -> Array:
-        """What stresses (m,) are to be multiplied with, of openings ahead (c, m)."""
-        opened = self.weight * d
-        order, count = len(self.kernel), len(d)
-        parts = ((self.kernel.T @ self.moments)[:, None] * opened).reshape(-1, COUNT) @ _BEFORE
-        parts = parts.reshape(order * count, -1, COUNT + 1)
-        totals = parts[:, :, COUNT]
-        earlier = totals.cumsum(axis=1) - totals
-        before = (parts[:, :, :COUNT] + earlier[:, :, None] * WEIGHTS).reshape(order, count, -1)
-        return self.main * opened + (self.within[:, None] * before).sum(axis=0)
-
-    def integral(self, product: float, stress: float, opening: float) -> float:
-        """``I`` of the product of both; negative where they are those of pressing next to the edge.
+    def between(self, q: Array, d: Array) -> float:
+        """``I`` of stresses and openings (m,); negative where they are those of pressing next to the edge.
 
         There the form is not positive, so that it does not jump where an edge ceases to be pressed.
         """
-        value = product * (-1.0 / (math.pi**2 * self.zone))
-        return -abs(value) if stress > 0.0 and opening < 0.0 else value
-
-    def between(self, q: Array, d: Array) -> float:
-        """``I`` of stresses and openings (m,)."""
-        product = float(self.of_stresses(q[None])[0] @ d)
-        return self.integral(product, float(q[-1]), float(d[0]))
+        order = len(self.kernel)
+        parts = (self.within * q).reshape(-1, COUNT) @ _RUNNING
+        parts = parts.reshape(order, -1, COUNT + 1)
+        totals = parts[:, :, COUNT]
+        later = totals[:, ::-1].cumsum(axis=1)[:, ::-1] - totals
+        after = (parts[:, :, :COUNT] + later[:, :, None]).reshape(order, -1)
+        inner = (self.moments * (self.kernel @ after)).sum(axis=0)
+        value = float((self.weight * d) @ (self.main * q + inner)) * (-1.0 / (math.pi**2 * self.zone))
+        return -abs(value) if q[-1] > 0.0 and d[0] < 0.0 else value
 
 
 def closure(radius: float, zone: float, breaks: Array) -> Closure:

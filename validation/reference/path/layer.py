@@ -10,8 +10,9 @@ pressures: ``q = E* w^``. In contact ``w^ = phi . (D, C) - G`` with ``phi = (1, 
 penetration is a vector, and a layer a half-space under an indenter that changes with the load; a half-space
 is one without functions.
 
-The ``P_j`` are Chebyshev's polynomials of ``x^2`` up to a length that no radius reaches. ``M`` is entire in
-both squares: 10 of them tell it to 1e-10 if that length is the thickness, 16 if it is twice as long.
+The ``P_j`` are the principal axes of ``M``, told by Chebyshev's polynomials of ``x^2`` up to a length that
+no radius reaches. ``M`` is entire in both squares: to 1e-10 it has 7 of them if that length is the thickness,
+12 if it is twice as long.
 """
 
 from __future__ import annotations
@@ -24,22 +25,26 @@ from numpy.typing import NDArray
 
 import contact_scene
 from validation.reference.elastic_layer import transfer
-from validation.reference.path.numerics import chebyshev_series, gauss
+from validation.reference.path.numerics import chebyshev, chebyshev_series, gauss
 
 Array = NDArray[np.float64]
 
 LONGEST_WAVE = 20.0
 """Argument beyond which ``1 - K`` is left out: it falls as ``t^2 exp(-2 t)``."""
 NEGLIGIBLE = 1e-10
-"""Part of ``q`` by which ``M q`` changes where a function is left out."""
+"""Part of ``q`` by which ``M q`` changes where a function or a polynomial is left out."""
 
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """``M = phi . coupling phi`` at radii up to ``reach``; row and column 0 of ``coupling`` are zero."""
+    """``M = phi . coupling phi`` at radii up to ``reach``; row and column 0 of ``coupling`` are zero.
+
+    ``axes`` (c, K): the functions as series of Chebyshev in the square of the radius.
+    """
 
     reach: float
     coupling: Array
+    axes: Array
 
     @property
     def is_layer(self) -> bool:
@@ -48,17 +53,13 @@ class Image:
 
     def functions(self, x: Array) -> Array:
         """``phi`` (m, K + 1) at radii (m,)."""
-        phi = np.ones((len(self.coupling), len(x)))
-        if len(phi) > 2:
-            phi[2] = 2.0 * (x / self.reach) ** 2 - 1.0
-            twice = 2.0 * phi[2]
-        for j in range(3, len(phi)):
-            np.multiply(twice, phi[j - 1], out=phi[j])
-            phi[j] -= phi[j - 2]
-        return phi.T
+        phi = np.ones((len(x), len(self.coupling)))
+        if self.is_layer:
+            phi[:, 1:] = chebyshev(2.0 * (x / self.reach) ** 2 - 1.0, len(self.axes)).T @ self.axes
+        return phi
 
 
-HALF_SPACE = Image(math.inf, np.zeros((1, 1)))
+HALF_SPACE = Image(math.inf, np.zeros((1, 1)), np.zeros((0, 0)))
 
 
 def image(layer: contact_scene.Layer, poisson_ratio: float, reach: float) -> Image:
@@ -71,7 +72,7 @@ def image(layer: contact_scene.Layer, poisson_ratio: float, reach: float) -> Ima
     lacks = 2.0 / (math.pi * h) * weights * (1.0 - transfer(t, poisson_ratio, layer.base))
     waves = series @ np.cos(np.outer(reach / h * np.sqrt(0.5 * (1.0 + knots)), t))
     coefficients = (waves * lacks) @ waves.T
-    count = int((np.abs(coefficients).max(axis=1) * reach > NEGLIGIBLE).nonzero()[0].max(initial=0)) + 1
-    coupling = np.zeros((count + 1, count + 1))
-    coupling[1:, 1:] = coefficients[:count, :count]
-    return Image(reach, coupling)
+    told = int((np.abs(coefficients).max(axis=1) * reach > NEGLIGIBLE).nonzero()[0].max(initial=0)) + 1
+    strengths, axes = np.linalg.eigh(coefficients[:told, :told])
+    kept = np.abs(strengths) * reach > NEGLIGIBLE
+    return Image(reach, np.diag(np.append(0.0, strengths[kept])), axes[:, kept])

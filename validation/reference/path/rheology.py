@@ -111,7 +111,7 @@ class Body:
 
     @cached_property
     def _rule(self) -> tuple[Array, Array]:
-        return gauss(4 * len(self.image.coupling))
+        return gauss(4 * len(self.image.axes) + 4)
 
     def _between(self, low: float, high: float) -> Array:
         """``int phi G`` from a knot of the profile, beyond which ``G`` may go as a root, to the next."""

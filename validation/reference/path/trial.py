@@ -71,17 +71,10 @@ class Trial:
     # what does not depend on the end ---
 
     def _close(self, zone: float) -> None:
-        """Set up the closure over a zone, and what it makes of the side that the edge does not pass."""
+        """Set up the closure over a zone."""
         self.zone = zone
         form = self.closure = closure(self.radius, zone, self.state.breaks(self.travel, zone))
-        count = len(form.s)
         self._lay(self.travel - zone + form.s, self.travel + form.s)
-        side = slice(count, None) if self.direction > 0.0 else slice(0, count)
-        phi = (self._phi[side] - self._phi[count]).T
-        phi[0] = 1.0
-        rows = np.vstack((phi, self._G[side] - self._G[count], self._begun[side].T))
-        self._factors = form.of_openings(rows) if self.direction > 0.0 else form.of_stresses(rows)
-        self._beside = rows[:, 0 if self.direction > 0.0 else -1]  # the point next to the edge
 
     def _lay(self, behind: Array, ahead: Array) -> None:
         """Points behind and ahead of the end, and of the sweep; those that change sides are on one side."""
@@ -183,33 +176,23 @@ class Trial:
     def integral(self, motion: Motion, passing: Passing | None) -> float:
         """Closure integral; without a zone the strain at the edge: behind it, unless it covers."""
         rheology, form, covers = self.body.rheology, self.closure, self.direction > 0.0
-        gained, depths = motion.end
-        fresh = np.exp(-motion.duration / rheology.retardation)
         if form is None:
             if covers:
                 return self.overlap(motion)
             return (
                 float(self.stress(self._phi[:1], self._G[:1], self._begun[:1], motion)[0]) / rheology.glassy
             )
-        count = len(form.s)
-        side, strain = (slice(0, count) if covers else slice(count, None)), self._phi @ depths - self._G
-        other = self._begun[side]
-        if covers:
-            field = self.stress(self._phi[side], self._G[side], other, motion)
-            still = np.concatenate((-depths, [1.0], fresh))
-            still[0] = -strain[count]
-        else:
-            field = other @ fresh - strain[side]
-            fading = np.exp(-motion.duration / rheology.times)
-            gain = gained.sum(axis=1)
-            still = np.concatenate((rheology.relaxed * depths + gain, [-rheology.relaxed], fading))
-            still[0] = rheology.relaxed * strain[count] + self._phi[count] @ gain
-        if passing is not None and len(self._changing):
-            changed = total(passing.end[: len(self._changing)])
-            changed += (rheology.relaxed if covers else -1.0) * strain[self._changing]
-            field[self._changing - (0 if covers else count)] = changed
-        beside = float(still @ self._beside), float(field[-1 if covers else 0])
-        return form.integral(float(still @ (self._factors @ field)), *(beside[::-1] if covers else beside))
+        count, depths = len(form.s), motion.end[1]
+        fresh = np.exp(-motion.duration / rheology.retardation)
+        q = self.stress(self._phi[:count], self._G[:count], self._begun[:count], motion)
+        d = self._begun[count:] @ fresh - self._phi[count:] @ depths + self._G[count:]
+        if passing is not None and len(at := self._changing):
+            changed, strain = total(passing.end[: len(at)]), self._phi[at] @ depths - self._G[at]
+            if covers:
+                q[at] = rheology.relaxed * strain + changed
+            else:
+                d[at - count] = changed - strain
+        return form.between(q, d)
 
     def overlap(self, motion: Motion) -> float:
         """Strain by which the surface is within the indenter next to an edge that covers or stays."""
@@ -220,8 +203,8 @@ class Trial:
         """``q`` at the end at points that stay in contact."""
         rheology = self.body.rheology
         gained, depths = motion.end
-        q: Array = rheology.relaxed * (phi @ depths - G) + begun @ np.exp(-motion.duration / rheology.times)
-        return q + phi @ gained.sum(axis=1)
+        q: Array = phi @ (rheology.relaxed * depths + gained.sum(axis=1)) - rheology.relaxed * G
+        return q + begun @ np.exp(-motion.duration / rheology.times)
 
     def zone_at_stress(self, motion: Motion) -> float:
         """Length of the zone that a cohesive stress makes at this end of the step."""
