@@ -10,6 +10,7 @@ every integral over the penetration.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -152,6 +153,9 @@ def loop_energy(trace: Trace) -> float:
 def largest_fall(trace: Trace) -> tuple[float, int, int]:
     """Largest fall of the loss from any row to a later one, not negative, and the two rows.
 
+    It begins where the lines through the rows before and after meet, if that is beside the row: where an edge
+    comes to a place at which it has rested the loss has a corner, on which no row lies.
+
     No material gives back what it has lost. The adhesive closure over a zone of finite length does not
     balance energies where an edge sets off from rest (``docs/explanation/model.md``), nor in first
     order of zone over radius. All solvers share that: ``compare`` holds their falls against each other.
@@ -160,7 +164,19 @@ def largest_fall(trace: Trace) -> tuple[float, int, int]:
     loss = trace.dissipated_energy
     end = int(np.argmax(np.maximum.accumulate(loss) - loss))
     begin = int(np.argmax(loss[: end + 1]))
-    return float(loss[begin] - loss[end]), begin, end
+    rows = [slice(i - 1, i + 3) for i in (begin - 1, begin) if i > 0]
+    crest = max([float(loss[begin]), *(_corner(trace.time[four], loss[four]) for four in rows)])
+    return crest - float(loss[end]), begin, end
+
+
+def _corner(t: Array, y: Array) -> float:
+    """Where lines through the first two and the last two of four rows meet, if between; otherwise nothing."""
+    if len(t) < 4 or not (t[1:] > t[:-1]).all():
+        return -math.inf
+    rise, fall = (y[1] - y[0]) / (t[1] - t[0]), (y[3] - y[2]) / (t[3] - t[2])
+    ahead = y[2] - y[1] - fall * (t[2] - t[1])
+    inside = 0.0 < ahead < (rise - fall) * (t[2] - t[1])
+    return float(y[1] + rise * ahead / (rise - fall)) if fall < 0.0 < rise and inside else -math.inf
 
 
 def cycle_losses(trace: Trace, times: ArrayLike) -> tuple[CycleLoss, ...]:
