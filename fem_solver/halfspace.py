@@ -73,8 +73,10 @@ _QUADRATURE_ORDER = 5
 """Polynomial order that the quadrature of the elements integrates exactly."""
 _BLOCK = 256
 """Rows and columns that are symmetrised at a time; bounds the memory that takes."""
-_SYMMETRIC = {"SymmetricMode": True}
+_UNPIVOTED = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 """Options of SuperLU for a symmetric matrix that needs no pivoting."""
+SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A"} | _UNPIVOTED
+"""The same, by minimum degree."""
 
 
 class HalfSpace:
@@ -156,12 +158,12 @@ class HalfSpace:
         )
 
     def factorise(self, ratio: float, count: int) -> Factorisation:
-        """Factorise the constrained system."""
+        """Factorise the constrained system, the first ``count`` nodes of the surface behind the body."""
         ranks = self._ranks.copy()
         ranks[self.surface_dofs[:count]] = self.unknowns + np.arange(count)
         order = self.free[np.argsort(ranks[self.free], kind="stable")]
         rows = self.matrix(ratio)[order]
-        factor = splu(rows[:, order].tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=_SYMMETRIC)
+        factor = splu(rows[:, order].tocsc(), permc_spec="NATURAL", **_UNPIVOTED)
         lifted = np.stack([-(rows @ shape) for shape in self.far_shapes])
         return Factorisation(self, ratio, count, order, factor, lifted)
 
@@ -174,9 +176,7 @@ class HalfSpace:
         nodes, vertices = np.isin(vertical, self.free), self.mesh.p.shape[1]
         graph = self.deviatoric[vertical[nodes]][:, vertical[nodes]]  # one unknown a node
         rank = np.zeros(len(vertical), dtype=np.int64)
-        rank[nodes] = splu(
-            graph, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=_SYMMETRIC
-        ).perm_c
+        rank[nodes] = splu(graph, **SYMMETRIC).perm_c
         ranks = np.zeros(self.unknowns, dtype=np.int64)
         ranks[self.basis.nodal_dofs], ranks[self.basis.facet_dofs] = rank[:vertices], rank[vertices:]
         if self.mixed:
@@ -231,9 +231,10 @@ class Factorisation:
         """Displacements of the surface nodes for unit shear modulus."""
         return self._condensed(), self._far_response()
 
-    def far_weights(self) -> Array:
-        """Weights of the nodal forces in the far amplitude with which the compliance is symmetric."""
-        return self._weights_of(self._far_response())
+    def far_weights(self, count: int) -> Array:
+        """Weights of nodal forces in the far amplitude with which the compliance is symmetric."""
+        far = self.solve(np.zeros(self.space.unknowns), self.far_mix)
+        return self._weights_of(far[self.space.surface_dofs[:count]])
 
     def _weights_of(self, far: Array) -> Array:
         return far / far[0] if self.space.far_field else np.zeros(len(far))

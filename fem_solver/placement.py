@@ -257,10 +257,10 @@ class Surfaces:
     ----------
     scene : Scene
     meshes : object
-        With ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest``, for a layer ``layer(reach)``
-        and ``layer_below(level, thickness)``, and places that have a ``level``. The one at the axis is not
-        scaled but by the length that an edge keeps from the ends of the fine strip: the process zone, or
-        less.
+        With ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest``, for a layer ``layer(reach)``,
+        ``layer_below(level, thickness)`` and ``among_fewer(place)``, and places that have a ``level``. The
+        one at the axis is not scaled but by the length that an edge keeps from the ends of the fine strip:
+        the process zone, or less.
     ratio : float
         ``G/K``.
     plane_modulus : float
@@ -356,6 +356,10 @@ class Surfaces:
         mesh = self._meshes.layer_below(place.level, layer.thickness / (here.scale * here.stretch))
         sliding = layer.base == "frictionless"
         return HalfSpace(mesh, self._form == "mixed", False, sliding), len(here.radii)
+
+    def for_history(self, place: Any) -> Any:
+        """The place at which losses are summed up: on a layer, where each has its own volume, one of fewer."""
+        return place if self._layer is None else self._meshes.among_fewer(place)
 
     def volume_of(self, place: Any) -> Any:
         """Names the volume below a place: a layer is another one wherever the mesh is scaled."""

@@ -74,6 +74,11 @@ class EdgeMeshes:
         """Length that one unit of the mesh stands for."""
         return self.zone * 2.0 ** (-place.step / self._steps(place.level)) if place.level else self.zone
 
+    def among_fewer(self, place: Place) -> Place:
+        """The nearest of every third place: its strip, too, holds what a place serves, with half a stride
+        to spare."""
+        return Place(place.level, 3 * round(place.step / 3))
+
     def _steps(self, level: int) -> int:
         """Places per halving of the radius."""
         return math.ceil(math.log(2.0) * self.centre(level) / _STRIDE)

@@ -128,8 +128,8 @@ class Body:
         self.space, self.springs = space, springs
         material, self._strain = springs.material, forms.strain_operator(space.basis)
         ratio, self._apart = material.instantaneous_ratio, material.series is not None
-        self._factors = [space.factorise(each, count) for each in ([0.0, ratio] if self._apart else [ratio])]
-        self._weights = [factor.far_weights() for factor in self._factors]
+        self._factors = [space.factorise(each, 0) for each in ([0.0, ratio] if self._apart else [ratio])]
+        self._weights = [factor.far_weights(count) for factor in self._factors]
         self._dilated = 1.0 if self._apart else ratio  # volume strain per m
         self._unit = material.unit_plane_modulus
         self.points: int = self._strain.shape[0] // 4

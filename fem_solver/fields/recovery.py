@@ -32,6 +32,7 @@ from scipy.spatial import cKDTree
 from skfem import Basis, BilinearForm, ElementTriP2
 
 from fem_solver import forms
+from fem_solver.halfspace import SYMMETRIC
 
 Array = NDArray[np.float64]
 
@@ -86,7 +87,7 @@ class Recovery:
         ab, bc, ca = mesh.t2f + vertices
         parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         self.triangles = np.concatenate([np.stack(part, axis=1) for part in parts])
-        self._factor = splu(_mass.assemble(self._basis).tocsc())
+        self._factor = splu(_mass.assemble(self._basis).tocsc(), **SYMMETRIC)
         self._dx = self._basis.dx.ravel()
         self._weights = forms.volume_weights(basis)
         self.volumes: Array = self._weights.sum(axis=1)

@@ -22,6 +22,7 @@ from fem_solver.fields.recording import Recording
 from fem_solver.fields.recovery import Recovery
 from fem_solver.recorder import profile
 from fem_solver.setup import Setup
+from fem_solver.state import ComponentState, transferred
 
 Array = NDArray[np.float64]
 
@@ -164,7 +165,8 @@ class _Bodies:
         self._springs = Springs(recording.setup.material)
         self._volumes: dict[Any, tuple[Body, Recovery]] = {}
         self._dropped = np.zeros(3, int)
-        self._next, self._place = 0, recording.steps[0].end.place
+        self._solid = recording.setup.history.solid
+        self._next, self._place = 0, self._surfaces.for_history(recording.steps[0].end.place)
         self._here = Losses(self._springs)
         self._lost = np.zeros((len(self._springs.names), self._volume(self._place)[0].points))
 
@@ -176,9 +178,11 @@ class _Bodies:
     def at(self, row: int, label: str) -> FieldState:
         """The body at a row, not before the last one requested."""
         for step in self._recording.steps[self._next : row + 1]:
-            self._move(step.end.place)
-            self._here.add(step.dt, step.begin, step.end)
+            begin, end = (self._for_history(one) for one in (step.begin, step.end))
+            self._move(end.place)
+            self._here.add(step.dt, begin, end)
         self._next = row + 1
+        self._move(self._recording.steps[row].end.place)
         self._sum_up()
         trace, state = self._recording.trace, self._recording.steps[row].end
         here, (body, recovery) = self._surfaces.at(self._place), self._volume(self._place)
@@ -206,6 +210,12 @@ class _Bodies:
             element_rate=recovery.means(fields.rates),
             element_dissipated=recovery.means(self._lost),
         )
+
+    def _for_history(self, state: ComponentState) -> ComponentState:
+        """A state on the mesh on which losses are summed up."""
+        surfaces = self._surfaces
+        there = surfaces.for_history(state.place)
+        return transferred(state, surfaces.at(state.place), surfaces.at(there), self._solid)
 
     def _move(self, place: Any) -> None:
         """Take what has been lost so far to the mesh at another place."""
