@@ -358,7 +358,7 @@ class Surfaces:
         return HalfSpace(mesh, self._form == "mixed", False, sliding), len(here.radii)
 
     def for_history(self, place: Any) -> Any:
-        """The place at which losses are summed up: on a layer, where each has its own volume, one of fewer."""
+        """The place where losses are summed up: on a layer, where each has its own volume, one of fewer."""
         return place if self._layer is None else self._meshes.among_fewer(place)
 
     def volume_of(self, place: Any) -> Any:
