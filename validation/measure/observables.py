@@ -84,7 +84,8 @@ def measure(trace: Trace, scene: Scene, wall_seconds: float) -> dict[str, float 
     observed = observe(trace, zone, scene.loading, scene.ends_in_a_point)
     values: dict[str, float | None] = dict(observed.as_dict())
     stored = float(trace.stored_energy.max()) if len(trace) else 0.0
-    branches, loss = at_last_contact(trace, "branch_dissipation", zone), values["dissipated_energy"]
+    branches = at_last_contact(trace, "branch_dissipation", zone, scene.ends_in_a_point)
+    loss = values["dissipated_energy"]
     values["branch_dissipation"] = branches
     values["zone_excess"] = branches - loss if branches is not None and loss is not None else None
     values["loss_fall"] = largest_fall(trace)[0] if len(trace) else None
@@ -113,7 +114,7 @@ def observe(
         "start_force": trace.force[0],
         "start_radius": trace.contact_radius[0],
         "loop_energy": loop_energy(trace),
-        "dissipated_energy": trace.dissipated_energy[last],
+        "dissipated_energy": trace.dissipated_energy[_lost(trace, zone, ends_in_a_point)],
         "final_time": trace.time[-1],
         "final_penetration": trace.penetration[-1],
         "final_force": 0.0 if lost else trace.force[-1],
@@ -135,10 +136,21 @@ def observe(
     return Observables(**{name: float(value) for name, value in values.items()})
 
 
-def at_last_contact(trace: Trace, column: str, zone: float = 0.0) -> float | None:
+def at_last_contact(
+    trace: Trace, column: str, zone: float = 0.0, ends_in_a_point: bool = False
+) -> float | None:
     """A column at the row of detachment, or the last; ``None`` if the run has no such column or no row."""
     values = trace.columns().get(column)
-    return None if values is None or len(trace) == 0 else float(values[last_in_contact(trace, zone)])
+    return None if values is None or not len(trace) else float(values[_lost(trace, zone, ends_in_a_point)])
+
+
+def _lost(trace: Trace, zone: float, ends_in_a_point: bool) -> int:
+    """The row of detachment, or the last.
+
+    Where contact ends in a point that is the first row without: whether one before is just one rounding
+    decides.
+    """
+    return min(last_in_contact(trace, zone) + ends_in_a_point, len(trace) - 1)
 
 
 def loop_energy(trace: Trace) -> float:
