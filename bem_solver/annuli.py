@@ -5,12 +5,11 @@ Jacobi sine and its quarter period: even about the centre and about the edge, as
 angle ``arcsin(r)`` shrink from the centre to the edge by the factor ``k'``, the complementary modulus; their
 number is ``K(k) ~ log(4/k')`` over the step at the centre. With ``k' = 1``, where the process zone is long,
 these are ``sin(pi j/2M)`` and ``sin(pi (j + 1/2)/2M)``. Because the kernel is scale-free one grid serves
-every contact radius: the edge is continuous, the matrix is factorised once. The error of piecewise constant
-pressure under an edge singularity is the same pattern on every grid, known from the flat punch, whose
-pressure ``1/(pi sqrt(1 - x^2))`` and displacement ``(2/pi) arcsin(1/x)`` are exact: the singular part of
-every solution is taken out with them, and annuli carry the rest. What they miss of a profile ``x^n``, that
-of the indenter, is known as well (``PowerContact``), and is added in the measure in which a solution holds
-it. Unit plane modulus; lengths in contact radii.
+every contact radius: the edge is continuous, the matrix is factorised once. The singular part of every
+solution is that of the flat punch, whose pressure ``1/(pi sqrt(1 - x^2))`` and displacement ``(2/pi)
+arcsin(1/x)`` are exact, and annuli carry the rest. What they miss of a profile ``x^n``, that of the indenter,
+is known as well (``PowerContact``), and is added as far as a solution holds it. Unit plane modulus; lengths
+in contact radii.
 """
 
 from __future__ import annotations
@@ -19,14 +18,68 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
-from scipy.special import ellipj, ellipkm1, gamma, hyp2f1
-
-from bem_solver.cubic_interpolation import cubic_weights, divided_differences, interpolated
-from bem_solver.kernel import annulus_influence
+from scipy.special import ellipe, ellipj, ellipkm1, gamma, hyp2f1
 
 Array = NDArray[np.float64]
+
+
+def disc_displacement(radius: ArrayLike, disc: ArrayLike) -> Array:
+    """Surface displacement at ``radius`` under unit pressure on a disc of radius ``disc`` (Eq. Kernel).
+
+    ``K(r, c) = 4 c E(r/c)/pi`` for r <= c and ``4 r [E(c/r) - (1 - (c/r)^2) K(c/r)]/pi`` outside, with the
+    complete elliptic integrals of the modulus. Arguments are broadcast; zero for a disc of radius zero.
+    """
+    r, c = np.broadcast_arrays(np.asarray(radius, float), np.asarray(disc, float))
+    outside = r > c
+    large = np.where(outside, r, c)
+    k = np.divide(np.where(outside, c, r), large, out=np.zeros(r.shape), where=large > 0)
+    complement = (1.0 - k) * (1.0 + k)
+    # (1 - k^2) K(k) -> 0 at k = 1, where K itself is infinite
+    product = complement * ellipkm1(np.where(complement > 0, complement, 1.0))
+    value = 4.0 / np.pi * large * (ellipe(1.0 - complement) - np.where(outside, product, 0.0))
+    return np.where(c > 0, value, 0.0)
+
+
+def annulus_influence(radius: Array, borders: Array) -> Array:
+    """Displacement at each ``radius`` (m,) under unit pressure on each annulus (Eq. Ghq), shape (m, n).
+
+    ``borders`` (n + 1,) rise from 0; annulus q lies between ``borders[q]`` and ``borders[q + 1]``.
+    """
+    return np.diff(disc_displacement(radius[:, None], borders[None, :]), axis=1)
+
+
+def even_cubic(values: Array, position: Array) -> Array:
+    """Cubic Lagrange interpolation of samples at half-integers, even about both ends."""
+    padded = np.concatenate((values[1::-1], values, values[:-3:-1]))
+    return interpolated(divided_differences(padded), position + 1.5)
+
+
+def cubic_weights(z: Array) -> Array:
+    """Lagrange's weights (4, m) at ``z`` (m,) of the cubic through samples at 0, 1, 2 and 3."""
+    one, two, three = z - 1.0, z - 2.0, z - 3.0
+    return np.array(
+        (-one * two * three / 6.0, z * two * three / 2.0, -z * one * three / 2.0, z * one * two / 6.0)
+    )
+
+
+def divided_differences(samples: Array) -> Array:
+    """Of the cubics through four neighbouring samples each, in Newton's form."""
+    first = samples[1:] - samples[:-1]
+    second = 0.5 * (first[1:] - first[:-1])
+    third = (second[1:] - second[:-1]) / 3.0
+    return np.array((samples[:-3], first[:-2], second[:-1], third))
+
+
+def interpolated(table: Array, position: Array) -> Array:
+    """The cubics of :func:`divided_differences` at positions among the samples, which stand at 0, 1, ..."""
+    first = np.minimum(np.maximum(position.astype(np.intp) - 1, 0), table.shape[1] - 1)
+    z = position - first
+    # clipped: all indices are in range, and to check them takes three times as long
+    value, slope, second, third = table.take(first, axis=1, mode="clip")
+    return value + z * (slope + (z - 1.0) * (second + (z - 2.0) * third))
+
 
 _PER_ANNULUS = 64
 """Entries per annulus of the table of their numbers over the angle: straight lines miss the number, whose
@@ -71,25 +124,11 @@ class PowerContact:
 
 
 class Annuli:
-    """``count`` annuli on the unit contact, with the factorised influence matrix.
+    """``count`` annuli on the unit contact, with the factorised influence ``matrix`` (M, M).
 
-    Parameters
-    ----------
-    count : int
-        Their number M.
-    grading : float
-        Step of the angle at the edge over that at the centre, ``0 < k' <= 1``.
-    exponent : float
-        That of the profile for which they are exact.
-
-    Attributes
-    ----------
-    borders : ndarray (M + 1,), radii, areas : ndarray (M,)
-        Annulus borders, collocation radii and areas.
-    outermost : float
-        Distance of the last collocation radius from the edge.
-    matrix : ndarray (M, M)
-        Displacement at the collocation radii under unit pressure on each annulus.
+    ``grading``, ``0 < k' <= 1``, is the step of the angle at the edge over that at the centre, ``exponent``
+    that of the profile for which the annuli are exact, ``outermost`` the distance of the last collocation
+    radius from the edge.
     """
 
     def __init__(self, count: int, grading: float = 1.0, exponent: float = 2.0) -> None:

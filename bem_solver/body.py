@@ -1,16 +1,8 @@
 """The body under the surface: a half-space, or a layer on a rigid base, which is less compliant.
 
-Under the transform ``P(k) = int p(r) J0(k r) r dr`` of a pressure the surface moves by ``v(r) = 2 int K(k h)
-P(k) J0(k r) dk`` at unit plane modulus, ``h`` the thickness of the layer and K = 1 for the half-space. What
-the layer lacks of that, ``N p``, is smooth, since 1 - K falls as ``exp(-2 t)``. With Gauss's nodes ``t_g``
-and weights ``w_g``
-
-    N p = sum_g phi_g int p phi_g dA/(2 pi),     phi_g(r) = sqrt(2 w_g (1 - K(t_g))/h) J0(t_g r/h):
-
-a symmetric product. Pressures within a ``reach`` c tell few of these fields apart. By Abel's transform,
-which turns ``J0(t r/h)`` into ``cos(t x/h)`` and the half-space into one, the part that N takes of its
-compliance is ``sum_g phi_g(x) phi_g(s)/pi`` on 0 <= x, s <= c: of its eigenvectors those above rounding are
-kept, 5 at c/h = 1/2, 9 at 2, 30 at 16, and none where K = 1. Lengths in scene units.
+What a layer lacks of the half-space's displacement under a pressure is smooth: ``N p = sum_k f_k int p f_k
+dA/(2 pi)``, with few fields f_k for pressures within a ``reach`` (equations: the page on boundary elements in
+the explanation). Lengths in scene units.
 """
 
 from __future__ import annotations
@@ -25,8 +17,7 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 from scipy.special import j0
 
-from bem_solver.annuli import Annuli
-from bem_solver.cubic_interpolation import cubic_weights, divided_differences, interpolated
+from bem_solver.annuli import Annuli, cubic_weights, divided_differences, interpolated
 from contact_scene import Layer, Scene
 
 Array = NDArray[np.float64]
@@ -80,11 +71,6 @@ class SmoothPart:
         default_factory=dict, compare=False, repr=False
     )
 
-    @property
-    def rank(self) -> int:
-        """Number K of fields; none for the half-space."""
-        return self.fields.shape[1]
-
     def _at(self, table: Array, radius: Array) -> Array:
         """Entries (m, K) of a table at radii (m,) within the reach."""
         position = radius / self.spacing
@@ -94,7 +80,7 @@ class SmoothPart:
 
     def taken_from(self, load: Array, radius: Array, moments: Array) -> Array:
         """The half-space's displacement outside a contact (m,) less this part: all of it, far away."""
-        if not self.rank:
+        if not self.fields.shape[1]:  # the half-space
             return load
         position = radius / self.spacing + 1.0
         taken = interpolated(divided_differences(self.fields @ moments), position)
@@ -102,13 +88,13 @@ class SmoothPart:
 
     def response(self, annuli: Annuli, edge: float) -> ContactUnderFields:
         """Of a contact of some radius > 0 within the reach."""
-        key = annuli, edge if self.rank else 0.0
+        key = annuli, edge if self.fields.shape[1] else 0.0
         if key not in self._responses:
             if len(self._responses) >= _EDGES_KEPT:
                 self._responses.clear()
             fields = self._at(self.fields, edge * annuli.radii)
             pressures, weights = annuli.solve(fields), edge / (2.0 * np.pi) * annuli.work_weights(fields)
-            inverse = np.asarray(np.linalg.inv(np.eye(self.rank) - weights.T @ pressures), float)
+            inverse = np.asarray(np.linalg.inv(np.eye(self.fields.shape[1]) - weights.T @ pressures), float)
             forces = annuli.areas @ pressures  # by reciprocity 2 pi times the moments of the punch
             stiffness = 1.0 + 0.25 * edge / np.pi * float(forces @ inverse @ forces)
             (kappas,) = self._at(self.transforms, np.array([edge]))

@@ -7,7 +7,6 @@ edge, with rows close to what the loading and the largest tension ask for.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
@@ -25,13 +24,11 @@ _SAFETY = 0.9
 """Share of the step that the error model predicts to just meet the tolerance."""
 _LARGEST_REDUCTION, _LARGEST_GROWTH = 0.2, 2.0
 """Bounds on the ratio of successive steps."""
-_SLIVER = 1e-9
+SLIVER = 1e-9
 """Part of a step by which it may differ from another by rounding, and still is as long."""
 SHARE_OF_WAY = 0.7
 """Share of the way of the edge to a limit point taken in one step: a tenth of the time is left after it, and
 the place of that point is then known ten times as well."""
-_NEWTON_STEPS = 3
-"""From the turn of a parabola to that of a cubic: each squares the relative error."""
 _MEMORY = 64
 """Accepted states that rates may reach back over."""
 
@@ -93,16 +90,12 @@ class AcceptedSteps:
         return len(self.rows) > 2
 
     @property
-    def time_is_smoother(self) -> bool:
+    def runs_away(self) -> bool:
         """Whether the parameter over the edge is nearer a parabola in the last rows than the edge over it."""
-        if len(self.rows) < 4:
+        times, edges = [row.parameter for row in self.rows[-4:]], [row.edge for row in self.rows[-4:]]
+        travels = [later - earlier for earlier, later in pairwise(edges)]
+        if len(travels) < 3 or min(travels) * max(travels) <= 0.0:
             return False
-        rows = self.rows[-4:]
-        travels = [later.edge - earlier.edge for earlier, later in pairwise(rows)]
-        if not (min(travels) > 0.0 or max(travels) < 0.0):
-            return False
-        times = [row.parameter - rows[-1].parameter for row in rows]
-        edges = [row.edge - rows[-1].edge for row in rows]
         of_time, of_edge = _missed(edges, times) / (times[1] - times[0]), _missed(times, edges) / travels[0]
         return of_time < abs(of_edge)
 
@@ -110,9 +103,7 @@ class AcceptedSteps:
         """Rates of edge and load over the accepted steps, as far back as ``step`` is long."""
         if len(self.rows) < 2:
             return 0.0, 0.0
-        now, least = self.rows[-1], (1.0 - _SLIVER) * step
-        earlier = (row for row in reversed(self.rows[:-1]) if now.parameter - row.parameter >= least)
-        base = next(earlier, self.rows[0])
+        now, base = self.rows[-1], self.earlier((1.0 - SLIVER) * step)
         span = now.parameter - base.parameter
         return (now.edge - base.edge) / span, (now.load - base.load) / span
 
@@ -174,35 +165,20 @@ class AcceptedSteps:
         return travel * (delay + bend * travel)
 
     def until_load_turns(self) -> float:
-        """Distance from the last state to where the load turns, by the cubic through the last four states."""
+        """Distance from the last state to where the load turns, by the parabola through the last three."""
         if len(self.rows) < 3:
             return math.inf
         (t0, _, f0, *_), (t1, _, f1, *_), (t2, _, f2, *_) = self.rows[-3:]
         late, early = (f2 - f1) / (t2 - t1), (f1 - f0) / (t1 - t0)
         curvature = (late - early) / (t2 - t0)
-        if curvature == 0.0:
-            return math.inf
-        turn = -0.5 * (late / curvature + t2 - t1)
-        if len(self.rows) == 3:
-            return turn
-        before, _, first, *_ = self.rows[-4]
-        third = (curvature - (early - (f0 - first) / (t0 - before)) / (t1 - before)) / (t2 - before)
-        sides = (t2 - t1, t2 - t0)
-        for _ in range(_NEWTON_STEPS):
-            slope = late + curvature * (2.0 * turn + sides[0])
-            slope += third * (3.0 * turn**2 + 2.0 * turn * sum(sides) + sides[0] * sides[1])
-            bend = 2.0 * curvature + third * (6.0 * turn + 2.0 * sum(sides))
-            if bend * curvature <= 0.0:  # the cubic turns nowhere near
-                return math.inf
-            turn -= slope / bend
-        return turn
+        return -0.5 * (late / curvature + t2 - t1) if curvature != 0.0 else math.inf
 
 
 def _missed(x: list[float], y: list[float]) -> float:
     """By how much the parabola through the last three of four points misses the first."""
     early, late = (y[2] - y[1]) / (x[2] - x[1]), (y[3] - y[2]) / (x[3] - x[2])
     bend = (late - early) / (x[3] - x[1])
-    return abs(y[3] + (x[0] - x[3]) * (late + (x[0] - x[2]) * bend) - y[0])
+    return abs(y[3] - y[0] + (x[0] - x[3]) * (late + (x[0] - x[2]) * bend))
 
 
 def departure_from_line(extrapolation_error: float, scale: float) -> float:
@@ -231,29 +207,14 @@ _ROUNDINGS_OF_TIME = 4.0
 """Shortest step, in roundings of time: an edge that is not resolved in it has leapt, over an annulus, say."""
 
 
-@dataclass(frozen=True)
-class StepSettings:
-    """What bounds the steps of a run.
-
-    ``tolerance`` is the step tolerance, ``divisions`` the number of steps in which the edge may travel the
-    length it is resolved on, ``scale`` the order of magnitude of the largest contact radius.
-    """
-
-    tolerance: float
-    divisions: int
-    scale: float
-
-
 @dataclass
 class GradedState:
     """State of a run on graded annuli.
 
-    ``contact`` is the committed state, ``record`` the rows, events and profiles so far. In the present
-    loading interval the run has reached ``parameter``, with the ``accepted`` states from which rates are
-    extrapolated. ``step`` is the step to try next before it is limited, ``travel_share`` the share of the
-    travel limit of the edge in force, ``slope`` the derivative of the residual with the edge expected in the
-    next step (0: unknown), ``last_slope`` that in the last accepted one. ``sought_limit_point``: from here no
-    step ends on one.
+    In the present loading interval the run has reached ``parameter``, with the ``accepted`` states from which
+    rates are extrapolated. ``step`` is that to try next before it is limited, ``travel_share`` the share of
+    the travel limit in force, ``slope`` the derivative of the residual with the edge expected in the next
+    step (0: unknown), ``last_slope`` that in the last. ``sought_limit_point``: no step from here ends on one.
     """
 
     contact: HalfSpaceState
@@ -269,23 +230,12 @@ class GradedState:
     last_slope: float = 0.0
     sought_limit_point: bool = False
 
-    def follow_slope(self, slope: float) -> None:
-        """Take the slope of an accepted step (0: unknown), and expect the next to change in proportion."""
-        if slope > 0.0:
-            change = slope / self.last_slope if self.last_slope > 0.0 else 1.0
-            self.slope, self.last_slope = slope * min(max(change, 0.5), 2.0), slope
-
-    def interval_done(self) -> None:
-        """Ready for the next loading interval."""
-        self.parameter = 0.0
-
 
 @dataclass(frozen=True)
 class StepStart:
-    """Where a step starts: problem, settings, committed state, and the interval of the loading it lies in."""
+    """Where a step starts: problem, committed state, and the interval of the loading it lies in."""
 
     problem: Problem
-    settings: StepSettings
     state: GradedState
     interval: LoadingInterval
 
@@ -297,22 +247,12 @@ class StepStart:
     def reach(self, advancing: bool) -> float:
         """Travel limit of the edge in one step."""
         longest = self.problem.longest_travel(self.state.contact.edge, advancing)
-        return self.state.travel_share * longest / self.settings.divisions
-
-    def coarseness(self, travel: float) -> float:
-        """Part of the usual coarsening of the history that a step of some travel may cause.
-
-        What stands between the stable edge and the unstable one beyond a limit point falls with the square of
-        the way that is left, and so must what nodes taken out change of it.
-        """
-        left = max(self.state.accepted.way_to_limit_point() - travel, self.smallest_travel)
-        full = self.problem.longest_travel(self.state.contact.edge, advancing=False) / self.settings.divisions
-        return min(1.0, (left / full) ** 2)
+        return self.state.travel_share * longest / self.problem.divisions
 
     @property
     def smallest_travel(self) -> float:
         """Travel at constant load from which on an edge moves unstably; limit points are located to it."""
-        edge, divisions = self.state.contact.edge, self.settings.divisions
+        edge, divisions = self.state.contact.edge, self.problem.divisions
         limit = longest = self.problem.length_at(edge) / divisions
         if self.problem.over_zones(edge):
             longest = self.problem.longest_travel(edge, advancing=False) / divisions
@@ -349,14 +289,6 @@ _MOST_SHARE_OF_RADIUS = 1e-2
 level, as at a limit point, the force is to be right still."""
 _LOAD_WEIGHT = 4.0
 """Weight of the departure of the load from a straight line against that of the edge in the step error."""
-_LOAD_WEIGHT_AT_LIMIT = 16.0
-"""The same weight where the edge travels its limit before the end of the step. The load may have a corner
-there, the largest tension of the run; an eighth of the departure understates how far a row may miss it."""
-_SCALE_OF_FIRST_LOAD = 0.01
-"""Part of the load to be expected in an interval against which a load that starts from zero is measured."""
-_SHARE_OF_TIP_FORCE = 0.1
-"""Part of the force of a tip without load, the flat punch's at the work of adhesion, against which a load is
-measured at least: near zero it is the difference of two such forces, and no rounder than they are."""
 _RATED_WEIGHT = 5.0
 """Weight of the departure from a straight line relative to the length the edge is resolved on against that
 relative to its travel, where the speed counts, of an opening edge: it may then change its speed by a sixth in
@@ -374,10 +306,9 @@ def span(interval: LoadingInterval) -> float:
 
 
 def departure_from_chord(interval: LoadingInterval, parameter: float, step: float) -> float:
-    """Largest departure of the prescribed quantity from its chord over a step, in spans.
+    """Largest departure of the prescribed quantity from its chord over a step, in spans, beyond rounding.
 
-    Sampled at irrational shares of the step, where an oscillation has no equal phases; what rounding makes
-    is no departure.
+    Sampled at irrational shares of the step, where an oscillation has no equal phases.
     """
     if span(interval) == 0.0:
         return 0.0
@@ -390,66 +321,21 @@ def departure_from_chord(interval: LoadingInterval, parameter: float, step: floa
     return max(departure - rounding, 0.0) / span(interval)
 
 
-def free_load(interval: LoadingInterval, contact: HalfSpaceState) -> float:
+def free_load(interval: LoadingInterval, penetration: float, surface: ContactSurface) -> float:
     """The quantity that is not prescribed: penetration under a controlled force, otherwise the force."""
-    return contact.penetration if interval.control == "force" else contact.surface.force
-
-
-def free_load_of(interval: LoadingInterval, trial: TrialContact) -> float:
-    """The same of a trial."""
-    return trial.motion.new_penetration if interval.control == "force" else trial.surface.force
+    return penetration if interval.control == "force" else surface.force
 
 
 def least_bent_travel(start: StepStart, edge: float) -> float:
     """Travel of a step from which on the path of an edge is a parabola."""
-    finer = min(1.0, DEFAULT_RESOLUTION / start.settings.divisions)
+    finer = min(1.0, DEFAULT_RESOLUTION / start.problem.divisions)
     return _BENT_SHARE_OF_ZONE * finer * start.problem.length_at(edge)
 
 
-def step_error(
-    start: StepStart,
-    trial: TrialContact,
-    step: float,
-    slope: float = 0.0,
-    rate_step: float | None = None,
-) -> float:
-    """Departure of edge and load from straight lines, in tolerances."""
-    rates = start.state.accepted.rates(step if rate_step is None else rate_step)
-    of_edge, of_load, _ = _departures(start, trial, step, rates, slope)
-    return max(of_edge, _LOAD_WEIGHT * of_load) / start.settings.tolerance
-
-
-def error_in_the_middle(start: StepStart, trial: TrialContact, middle: TrialContact, step: float) -> float:
-    """Departure of the load from a straight line where it is known in the middle of a step, in tolerances."""
-    before, after = free_load(start.interval, start.state.contact), free_load_of(start.interval, trial)
-    missed = abs(free_load_of(start.interval, middle) - 0.5 * (before + after))
-    scale = _load_scale(start, trial.surface, step)
-    return _LOAD_WEIGHT * missed / scale / start.settings.tolerance if scale > 0.0 else 0.0
-
-
-def error_at_limit(
-    start: StepStart, trial: TrialContact, step: float, at_rest: Callable[[], TrialContact]
-) -> float:
-    """Step error where the edge has travelled as far as it may: of the load, which may have a corner."""
-    rates = start.state.accepted.rates(step)
-    known = len(start.state.accepted.rows) > 1
-    if not known:
-        before = free_load(start.interval, start.state.contact)
-        rates = rates[0], (free_load_of(start.interval, at_rest()) - before) / step
-    of_edge, of_load, change = _departures(start, trial, step, rates)
-    of_load = min(of_load, 0.125 * change)
-    if not known and trial.motion.duration <= start.problem.chain.relaxation.min(initial=math.inf):
-        of_edge = 0.0
-    return max(of_edge, _LOAD_WEIGHT_AT_LIMIT * of_load) / start.settings.tolerance
-
-
-def _departures(
-    start: StepStart, trial: TrialContact, step: float, rates: tuple[float, float], slope: float = 0.0
-) -> tuple[float, float, float]:
-    """Departures of edge and load from lines of these rates, and the change of load on its line, to scale."""
+def step_error(start: StepStart, trial: TrialContact, step: float, slope: float = 0.0) -> float:
+    """Departure of edge and load from lines of their rates so far, in tolerances."""
     problem, interval, contact = start.problem, start.interval, start.state.contact
-    (edge_rate, load_rate), edge = rates, trial.motion.new_edge
-    load, scale = free_load_of(interval, trial), _load_scale(start, trial.surface, step)
+    (edge_rate, load_rate), edge = start.state.accepted.rates(step), trial.motion.new_edge
     missed = edge - contact.edge - edge_rate * step
     of_edge = departure_from_line(missed, problem.length_at(edge))
     if problem.rated and edge < contact.edge:
@@ -463,28 +349,24 @@ def _departures(
         if start.state.accepted.curved:
             missed = edge - start.state.accepted.edge_after(step)
         of_edge = min(of_edge, _departure_of_closure(start, edge, abs(missed), slope))
-    of_load = departure_from_line(load - free_load(interval, contact) - load_rate * step, scale)
-    return of_edge, of_load, abs(load_rate * step) / scale if scale > 0.0 else 0.0
+    rise = free_load(interval, trial.motion.new_penetration, trial.surface)
+    rise -= free_load(interval, contact.penetration, contact.surface)
+    of_load = departure_from_line(rise - load_rate * step, _load_scale(start, trial.surface, step))
+    return max(of_edge, _LOAD_WEIGHT * of_load) / problem.tolerance
 
 
 def _load_scale(start: StepStart, surface: ContactSurface, step: float) -> float:
-    """What the departure of the free load is measured against, at the end of a step."""
-    problem, interval, edge = start.problem, start.interval, surface.edge
-    stiffness = 2.0 * edge * problem.chain.relaxed
-    if edge > 0.0:
-        stiffness *= problem.body.within(edge).response(problem.annuli, edge).stiffness
-    softer = problem.scene.loading.compliance * stiffness if interval.control == "stage" else 0.0
-    to_come = span(interval) * (1.0 if interval.control == "force" else stiffness / (1.0 + softer))
-    tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * edge**3)
-    force = max(start.state.largest_force, abs(surface.force))
-    if problem.work > 0.0 and problem.viscoelastic:
-        opens = edge < start.state.contact.edge  # behind a closing edge the singularity may be a thin layer's
-        singular = min(abs(surface.singular_force), math.inf if opens else tip)
+    """What the departure of the free load is measured against: a force of the run, or what it moves."""
+    problem, force = start.problem, max(start.state.largest_force, abs(surface.force))
+    if problem.curves:
+        tip = math.sqrt(8.0 * math.pi * problem.work * problem.chain.relaxed * surface.edge**3)
+        opens = surface.edge < start.state.contact.edge  # behind a closing edge it may be a thin layer's
+        singular = min(abs(2.0 * surface.edge * surface.kappa), math.inf if opens else tip)
         force = min(force, max(abs(surface.force), singular))
-    scale = max(force, _SCALE_OF_FIRST_LOAD * to_come, _SHARE_OF_TIP_FORCE * tip)
-    if interval.control == "force":  # a penetration that misses its line does so over this step
-        return scale * problem.chain.relaxed / (stiffness * problem.chain.modulus_of_ramp(step))
-    return scale / max(softer, 1.0)  # on a soft spring it is the penetration that misses its line the farther
+    if start.interval.control != "force" or surface.edge == 0.0:
+        return force
+    stiffness = problem.body.within(surface.edge).response(problem.annuli, surface.edge).stiffness
+    return force / (2.0 * surface.edge * stiffness * problem.chain.modulus_of_ramp(step))
 
 
 def _departure_of_closure(start: StepStart, edge: float, missed: float, slope: float) -> float:
@@ -524,16 +406,16 @@ rounding makes of that error, which would grow from step to step."""
 
 def limited_step(start: StepStart) -> tuple[float, float]:
     """Step size to start from next time, and the step to try."""
-    state, interval, settings = start.state, start.interval, start.settings
+    state, interval = start.state, start.interval
     advancing = state.accepted.rates(0.0)[0] > 0.0
     limited, parameter = state.step, state.parameter
     limited = _step_within(start, limited, 0.9 * start.reach(advancing))
     limited = _rounded(limited / interval.length) * interval.length  # alike in all units
     left = interval.length - parameter
     limited = min(limited, left)
-    while (departure := departure_from_chord(interval, parameter, limited) / settings.tolerance) > 1.0:
+    while (departure := departure_from_chord(interval, parameter, limited) / start.problem.tolerance) > 1.0:
         limited = shrunk(limited, departure)
-    if limited >= left * (1.0 - 1e-9):
+    if limited >= left * (1.0 - SLIVER):
         step = left
     else:
         step = min(limited, 0.5 * left) if 2.0 * limited > left else limited

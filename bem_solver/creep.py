@@ -1,32 +1,27 @@
 """One surface point as a viscoelastic element: Voigt chain outside the contact, Maxwell chain inside.
 
 With ``v`` the displacement the present pressure would cause at unit plane modulus, the paper's Eq.
-convolution reads ``w = int J*(t - t') dv(t')`` at every radius separately, ``w`` the surface displacement
-and ``J* = (1 - nu^2) J``. Outside the contact ``v`` is known and ``w`` creeps; inside ``w`` is prescribed
-and ``v`` relaxes. Two sets of internal variables describe the same state:
+convolution reads ``w = int J*(t - t') dv(t')`` at every radius separately. Outside the contact ``v`` is known
+and ``w`` creeps; inside ``w`` is prescribed and ``v`` relaxes. Two sets of internal variables say the same:
 
 - Voigt lags ``l_k = J_k v - e_k`` with ``dl_k/dt = J_k dv/dt - l_k/theta_k`` and ``w = v/E0 - sum l_k``;
 - Maxwell stresses ``b_j`` with ``db_j/dt = E_j dw/dt - b_j/tau_j`` and ``v = E0 w + sum b_j``.
 
-Both dissipate ``sum b_j^2/(E_j tau_j) = sum l_k^2/(J_k theta_k)``, for every state; scaled by those square
-roots (the variables stored here) they are therefore images of each other under an *orthogonal* matrix,
-``Q_kj = sqrt(E_j tau_j J_k theta_k)/(theta_k - tau_j)``. Either recursion is exact when its input is linear
-in time, unconditionally stable, and tends to the elastic limits for steps from 0 to infinity. The paper's
-scheme (Eq. linear system) is the same with backward Euler factors.
-
-The retardation times theta_k are the roots of ``E0 + sum_k E_k tau_k/(tau_k - x)``, one in each gap: ``tau_1
-< theta_1 < tau_2 < theta_2 < ...``. A root is represented by its *distance from the nearer pole*, found by
-bisection of the logarithm of that distance: neither spectra over many decades nor nearly equal times cost
-digits. Compliances follow from the product form, ``s E(s) = E0 prod_k (1 + s theta_k)/(1 + s tau_k)``, whose
-factors are differences of times: they belong exactly to the computed roots (the device of Gu and Eisenstat,
-SIAM J. Matrix Anal. Appl. 16, 1995).
+Both dissipate ``sum b_j^2/(E_j tau_j) = sum l_k^2/(J_k theta_k)``: scaled by those square roots, as stored
+here, they are images of each other under the *orthogonal* matrix ``Q``, ``Q_kj = sqrt(E_j tau_j J_k
+theta_k)/(theta_k - tau_j)``. The retardation times theta_k are the roots of ``E0 + sum_k E_k tau_k/(tau_k -
+x)``, one in each gap of the tau_k, found as *distances from the nearer pole*: no spectrum costs digits.
+Compliances follow from ``s E(s) = E0 prod_k (1 + s theta_k)/(1 + s tau_k)``, whose factors are such distances
+(the device of Gu and Eisenstat, SIAM J. Matrix Anal. Appl. 16, 1995).
 """
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import dawsn, erf, erfcx, factorial
+from scipy.special import dawsn, hyp1f1
 
 from contact_scene import Branch, BulkRelaxation, Material
 
@@ -44,7 +39,9 @@ def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, 
     pole, distance = _roots(moduli / relaxed * times, times)
     retardation = times[pole] + distance
     to_poles = (times[None, :] - times[pole][:, None]) - distance[:, None]  # tau_j - theta_k
-    to_roots = _between_roots(times, pole, distance)  # theta_j - theta_k, 1 on the diagonal
+    base = times[pole]
+    to_roots = (base - base[:, None]) + (distance - distance[:, None])  # theta_j - theta_k
+    np.fill_diagonal(to_roots, 1.0)
     # J_k E0 = (1 - tau_k/theta_k) prod_(j != k) (theta_k - tau_j)/(theta_k - theta_j)
     ratio = to_poles / to_roots
     diagonal = np.diag(-to_poles) / retardation
@@ -86,28 +83,15 @@ def _roots(strengths: Array, poles: Array) -> tuple[NDArray[np.intp], Array]:
     return pole, sign * np.exp(0.5 * (low + high))
 
 
-def _between_roots(poles: Array, pole: NDArray[np.intp], distance: Array) -> Array:
-    """``x_j - x_k`` at [k, j] for roots given as pole and distance; ones on the diagonal."""
-    base = poles[pole]
-    apart = (base[None, :] - base[:, None]) + (distance[None, :] - distance[:, None])
-    np.fill_diagonal(apart, 1.0)
-    return apart
-
-
 SMALLEST = 1e-300
 """Stands for zero in quotients whose limit there is 1 to rounding."""
 _SHORT = 1e-2
-"""Step, in relaxation times, below which a parabola meets its middle: the right share is a thousandth off."""
+"""Time, in relaxation times, below which what relaxes of a root is summed as a series, to 1e-6 of it."""
 _LATEST_SHARE = 1.0 - 1e-8
 """Share of a step at which a penetration is met at the latest: between the end and an even later one rounding
 would be more than half the change, and the difference it makes is as small."""
 _STEPS_KEPT = 16
 """Steps whose factors are kept: more than are tried at a time."""
-_SERIES, _TERMS = 0.5, 14
-"""Step, in relaxation times, below which moments are summed as series, and the terms that takes."""
-_ORDER = np.arange(_TERMS)[:, None]
-_MOMENTS = np.array([(1.0 / (factorial(_ORDER) * (_ORDER + n) * (_ORDER + n + 1.0)))[:, 0] for n in (2, 3)])
-"""Coefficients (2, terms) of the powers of ``-y`` in the moments of ``exp(-y u)``, first and second."""
 
 
 def phi(y: Array) -> Array:
@@ -118,15 +102,7 @@ def phi(y: Array) -> Array:
 
 def decaying_moments(y: Array) -> tuple[Array, Array]:
     """Integrals of ``exp(-y u) u (1 - u)`` and ``exp(-y u) u^2 (1 - u)`` over 0 <= u <= 1."""
-    series = _MOMENTS @ (-np.minimum(y, _SERIES)) ** _ORDER if (y < _SERIES).any() else (y, y)
-    z = np.maximum(y, _SERIES)
-    left = np.exp(-z)
-    first = (1.0 - (1.0 + z) * left) / z**2
-    second = (2.0 - (2.0 + z * (2.0 + z)) * left) / z**3
-    third = (6.0 - (6.0 + z * (6.0 + z * (3.0 + z))) * left) / z**4
-    closed = first - second, second - third
-    once, twice = (np.where(y < _SERIES, one, two) for one, two in zip(series, closed, strict=True))
-    return once, twice
+    return hyp1f1(2.0, 4.0, -y) / 6.0, hyp1f1(3.0, 5.0, -y) / 12.0
 
 
 def surface_material(material: Material) -> Material:
@@ -134,9 +110,8 @@ def surface_material(material: Material) -> Material:
 
     Where bulk relaxes apart a frictionless surface meets ``1/E* = 1/A + 1/B`` with ``A = 4 G`` and ``B = 4 K
     + 4 G/3`` (as functions of time, products are convolutions): two bodies in series, with the energies of
-    both. From ``E* = A - A^2/(A + B)``: its times are those ``theta`` at which ``A + B`` vanishes, with the
-    moduli ``A(theta)^2 J``, where ``J`` are the compliances of ``A + B``, and those of the shear, with
-    ``A_k B_k/(A_k + B_k)``.
+    both. The times of ``E* = A - A^2/(A + B)`` are those ``theta`` at which ``A + B``, of compliances ``J``,
+    vanishes, with the moduli ``A(theta)^2 J``, and those of the shear, with ``A_k B_k/(A_k + B_k)``.
     """
     bulk = material.bulk
     if bulk is None:
@@ -160,22 +135,11 @@ def surface_material(material: Material) -> Material:
 
 
 class Chain:
-    """The material as seen by one surface point.
+    """The material as seen by one surface point, of K branches: plane moduli, times ``tau`` and ``theta``.
 
-    Attributes
-    ----------
-    relaxed, glassy : float
-        Plane moduli ``E0*`` and ``Einf*``.
-    relaxation, retardation : ndarray (K,)
-        Relaxation times ``tau`` and retardation times ``theta``.
-    stress_scale, lag_scale : ndarray (K,)
-        ``sqrt(E_j tau_j)`` and ``sqrt(J_k theta_k)``: stored variable -> stress, lag.
-    stress_rate, lag_rate : ndarray (K,)
-        ``sqrt(E_j/tau_j)`` and ``sqrt(J_k/theta_k)``: stored stress per ``w``, stored lag per ``v``.
-    rotation : ndarray (K, K)
-        ``Q``; lags = Q @ stresses (both scaled).
-    compliances : ndarray (K,)
-        ``J_k``, plane.
+    ``stress_scale`` and ``lag_scale`` (K,), ``sqrt(E_j tau_j)`` and ``sqrt(J_k theta_k)``, make stresses and
+    lags of stored variables; ``stress_rate`` and ``lag_rate``, the same over the times, are stored stress per
+    ``w`` and stored lag per ``v``. Stored lags are ``rotation`` (K, K), ``Q``, @ stored stresses.
     """
 
     def __init__(self, material: Material, backward_euler: bool = False) -> None:
@@ -193,7 +157,7 @@ class Chain:
         self.lag_scale = np.sqrt(self.compliances * self.retardation)
         self.lag_rate = self.lag_scale / self.retardation
         self.rotation = np.outer(self.lag_scale, self.stress_scale) / distances
-        self._in_contact: dict[float, tuple[Array, Array, Array]] = {}
+        self.in_contact = lru_cache(_STEPS_KEPT)(self._in_contact)
 
     def __len__(self) -> int:
         return len(self.relaxation)
@@ -227,20 +191,16 @@ class Chain:
         It misses by a multiple of ``s (1 - s) (s - s')``, which then leaves no stress in contact at the end.
         """
         y = duration / self.relaxation
-        if not y.size or y.max() < _SHORT:
+        if not y.size:
             return 0.5
         once, twice = decaying_moments(y)
         weight = self.stress_scale**2 / self.relaxation * y
         return min(1.0 - float(weight @ twice) / float(weight @ once), _LATEST_SHARE)
 
-    def in_contact(self, duration: float) -> tuple[Array, Array, Array]:
+    def _in_contact(self, duration: float) -> tuple[Array, Array, Array]:
         """Of stored stresses what is left, and what a rise and a bend of ``w`` leave in them, each (K,)."""
-        if duration not in self._in_contact:
-            if len(self._in_contact) >= _STEPS_KEPT:
-                self._in_contact.clear()
-            y, rate = duration / self.relaxation, self.stress_rate
-            self._in_contact[duration] = self.decay(y), rate * self.spread(y), rate * self.spread_bent(y)
-        return self._in_contact[duration]
+        y, rate = duration / self.relaxation, self.stress_rate
+        return self.decay(y), rate * self.spread(y), rate * self.spread_bent(y)
 
     def decay(self, y: Array) -> Array:
         """What is left of an internal variable after ``y`` = step/time."""
@@ -258,43 +218,6 @@ class Chain:
         safe = np.maximum(y, 0.01)
         even = phi(safe)
         return np.where(y < 0.02, small, even - 2.0 * (even - np.exp(-safe)) / safe)
-
-    def spread_to_edge(self, y: Array) -> Array:
-        """As :meth:`spread`, the increment following ``-sqrt(distance)`` to an edge arriving at the end."""
-        if self.backward_euler:
-            return self.spread(y)
-        root = np.sqrt(y)
-        return np.divide(0.5 * np.sqrt(np.pi) * erf(root), root, out=np.ones_like(y), where=root > 0)
-
-    def spread_from_edge(self, y: Array) -> Array:
-        """As :meth:`spread`, the increment following ``-sqrt(distance)`` to an edge leaving at the start."""
-        if self.backward_euler:
-            return self.spread(y)
-        root = np.sqrt(y)
-        return np.divide(dawsn(root), root, out=np.ones_like(y), where=root > 0)
-
-    def spread_outside(self, y: Array, before: Array, after: Array) -> Array:
-        """As :meth:`spread`, following ``sqrt(distance)`` to a steady edge (Dawson, scaled erfc)."""
-        if self.backward_euler:
-            return self.spread(y)
-        s0, s1 = np.sqrt(before), np.sqrt(after)
-        change = s1 - s0
-        far = np.abs(change) < 1e-3 * (s0 + s1)  # there sqrt is linear and the difference loses digits
-        safe = np.where(far, 1.0, change)
-        c = np.sqrt(y / np.where(far, 1.0, np.abs(after - before)))
-        tail = np.exp(-y)
-        receding = dawsn(c * s1) - tail * dawsn(c * s0)
-        advancing = 0.5 * np.sqrt(np.pi) * (erfcx(c * s1) - tail * erfcx(c * s0))
-        share = np.where(change > 0, receding, -advancing)
-        return np.where(far | (y == 0), self.spread(y), np.divide(share, c * safe, out=phi(y), where=y > 0))
-
-    def stress(self, variables: Array) -> Array:
-        """``sum b_j`` (m,) from stored variables (m, K)."""
-        return variables @ self.stress_scale
-
-    def lag(self, lags: Array) -> Array:
-        """``sum l_k`` (m,) from scaled lags (m, K)."""
-        return lags @ self.lag_scale
 
     def from_strains(self, strains: Array, load: Array) -> Array:
         """Stored variables (m, K) from Voigt strains ``e_k/sqrt(J_k theta_k)`` (m, K) and ``v`` (m,)."""

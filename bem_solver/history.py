@@ -10,7 +10,7 @@ where a straight line through their neighbours says the same to the stated toler
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
 _LONG = 8.0
 """By how much longer than the next an interval is for its end there to count as joined by a short one."""
 
@@ -29,14 +28,12 @@ class NodalVariables:
 
     ``kinks`` are nodes where an edge rests or has rested: each leaves the square root of the distance beyond
     it. From a kink to the next the root of the distance from it is the coordinate of interpolation, in which
-    such a state is smooth; before the first, the radius is. No slope is taken across a kink. Where an edge
-    that has just set off is the first node, ``rest`` is the radius it has rested at: the root is still that.
+    such a state is smooth; before the first, the radius is. No slope is taken across a kink.
     """
 
     radius: Array
     values: Array
     kinks: tuple[float, ...] = ()
-    rest: float | None = None
 
     @cached_property
     def _bounds(self) -> list[int]:
@@ -46,28 +43,21 @@ class NodalVariables:
         return sorted({0, *(int(node) for node in at_kinks if node < n - 1), n - 1})
 
     @cached_property
-    def _origin(self) -> Array:
-        """Origin of the root in each interval (n - 1); NaN where the radius is the coordinate."""
-        origin = np.full(len(self.radius) - 1, np.nan)
+    def _intervals(self) -> tuple[Array, Array, Array]:
+        """Start, width and origin of the root of each interval in its coordinate; NaN: that is the radius."""
+        start, end = self.radius[:-1].copy(), self.radius[1:].copy()
+        origin = np.full(len(start), np.nan)
         for low, high in pairwise(self._bounds):
             if low > 0 or (self.kinks and self.kinks[0] == self.radius[0]):
-                origin[low:high] = self.radius[low] if low > 0 or self.rest is None else self.rest
-        return origin
-
-    @cached_property
-    def _intervals(self) -> tuple[Array, Array]:
-        """Start and width of each interval in its coordinate, each shape (n - 1,)."""
-        start, end = self.radius[:-1].copy(), self.radius[1:].copy()
-        for low, high in pairwise(self._bounds):
-            if not np.isnan(self._origin[low]):
-                start[low:high] = np.sqrt(start[low:high] - self._origin[low])
-                end[low:high] = np.sqrt(end[low:high] - self._origin[low])
-        return start, end - start
+                origin[low:high] = self.radius[low]
+                start[low:high] = np.sqrt(start[low:high] - self.radius[low])
+                end[low:high] = np.sqrt(end[low:high] - self.radius[low])
+        return start, end - start, origin
 
     @cached_property
     def _cubics(self) -> Array:
         """Cubics over the share of each interval, powers 0 to 3, shape (n - 1, 4, K)."""
-        values, (_, width) = self.values, self._intervals
+        values, (_, width, _) = self.values, self._intervals
         cubics = np.empty((len(width), 4, values.shape[1]))
         cubics[:, 0] = values[:-1]
         rise, wide = values[1:] - values[:-1], width[:, None]
@@ -85,31 +75,15 @@ class NodalVariables:
             return np.zeros((len(radius), self.values.shape[1]))
         if len(self.radius) == 1:
             return np.repeat(self.values, len(radius), axis=0)
-        start, width = self._intervals
+        start, width, origin = self._intervals
         i = self.radius[1:-1].searchsorted(radius)
         x = radius
         if self.kinks:
-            base = self._origin.take(i)
+            base = origin.take(i)
             x = np.where(base == base, np.sqrt(np.maximum(radius - base, 0.0)), radius)
         z = np.minimum(np.maximum((x - start.take(i)) / width.take(i), 0.0), 1.0)[:, None]
         cubics = self._cubics.take(i, axis=0)
-        values = cubics[:, 3] * z
-        for power in (2, 1):
-            values += cubics[:, power]
-            values *= z
-        values += cubics[:, 0]
-        return values
-
-    def without_faded_kinks(self, faded: float) -> NodalVariables:
-        """Without kinks whose root reaches at most ``faded`` over a distance as long as their radius."""
-        width, values, gone = self._intervals[1], self.values, []
-        for low, high in pairwise(self._bounds):
-            if low > 0:
-                last = min(low + 2, high)
-                strength = _slopes(width[low:last, None], values[low + 1 : last + 1] - values[low:last])[0]
-                if np.abs(strength).max() * np.sqrt(self.radius[low]) <= faded:
-                    gone.append(self.radius[low])
-        return replace(self, kinks=tuple(kink for kink in self.kinks if kink not in gone)) if gone else self
+        return cubics[:, 0] + z * (cubics[:, 1] + z * (cubics[:, 2] + z * cubics[:, 3]))
 
     def coarsened(self, tolerance: float, spacing: Array, parity: int) -> NodalVariables:
         """Without every second node that its neighbours reproduce; both ends stay."""
@@ -124,17 +98,7 @@ class NodalVariables:
         keep = np.ones(len(self.radius), bool)
         keep[i[(change <= tolerance) & close]] = False
         keep[self._bounds] = True
-        return self._thinned(keep, tolerance)
-
-    def _thinned(self, keep: NDArray[np.bool_], tolerance: float) -> NodalVariables:
-        """The nodes kept, and those that the cubics through them miss by more than a tolerance."""
-        removed = np.flatnonzero(~keep)
-        thinned = NodalVariables(self.radius[keep], self.values[keep], self.kinks, self.rest)
-        missed = np.abs(thinned.at(self.radius[removed]) - self.values[removed]).max(axis=1) > tolerance
-        if not missed.any():
-            return thinned
-        keep[removed[missed]] = True
-        return NodalVariables(self.radius[keep], self.values[keep], self.kinks, self.rest)
+        return NodalVariables(self.radius[keep], self.values[keep], self.kinks)
 
 
 def _slopes(gap: Array, rise: Array) -> Array:
@@ -155,13 +119,10 @@ def _end_slopes(gap: Array, rise: Array) -> tuple[Array, Array]:
     """
     slope = _slopes(gap, rise)
     first, last = gap * slope[:-1], gap * slope[1:]
-    ratio = gap[1:, 0] / gap[:-1, 0]
-    after = np.flatnonzero(ratio > _LONG) + 1
-    before = np.flatnonzero(ratio * _LONG < 1.0)
-    for ends, joined in ((first, after), (last, before)):
-        if len(joined):
-            most = 3.0 * rise[joined]
-            ends[joined] = np.minimum(np.maximum(ends[joined], np.minimum(most, 0.0)), np.maximum(most, 0.0))
+    after, before = gap[1:] > _LONG * gap[:-1], gap[1:] * _LONG < gap[:-1]
+    least, most = np.minimum(3.0 * rise, 0.0), np.maximum(3.0 * rise, 0.0)
+    first[1:] = np.where(after, np.clip(first[1:], least[1:], most[1:]), first[1:])
+    last[:-1] = np.where(before, np.clip(last[:-1], least[:-1], most[:-1]), last[:-1])
     return first, last
 
 
@@ -227,21 +188,14 @@ class SurfaceHistory:
 
 def distinct(radius: Array, fixed: tuple[float, ...], smallest: float) -> Array:
     """Sorted radii at least ``smallest`` apart, lest slopes be rounding, the ``fixed`` among them."""
-    merged = np.unique(np.concatenate((radius, fixed)))
-    stay, free = np.zeros(len(merged), bool), np.ones(len(merged), bool)
-    stay[merged.searchsorted(fixed)] = True
-    for value in fixed:
-        low, high = merged.searchsorted((value - smallest, value + smallest))
-        free[low:high] &= np.abs(merged[low:high] - value) >= smallest
-    merged, stay = merged[free | stay], stay[free | stay]
-    keep = np.ones(len(merged), bool)
+    merged = np.unique(radius)
+    free = merged[np.abs(merged[:, None] - np.array(fixed)).min(axis=1, initial=math.inf) >= smallest]
+    keep = np.ones(len(free), bool)
     last = 0  # the outermost node kept so far
-    # of a close pair the outer goes, unless it is fixed
-    for outer in (np.flatnonzero(np.diff(merged) < smallest) + 1).tolist():
+    for outer in (np.flatnonzero(np.diff(free) < smallest) + 1).tolist():
         last = outer - 1 if keep[outer - 1] else last
-        if merged[outer] - merged[last] < smallest:
-            keep[last if stay[outer] else outer] = False
-    return merged[keep | stay]
+        keep[outer] = free[outer] - free[last] >= smallest
+    return np.union1d(free[keep], fixed)
 
 
 def updated_kinks(

@@ -5,6 +5,9 @@ dgamma``: the tension at distance s inside the edge meets the gap at distance da
 da sin^2(psi)`` the square-root ends become smooth. I > dgamma recedes, I < dgamma advances; the stable edge
 is where I rises through dgamma with a. A compressive edge (kappa > 0) also has sigma g > 0, with both signs
 wrong: it counts negative.
+
+The velocity of the edge at the end of a step is the slope there of the parabola through the edge at both
+ends and at the start of the step before, if there was one without a kink between.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from numpy.typing import NDArray
 from bem_solver.annuli import Annuli
 from bem_solver.body import Compliance
 from bem_solver.creep import Chain
+from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import Adhesion, Counters, Scene
 
 Array = NDArray[np.float64]
@@ -64,20 +68,32 @@ contact varies over its radius rather than over zones."""
 class Problem:
     """What stays the same over a run.
 
-    ``zone`` (at fixed stress its length at rest) and ``work`` are zero without adhesion; ``length`` is the
-    length on which the edge is resolved in the largest contact; ``layer`` the thickness of the thinnest
-    boundary layer behind the edge that annuli resolve, zero without.
+    ``length`` is that on which the edge is resolved in the largest contact, ``tolerance`` that of a step,
+    ``divisions`` the number of steps in which the edge may travel the length it is resolved on, ``scale`` the
+    order of magnitude of the largest contact radius, and ``layer`` the thickness of the thinnest boundary
+    layer behind the edge that annuli resolve, zero without.
     """
 
     scene: Scene
     annuli: Annuli
     chain: Chain
-    zone: float
-    work: float
     length: float
     counters: Counters
     rule: ClosureRule
+    tolerance: float = 1.0
+    divisions: int = DEFAULT_RESOLUTION
+    scale: float = 1.0
     layer: float = 0.0
+
+    @cached_property
+    def zone(self) -> float:
+        """Process zone, at fixed stress its length at rest; zero without adhesion."""
+        return self.scene.adhesion.zone if self.scene.adhesion and self.scene.is_adhesive else 0.0
+
+    @cached_property
+    def work(self) -> float:
+        """Work of adhesion; zero without."""
+        return self.scene.adhesion.work if self.scene.adhesion and self.scene.is_adhesive else 0.0
 
     @cached_property
     def body(self) -> Compliance:
@@ -122,10 +138,6 @@ class Problem:
         nearest = _NEAREST * self.zone
         return min(nearest, _SHARE_OF_LAYER * self.layer) if self.layer > 0.0 else nearest
 
-    def relaxes_within(self, duration: float) -> bool:
-        """Whether a step is long against a branch: points it covers then feel the whole fall of the load."""
-        return bool(duration > self.chain.retardation.min(initial=math.inf))
-
     def over_zones(self, edge: float) -> bool:
         """Whether a step may pass over process zones."""
         return self.curves and self.zone < LONG_ZONE * edge
@@ -134,3 +146,39 @@ class Problem:
     def curves(self) -> bool:
         """Whether the path of the edge is a parabola: with adhesion, where the surface has a history."""
         return self.work > 0.0 and self.viscoelastic
+
+
+_LEAST_SLOPE = 0.01
+"""Speed at the end of a step, relative to its mean, below which the parabola would turn the edge around."""
+
+
+def end_velocity(edge: float, now: float, duration: float, before: tuple[float, float] | None) -> float:
+    """Rate of the radius at the end of a step; ``before`` are duration and first edge of the one before."""
+    if now == edge:
+        return 0.0
+    if duration <= 0.0:
+        return math.copysign(math.inf, now - edge)
+    mean = (now - edge) / duration
+    if before is None or before[0] <= 0.0:
+        return mean
+    time, place = before
+    earlier = (edge - place) / time
+    slope = mean + (mean - earlier) * duration / (duration + time)
+    return math.copysign(max(slope * math.copysign(1.0, mean), _LEAST_SLOPE * abs(mean)), mean)
+
+
+def energy_taken(adhesion: Adhesion, velocity: float) -> float:
+    """Energy per area that the edge takes up; at rest that at which it opens."""
+    return adhesion.closing if velocity > 0.0 else adhesion.opening(-velocity)
+
+
+def closure_of_departure(adhesion: Adhesion, closure: float, at_once: bool) -> float | None:
+    """Closure at which an edge at rest sets off, the way it is driven; ``None`` if it rests.
+
+    ``closure`` is the integral with the edge where it is; ``at_once`` at fixed time, where the edge has no
+    finite speed.
+    """
+    if closure < adhesion.closing:
+        return adhesion.closing
+    opening = adhesion.opening(math.inf) if at_once else adhesion.work
+    return opening if closure > opening else None

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 from scipy.special import ellipkm1
 
 from bem_solver.annuli import Annuli
+from bem_solver.body import Compliance
 from bem_solver.creep import Chain
+from bem_solver.equilibrium import contact_scale, elastic_problem, equilibrium, untouched_state
 from bem_solver.options import Options
 from bem_solver.problem import LONG_ZONE, ClosureRule, Problem
-from bem_solver.start import contact_scale, elastic_problem, equilibrium, untouched_state
 from bem_solver.trial import TrialContact
-from contact_scene import Cone, Counters, Indenter, PowerLaw, Ramp, Scene, Step
+from contact_scene import Cone, Counters, Ramp, Scene, Step
 
 FEWEST_ANNULI, MOST_ANNULI = 16, 4000
 """Bounds on the number of annuli: interpolation at the edge needs the first, a dense matrix the second."""
@@ -48,36 +48,20 @@ _NEGLIGIBLE_AT_REST = 0.03
 """The same part while the load rests and the edge slows down through every speed."""
 
 
-def annuli_needed(divisions: int, share: float) -> int:
-    """Number of annuli that puts ``divisions`` into the outer ``share`` of the contact radius."""
-    return min(
-        max(int(np.ceil(divisions * 0.5 * np.pi / np.arccos(1.0 - share))), FEWEST_ANNULI), MOST_ANNULI
-    )
-
-
 def edge_step(divisions: int, share: float, radius: float, layer: float) -> float:
     """Step of the angle ``arcsin(r)`` at the edge that puts ``divisions`` annuli into the process zone.
 
-    The zone is a ``share`` of the largest radius; a boundary ``layer`` is resolved too (zero without).
+    The zone is a ``share`` of the largest radius. The outermost annulus is ``3.4/divisions**2`` of a boundary
+    ``layer`` (zero without): it grows with the resolution, as the annuli in the zone do.
     """
     step = float(np.arccos(1.0 - share)) / divisions
-    return min(step, 0.5 * np.pi / _annuli_for_layer(divisions, radius, layer)) if layer > 0.0 else step
-
-
-def _annuli_for_layer(divisions: int, radius: float, layer: float) -> int:
-    """Number of annuli of equal angles whose outermost is ``3.4/divisions**2`` of a boundary layer so thick.
-
-    It grows with the resolution, as the annuli in the zone do, so that a finer run is finer here too.
-    """
-    return int(np.ceil(0.6 * divisions * np.sqrt(radius / layer)))
+    if layer == 0.0:
+        return step
+    return min(step, 0.5 * np.pi / math.ceil(0.6 * divisions * math.sqrt(radius / layer)))
 
 
 def graded_annuli(divisions: float, step: float) -> tuple[int, float]:
-    """Number and grading of annuli that resolve a ``step`` of the angle at the edge.
-
-    At the centre the step is ``2/(3 divisions)``; the number grows with the logarithm of the one over the
-    other.
-    """
+    """Number and grading of annuli with a ``step`` of the angle at the edge, ``2/(3 divisions)`` within."""
     grading = min(max(divisions * step / _FINER_AT_EDGE, _SMALLEST_GRADING), 1.0)
     return max(int(np.ceil(_AT_CENTRE * divisions * ellipkm1(grading**2))), FEWEST_ANNULI), grading
 
@@ -86,11 +70,9 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float, divis
     """Thickness of the thinnest layer behind an advancing edge that has to be resolved; zero without.
 
     Advancing at speed v, the stress of branch k relaxes over ``v tau_k``, which changes the closure by the
-    order of ``(E_k/E0) v tau_k/da``. On a ramp the speed is that of a contact that follows the profile,
-    ``rate/(2 df/dr)``; while the load rests, or turns round in an oscillation that leaves it time to relax,
-    it falls through every value, down to where the layer hardly matters. The layer of a rest that is shorter
-    than the relaxation time is taken thicker by the square of their ratio: such an edge hardly slows down. A
-    layer costs only the logarithm of its thickness: all that annuli would see is resolved.
+    order of ``(E_k/E0) v tau_k/da``. On a ramp ``v = rate/(2 df/dr)``; while the load rests, or turns round
+    and leaves it time to relax, it falls through every value, down to where the layer hardly matters. The
+    layer of a rest shorter than the relaxation time is taken thicker by the square of their ratio.
     """
     slope = float(scene.indenter.slope(radius))
     penetration, slowest, rest = scene.loading.penetration, np.inf, 0.0
@@ -110,13 +92,12 @@ def thinnest_layer(scene: Scene, chain: Chain, radius: float, zone: float, divis
     return float(layers[matter].min()) if matter.any() else 0.0
 
 
-def largest_contact(scene: Scene, problem: Problem) -> float:
-    """Estimate of the largest contact radius: the relaxed equilibrium at the largest load of every step.
-
-    It need not be exact: annuli travel with the edge, whatever its radius.
-    """
+def largest_contact(scene: Scene) -> float:
+    """Estimate of the largest contact radius: the relaxed equilibrium at the largest load of every step."""
     annuli = Annuli(_ANNULI_OF_ESTIMATE if scene.body is None else _ON_LAYER)
-    elastic = elastic_problem(replace(problem, annuli=annuli), scene.material.modulus)
+    rule = ClosureRule.resolving(FEWEST_ANNULI)
+    problem = Problem(scene, annuli, Chain(scene.material), 1.0, Counters(), rule)
+    elastic = elastic_problem(problem, scene.material.modulus)
     radius, penetration, force = 0.0, scene.loading.penetration, 0.0
 
     def by_force(value: float, scale: float) -> float:
@@ -168,38 +149,26 @@ def largest_contact(scene: Scene, problem: Problem) -> float:
     return min(radius, scene.indenter.edge)
 
 
-def _exponent(indenter: Indenter) -> float:
-    """Exponent of the indenter's profile; 2, the smooth one, where it has none."""
-    match indenter:
-        case Cone():
-            return 1.0
-        case PowerLaw():
-            return indenter.exponent
-    return 2.0
-
-
-def discretised(scene: Scene, options: Options, counters: Counters) -> tuple[Problem, float]:
-    """The problem on annuli that resolve process zone and boundary layer, and the scale of its contact."""
-    chain = Chain(scene.material, options.scheme == "backward-euler")
-    adhesion = scene.adhesion if scene.is_adhesive else None
-    zone, work = (adhesion.zone, adhesion.work) if adhesion else (0.0, 0.0)
-    divisions = options.divisions
-    rule = ClosureRule.resolving(divisions)
-    coarse = Problem(scene, Annuli(FEWEST_ANNULI), chain, zone, work, 1.0, Counters(), rule)
+def discretised(scene: Scene, options: Options, counters: Counters) -> Problem:
+    """The problem on annuli that resolve process zone and boundary layer."""
+    divisions, chain = options.divisions, Chain(scene.material, options.scheme == "backward-euler")
+    zone = scene.adhesion.zone if scene.adhesion and scene.is_adhesive else 0.0
     initial = contact_scale(scene, scene.loading.penetration)
-    largest = largest_contact(scene, coarse) or initial
-    layer, thin = 0.0, _FINER_OF_THIN_LAYER * largest / coarse.body.thickness
+    largest = largest_contact(scene) or initial
+    exponent = 1.0 if isinstance(scene.indenter, Cone) else getattr(scene.indenter, "exponent", 2.0)
+    thin = _FINER_OF_THIN_LAYER * largest / Compliance.of(scene).thickness
+    within, layer = divisions, 0.0
     if zone > 0.0 and largest > 0.0 and len(chain):
         share = min(zone / largest, 1.0)
+        finer = max(1 if zone < LONG_ZONE * largest else _FINER_OF_LONG_ZONE, thin)
         layer = thinnest_layer(scene, chain, largest, zone, divisions)
         step = edge_step(divisions, share, largest, layer)
-        finer = max(1 if zone < LONG_ZONE * largest else _FINER_OF_LONG_ZONE, thin)
-        annuli = Annuli(*graded_annuli(finer * divisions, step), _exponent(scene.indenter))
+        annuli = Annuli(*graded_annuli(finer * divisions, step), exponent)
         at_edge = np.arccos(1.0 - share) / step  # more than the annuli in the zone where they resolve a layer
-        rule = ClosureRule.resolving(int(max(annuli.number_within(share), at_edge)))
+        within = int(max(annuli.number_within(share), at_edge))
     else:
-        count = math.ceil(_AT_CENTRE * thin * divisions * 0.5 * np.pi)
-        count = max(annuli_needed(divisions, _SMOOTH_SHARE), count)
-        annuli = Annuli(count, exponent=_exponent(scene.indenter))
-    problem = Problem(scene, annuli, chain, zone, work, zone or 0.01 * largest, counters, rule, layer)
-    return problem, max(largest, initial)
+        count = 0.5 * np.pi * divisions * max(_AT_CENTRE * thin, 1.0 / np.arccos(1.0 - _SMOOTH_SHARE))
+        annuli = Annuli(min(max(math.ceil(count), FEWEST_ANNULI), MOST_ANNULI), exponent=exponent)
+    length, rule, tolerance = zone or 0.01 * largest, ClosureRule.resolving(within), options.step_tolerance
+    scale = max(largest, initial)
+    return Problem(scene, annuli, chain, length, counters, rule, tolerance, divisions, scale, layer)

@@ -11,23 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cache
 from typing import NamedTuple
 
 from scipy.optimize import brentq
 
-from bem_solver.control import (
-    AcceptedRow,
-    StepStart,
-    error_at_limit,
-    error_in_the_middle,
-    least_bent_travel,
-    step_error,
-    until_largest_tension,
-)
-from bem_solver.edge_energy import closure_of_departure
+from bem_solver.control import AcceptedRow, StepStart, least_bent_travel, step_error, until_largest_tension
+from bem_solver.equilibrium import RootSearchResult, rising_root
 from bem_solver.motion import EarlierRow, OuterFall
-from bem_solver.root_search import RootSearchResult, rising_root
+from bem_solver.problem import closure_of_departure
 from bem_solver.surface import speed_jump_between
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 from contact_scene import Trigger
@@ -36,104 +28,6 @@ _CLOSURE_ACCURACY = 1e-2
 """Accuracy of the closure, in step tolerances of the work of adhesion: far below the step error."""
 _SHARE_OF_STEP = 0.4
 """Least time between the rows of a parabola, in the step it is to tell of: steps double at most."""
-
-
-class _StepEnd(NamedTuple):
-    """End of a trial step but for the edge, as :func:`~bem_solver.trial.evaluate` takes it."""
-
-    duration: float
-    value: float
-    earlier: EarlierRow | None
-    within: tuple[float, float] | None
-
-
-@dataclass(frozen=True)
-class StepTrials(StepStart):
-    """A step of length ``step`` from the committed state along a loading interval."""
-
-    step: float
-    _ends: dict[float, _StepEnd] = field(init=False, compare=False, default_factory=dict)
-
-    @property
-    def end(self) -> float:
-        """Parameter at the end; that of the interval exactly."""
-        parameter, length = self.state.parameter, self.interval.length
-        return length if self.step == length - parameter else parameter + self.step
-
-    @property
-    def edge_accuracy(self) -> float:
-        """Accuracy of the edge."""
-        return EDGE_ACCURACY * self.settings.tolerance * self.problem.length_at(self.state.contact.edge)
-
-    @property
-    def closure_accuracy(self) -> float:
-        """Accuracy of the closure, relative to the work of adhesion."""
-        return _CLOSURE_ACCURACY * self.settings.tolerance
-
-    @property
-    def residual_accuracy(self) -> float:
-        """Accuracy of the residual; without adhesion it has none."""
-        return self.closure_accuracy * self.problem.work or math.inf
-
-    def trial(self, parameter: float, edge: float) -> TrialContact:
-        """The trial that ends at a parameter within the step, with the edge at ``edge``."""
-        if parameter not in self._ends:
-            self._ends[parameter] = self._end(parameter)
-        end, control = self._ends[parameter], self.interval.control
-        return evaluate(
-            self.problem, self.state.contact, end.duration, edge, control, end.value, end.earlier, end.within
-        )
-
-    def _end(self, parameter: float) -> _StepEnd:
-        """What trials that end at a parameter have in common."""
-        interval = self.interval
-        duration = 0.0 if interval.jump else interval.time(parameter) - self.state.contact.time
-        within = None
-        if interval.control == "penetration" and duration > 0.0:
-            share = self.problem.chain.share_to_meet(duration)
-            start = self.state.parameter
-            within = share * duration, interval.prescribed(start + share * (parameter - start))
-        return _StepEnd(duration, interval.prescribed(parameter), self._earlier(duration), within)
-
-    def _earlier(self, duration: float) -> EarlierRow | None:
-        """The row before the last, with its edge where the step is long enough for a curved path.
-
-        Over less the condition at the end is one on the place of the edge, and its path is straight.
-        """
-        rows, edge = self.state.accepted.rows, self.state.contact.edge
-        if duration == 0.0 or len(rows) < 2 or not self.problem.viscoelastic:
-            return None
-        before, last = rows[-2:]
-        travel = abs(last.edge - before.edge) / (last.parameter - before.parameter) * duration
-        if not self.problem.curves or travel < least_bent_travel(self, edge):
-            return self._as_earlier(self.state.accepted.earlier(_SHARE_OF_STEP * duration))
-        further = None
-        if len(rows) > 2 and last.edge < before.edge < rows[-3].edge:
-            further = last.parameter - rows[-3].parameter, rows[-3].edge
-        curved = self._as_earlier(before)
-        return replace(
-            curved,
-            load=before.edge_load,
-            ahead=0.0,
-            fall=self._fall,
-            further=further,
-            of_travel=self.state.accepted.time_is_smoother,
-        )
-
-    def _as_earlier(self, row: AcceptedRow) -> EarlierRow:
-        """An accepted row as the earlier one of a parabola."""
-        interval, time = self.interval, self.state.accepted.rows[-1].parameter - row.parameter
-        penetration = row.load if interval.control == "force" else interval.prescribed(row.parameter)
-        if interval.control == "stage":
-            penetration -= self.problem.scene.loading.compliance * row.load
-        if not self.problem.curves:
-            return EarlierRow(time, penetration)
-        return EarlierRow(time, penetration, row.edge, row.load_ahead, self.problem.ahead)
-
-    @cached_property
-    def _fall(self) -> OuterFall:
-        """Fall of the load outside the edge at the start."""
-        return OuterFall.outside(self.state.contact.surface, self.problem.nearest)
 
 
 @dataclass(frozen=True)
@@ -201,7 +95,7 @@ def near_limit_point(start: StepStart) -> bool:
     if problem.work == 0.0 or problem.rated or interval.jump or interval.trigger is not None:
         return False
     advancing = accepted.rates(0.0)[0] > 0.0
-    reach = problem.longest_travel(start.state.contact.edge, advancing) / start.settings.divisions
+    reach = problem.longest_travel(start.state.contact.edge, advancing) / start.problem.divisions
     if not 0.0 < accepted.way_to_limit_point() < min(_NEAR * problem.zone, reach):
         return False
     left = accepted.step_to_limit_point()
@@ -210,7 +104,7 @@ def near_limit_point(start: StepStart) -> bool:
     return until_largest_tension(start, left) == math.inf
 
 
-def to_limit_point(step: StepTrials) -> Candidate | None:
+def to_limit_point(step: TrialStep) -> Candidate | None:
     """The step that ends on a limit point ahead."""
     accepted, begin = step.state.accepted, step.state.parameter
     edge, sign = step.state.contact.edge, math.copysign(1.0, accepted.rates(0.0)[0])
@@ -260,7 +154,7 @@ _HALVINGS = 1100
 
 
 def to_travel_limit(
-    step: StepTrials, receding: bool, edge: float, root: RootSearchResult[TrialContact]
+    step: TrialStep, receding: bool, edge: float, root: RootSearchResult
 ) -> Candidate | FailedStep:
     """The shorter step that takes the edge to its travel limit, if it is stable there."""
     start, beyond = step.state.parameter, root.trial
@@ -284,13 +178,11 @@ def to_travel_limit(
     inward = step.trial(parameter, edge - 0.01 * step.reach(not receding))
     if inward.residual > trial.residual:
         return FailedStep(receding, _way_to_limit_point(step, edge, residual(0.0)), True)
-    error = error_at_limit(
-        step, trial, parameter - start, lambda: step.trial(parameter, step.state.contact.edge)
-    )
+    error = step_error(step, trial, parameter - start)
     return Candidate(parameter, trial, error, root.slope)
 
 
-def _way_to_limit_point(step: StepTrials, far: float, residual: float) -> float:
+def _way_to_limit_point(step: TrialStep, far: float, residual: float) -> float:
     """Distance of the edge from where it will run away; zero if it is within the smallest travel."""
     edge = step.state.contact.edge
     reach, near = abs(far - edge), 2.0 * step.smallest_travel
@@ -304,44 +196,35 @@ def _way_to_limit_point(step: StepTrials, far: float, residual: float) -> float:
     return 0.5 * (near + drop / bend) if bend > 0.0 else math.inf
 
 
-def in_full_contact(step: StepTrials) -> Candidate | None:
-    """A step of a contact that fills a flat punch, up to where it recedes; ``None`` from there on."""
+def at_rest(step: TrialStep, driven: Callable[[TrialContact], float], known: float) -> Candidate | None:
+    """A step of an edge at rest, up to where it is driven to set out; ``None`` if it is from the start."""
     start, edge = step.state.parameter, step.state.contact.edge
     trial = step.trial(step.end, edge)
-    if trial.residual <= 0.0:
-        return Candidate(step.end, trial, step_error(step, trial, step.end - start, rate_step=step.step))
-    known = step.closure_accuracy * step.problem.work
-    if step.trial(start, edge).residual >= -max(1e-6 * trial.residual, known):
+    if driven(trial) <= 0.0:
+        return step.ending(trial)
+    if driven(step.trial(start, edge)) >= -known:
         return None
-    end = brentq(lambda p: step.trial(p, edge).residual, start, step.end, xtol=1e-12 * step.end)
+    end = brentq(lambda p: driven(step.trial(p, edge)), start, step.end, xtol=1e-14 * step.end, rtol=1e-14)
     if end <= start:
         return None
     trial = step.trial(end, edge)
     return Candidate(end, trial, step_error(step, trial, end - start))
 
 
-def pinned(step: StepTrials) -> Candidate | float:
+def pinned(step: TrialStep) -> Candidate | float:
     """A step of an edge at rest, up to where it sets out; if it moves at once, how strongly it would open."""
-    start, edge, jump = step.state.parameter, step.state.contact.edge, step.interval.jump
-    adhesion, last = step.problem.irreversible, step.state.contact.last_step
+    edge, adhesion, last = step.state.contact.edge, step.problem.irreversible, step.state.contact.last_step
     assert adhesion is not None
     trial = step.trial(step.end, edge)
-    departure = closure_of_departure(adhesion, trial.closure, jump)
+    departure = closure_of_departure(adhesion, trial.closure, step.interval.jump)
     if departure is None:
-        return Candidate(step.end, trial, step_error(step, trial, step.end - start))
+        return step.ending(trial)
     way = math.copysign(1.0, departure - trial.closure)
-
-    def driven(at: TrialContact) -> float:
-        return way * (1.0 - at.closure / departure)
-
-    goes_on = last is not None and way * (edge - last.edge) > 0.0
-    if not goes_on and driven(step.trial(start, edge)) < -step.closure_accuracy:
-        end = brentq(
-            lambda p: driven(step.trial(p, edge)), start, step.end, xtol=1e-14 * step.end, rtol=1e-14
-        )
-        if end > start:
-            trial = step.trial(end, edge)
-            return Candidate(end, trial, step_error(step, trial, end - start), speed_jumps=True)
+    goes_on = last is not None and way * (edge - last[1]) > 0.0
+    if not goes_on:
+        resting = at_rest(step, lambda at: way * (1.0 - at.closure / departure), step.closure_accuracy)
+        if resting is not None:
+            return replace(resting, speed_jumps=True)
     return trial.closure - adhesion.work
 
 
@@ -349,59 +232,110 @@ _LENGTH_ACCURACY = 1e-14
 """Accuracy of the length of the step, relative to it: close to rounding."""
 
 
-@dataclass(frozen=True)
-class Located:
-    """The candidate to accept, and whether it is at the level."""
-
-    candidate: Candidate
-    reached: bool
-
-
-class _NoCandidate(Exception):
-    """A shorter step has no candidate at its end."""
-
-
-def excess_of(trigger: Trigger, candidate: Candidate) -> float:
-    """Distance of a candidate beyond the level."""
-    trial = candidate.trial
-    return trigger.excess(trial.motion.new_penetration, trial.surface.force, trial.motion.new_edge)
-
-
-def to_level(step: TrialStep, trigger: Trigger, candidate: Candidate) -> Located:
-    """The candidate itself, if it does not pass the level, otherwise that of the step that ends there."""
+def to_level(step: TrialStep, trigger: Trigger, candidate: Candidate) -> tuple[Candidate, bool]:
+    """The candidate of the step that ends at the level, if this one passes it, and whether it does."""
     contact, begin = step.state.contact, step.state.parameter
     before = trigger.excess(contact.penetration, contact.surface.force, contact.edge)
-    if before * excess_of(trigger, candidate) > 0.0:
-        return Located(candidate, False)
+
+    def beyond(at: Candidate) -> float:
+        motion = at.trial.motion
+        return trigger.excess(motion.new_penetration, at.trial.surface.force, motion.new_edge)
+
+    if before * beyond(candidate) > 0.0:
+        return candidate, False
     taken = candidate.parameter - begin
 
     def shorter(length: float) -> Candidate:
-        result = replace(step, step=length).result()
-        if not isinstance(result, Candidate) or result.parameter < begin + length:
-            raise _NoCandidate
-        return result
+        """The candidate of a shorter step; where it has none at its end, the one beyond the level."""
+        result = candidate if length == taken else replace(step, step=length).result()
+        if isinstance(result, Candidate) and result.parameter >= begin + length:
+            return result
+        return candidate
 
     def excess(length: float) -> float:
-        if length == 0.0:
-            return before
-        return excess_of(trigger, candidate if length == taken else shorter(length))
+        return beyond(shorter(length)) if length > 0.0 else before
 
-    try:
-        length = float(brentq(excess, 0.0, taken, xtol=_LENGTH_ACCURACY * taken, rtol=1e-15))
-        return Located(candidate if length == taken else shorter(length), True)
-    except _NoCandidate:
-        return Located(candidate, True)
+    return shorter(float(brentq(excess, 0.0, taken, xtol=_LENGTH_ACCURACY * taken, rtol=1e-15))), True
 
 
 @dataclass(frozen=True)
-class TrialStep(StepTrials):
-    """A step along a loading interval, carried out: the edge at its end is sought.
+class TrialStep(StepStart):
+    """A step of length ``step`` from the committed state along a loading interval: its end is sought.
 
     Where the edge would go further than its travel limit, or inside the process zone, the shorter step that
     takes it just there is sought instead. An edge turns only if the residual asks for it where it stands:
     just beyond the place where it would turn the annuli do not resolve what it covers, and where the residual
     hardly rises with the edge, as before a limit point, that makes a false root.
     """
+
+    step: float
+    _trials: dict[float, Callable[[float], TrialContact]] = field(
+        init=False, compare=False, default_factory=dict
+    )
+
+    @property
+    def end(self) -> float:
+        """Parameter at the end; that of the interval exactly."""
+        parameter, length = self.state.parameter, self.interval.length
+        return length if self.step == length - parameter else parameter + self.step
+
+    @property
+    def edge_accuracy(self) -> float:
+        """Accuracy of the edge."""
+        return EDGE_ACCURACY * self.problem.tolerance * self.problem.length_at(self.state.contact.edge)
+
+    @property
+    def closure_accuracy(self) -> float:
+        """Accuracy of the closure, relative to the work of adhesion."""
+        return _CLOSURE_ACCURACY * self.problem.tolerance
+
+    @property
+    def residual_accuracy(self) -> float:
+        """Accuracy of the residual; without adhesion it has none."""
+        return self.closure_accuracy * self.problem.work or math.inf
+
+    def trial(self, parameter: float, edge: float) -> TrialContact:
+        """The trial that ends at a parameter within the step, with the edge at ``edge``."""
+        if parameter not in self._trials:
+            self._trials[parameter] = self._trials_at(parameter)
+        return self._trials[parameter](edge)
+
+    def _trials_at(self, parameter: float) -> Callable[[float], TrialContact]:
+        """The trials that end at a parameter, which have all but the edge in common."""
+        interval, start = self.interval, self.state.parameter
+        duration = 0.0 if interval.jump else interval.time(parameter) - self.state.contact.time
+        within = None
+        if interval.control == "penetration" and duration > 0.0:
+            share = self.problem.chain.share_to_meet(duration)
+            within = share * duration, interval.prescribed(start + share * (parameter - start))
+        given = interval.control, interval.prescribed(parameter), self._earlier(duration), within
+        return lambda edge: evaluate(self.problem, self.state.contact, duration, edge, *given)
+
+    def _earlier(self, duration: float) -> EarlierRow | None:
+        """The row before the last, with its edge where the step is long enough for a curved path.
+
+        Over less the condition at the end is one on the place of the edge, and its path is straight.
+        """
+        rows, edge = self.state.accepted.rows, self.state.contact.edge
+        if duration == 0.0 or len(rows) < 2 or not self.problem.viscoelastic:
+            return None
+        before, last = rows[-2:]
+        travel = abs(last.edge - before.edge) / (last.parameter - before.parameter) * duration
+        if not self.problem.curves or travel < least_bent_travel(self, edge):
+            return self._as_earlier(self.state.accepted.earlier(_SHARE_OF_STEP * duration))
+        curved, runs_away = self._as_earlier(before), self.state.accepted.runs_away
+        fall = OuterFall.outside(self.state.contact.surface, self.problem.nearest)
+        return replace(curved, load=before.edge_load, ahead=0.0, fall=fall, runs_away=runs_away)
+
+    def _as_earlier(self, row: AcceptedRow) -> EarlierRow:
+        """An accepted row as the earlier one of a parabola."""
+        interval, time = self.interval, self.state.accepted.rows[-1].parameter - row.parameter
+        penetration = row.load if interval.control == "force" else interval.prescribed(row.parameter)
+        if interval.control == "stage":
+            penetration -= self.problem.scene.loading.compliance * row.load
+        if not self.problem.curves:
+            return EarlierRow(time, penetration)
+        return EarlierRow(time, penetration, row.edge, row.load_ahead, self.problem.ahead)
 
     def result(self) -> Candidate | FailedStep:
         """The candidate, or why there is none."""
@@ -412,7 +346,8 @@ class TrialStep(StepTrials):
             low = max(low, problem.scene.bare_plane_tip)
         high = min(edge + self.reach(advancing=True), limit)
         if edge == limit:
-            resting = in_full_contact(self)
+            known = max(1e-6 * self.trial(self.end, edge).residual, self.closure_accuracy * problem.work)
+            resting = at_rest(self, lambda at: at.residual, known)
             if resting is not None:
                 return resting
         if problem.irreversible is not None:
@@ -423,39 +358,25 @@ class TrialStep(StepTrials):
         at_end = cache(lambda at: self.trial(self.end, at))
         expected = self._expected_edge()
         if expected == edge and self._hardly_turns(at_end(edge).residual):
-            return self._ending(at_end(edge))
+            return self.ending(at_end(edge))
         root = self._root(at_end, expected, low, high)
         if (root.x - edge) * state.contact.history.direction < 0.0:
             excess = at_end(edge).residual
             if self._hardly_turns(excess):
-                return self._ending(at_end(edge))
+                return self.ending(at_end(edge))
             if (root.x - edge) * excess > 0.0:
                 low, high = (low, edge) if excess > 0.0 else (edge, high)
                 root = self._root(at_end, edge, low, high)
         if root.position == "converged" and 0.0 < root.x - edge <= self.edge_accuracy:
-            return self._ending(at_end(edge), root.slope)
+            return self.ending(at_end(edge), root.slope)
         if root.position == "converged" or (root.position == "above" and high == limit):
-            return self._ending(root.trial, root.slope)
+            return self.ending(root.trial, root.slope)
         receding = root.position == "below"
         return to_travel_limit(self, receding, low if receding else high, root)
 
-    def _ending(self, trial: TrialContact, slope: float = 0.0) -> Candidate:
+    def ending(self, trial: TrialContact, slope: float = 0.0) -> Candidate:
         """The candidate of the whole step."""
         return Candidate(self.end, trial, step_error(self, trial, self.step, slope), slope)
-
-    def checked_in_the_middle(self, candidate: Candidate) -> Candidate:
-        """A candidate with the error that shows there, of a step before which no rate is known."""
-        state = self.state
-        shortest = self.problem.chain.relaxation.min(initial=math.inf)
-        told = len(state.accepted.rows) > 1 or candidate.trial.motion.duration <= shortest
-        if told or candidate.error > 1.0:
-            return candidate
-        taken = candidate.parameter - state.parameter
-        half = replace(self, step=0.5 * taken).result()
-        if isinstance(half, FailedStep):
-            return candidate
-        error = error_in_the_middle(self, candidate.trial, half.trial, taken)
-        return replace(candidate, error=max(candidate.error, error))
 
     def to_speed_jump(self, candidate: Candidate) -> Candidate | None:
         """A shorter step than a candidate's, to the first radius on its way at which its speed may jump."""
@@ -476,7 +397,7 @@ class TrialStep(StepTrials):
 
     def _root(
         self, at_end: Callable[[float], TrialContact], guess: float, low: float, high: float
-    ) -> RootSearchResult[TrialContact]:
+    ) -> RootSearchResult:
         """Search for the edge at the end of the step."""
         slope, accuracy, residual = self.state.slope, self.edge_accuracy, self.residual_accuracy
         return rising_root(at_end, guess, slope, low, high, accuracy, residual)

@@ -1,25 +1,18 @@
 """Stress in a half-space by superposition of annular loads (Love 1929; Eason, Noble, Sneddon 1955).
 
 The pressure of a :class:`contact_scene.SurfaceProfile` is ``p(r) = e(t)/cos(t)`` with ``r = a sin(t)`` and
-``e`` smooth up to the edge: a flat punch with the same edge singularity, ``e(pi/2)/cos(t)``, and a rest that
-goes to zero there. Annuli of constant pressure with equal steps in ``t`` carry the rest, each the difference
-of two discs.
-
-This needs no history. With a constant Poisson's ratio the stress is ``s = C : E * de``, the hereditary
-product of Young's modulus and strain with the one elastic tensor C of unit modulus. ``E * de`` is compatible
-like ``e`` itself (the product acts in time, compatibility in space), so s is an *elastic* stress: it is in
-equilibrium, derives from a compatible strain and meets the tractions ``-p(r)`` on the surface, and by the
-uniqueness of the elastic solution depends on the pressure of the same instant alone.
+``e`` smooth up to the edge: a flat punch with the same edge singularity, and a rest that annuli of constant
+pressure with equal steps in ``t`` carry, each the difference of two discs. This needs no history: with a
+constant Poisson's ratio the stress is the *elastic* one under the pressure of the same instant.
 
 For a load ``p(r) = int P(k) J0(k r) k dk`` the stress at depth s follows from
 
     A0, A1 = int P (k, k^2) exp(-k s) J0(k r) dk,      C0, C1, C2 = int P (1, k, k^2) exp(-k s) J1(k r) dk.
 
-A disc of radius c under unit pressure has ``P = c J1(k c)/k``: the Lipschitz-Hankel integrals of G. Eason, B.
-Noble, I.N. Sneddon, Phil. Trans. R. Soc. A 247, 529 (1955), in complete elliptic integrals of the parameter
-``m = 4 c r/((c + r)^2 + s^2)``. ``A0`` is the solid angle of the disc over 2 pi; ``C0`` follows from the
-others, being homogeneous of degree one in ``(c, r, s)``. The punch of unit radius and pressure
-``1/sqrt(1 - r^2)`` has ``P = sin(k)/k``, the imaginary part of exponentials of the depth ``s - i``.
+A disc of radius c under unit pressure has ``P = c J1(k c)/k``: the Lipschitz-Hankel integrals of Eason, Noble
+and Sneddon, Phil. Trans. R. Soc. A 247, 529 (1955), in elliptic integrals of ``m = 4 c r/((c + r)^2 + s^2)``.
+``A0`` is the solid angle of the disc over 2 pi; ``C0`` follows from the others, being homogeneous of degree
+one in ``(c, r, s)``. The punch of unit radius and pressure ``1/sqrt(1 - r^2)`` has ``P = sin(k)/k``.
 
 Coordinates ``(r, z)``, the body in ``z <= 0``; stress positive in tension, components ``(rr, zz, tt, rz)``.
 """

@@ -1,7 +1,7 @@
 """The surface at one instant: pressure inside a given contact edge, displacement around it.
 
 Lengths in scene units; ``scaled`` pressure is pressure times contact radius at unit plane modulus, which is
-what one solve on the unit annuli gives. Signs: see ``kernel``. Two things annuli do not resolve:
+what one solve on the unit annuli gives. Signs: see ``annuli``. Two things annuli do not resolve:
 
 Beyond an edge at rest the surface opens as the root of the distance, relaxed. When the contact spreads over
 it, the required ``v`` keeps that root inside, and the pressure an inverse root inside the *old* edge. A flat
@@ -24,9 +24,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from bem_solver.annuli import Annuli
+from bem_solver.annuli import Annuli, even_cubic
 from bem_solver.body import HALF_SPACE, Compliance, SmoothPart
-from bem_solver.cubic_interpolation import even_cubic
 from bem_solver.history import NODES_APART
 
 Array = NDArray[np.float64]
@@ -40,16 +39,10 @@ class EdgeKinks:
     reach: Array
 
     @classmethod
-    def within(cls, radii: tuple[float, ...], edge: float, reach: float) -> EdgeKinks | None:
+    def within(cls, radii: tuple[float, ...], edge: float, reach: float) -> EdgeKinks:
         """Those of ``radii`` below ``edge``, each read up to the next, ``edge`` or ``reach``."""
         inside = np.array(sorted({r for r in radii if 0.0 < r < edge}))
-        if len(inside) == 0:
-            return None
         return cls(inside, np.minimum(np.diff(np.append(inside, edge)), reach))
-
-    def and_at(self, radius: float, reach: float) -> EdgeKinks:
-        """One more, beyond the others."""
-        return EdgeKinks(np.append(self.radius, radius), np.append(self.reach, reach))
 
     @property
     def readings(self) -> Array:
@@ -83,6 +76,9 @@ class EdgeKinks:
         return -1.0 / (np.pi * np.sqrt(inside * (2.0 * self.radius[index] - inside)))
 
 
+NO_KINKS = EdgeKinks(np.empty(0), np.empty(0))
+
+
 def speed_jump_between(
     kinks: tuple[float, ...], zone: float, edge: float, new_edge: float, accuracy: float
 ) -> float | None:
@@ -107,18 +103,10 @@ _AROUND = 3
 
 @dataclass(frozen=True)
 class LoadBetween:
-    """What nodes of the history inside a contact add to the load of its annuli.
+    """What nodes of the history inside a contact, at ``radius`` (m,), add to the load of its annuli.
 
-    Attributes
-    ----------
-    radius : ndarray (m,)
-        Of the nodes.
-    annulus : ndarray of int (4, m)
-        Annuli around each.
-    share : ndarray (4, m)
-        Their shares in it.
-    width : ndarray (m,)
-        How many annuli each stands for.
+    Each counts in the four annuli around it, ``annulus`` (4, m), by its ``share`` (4, m) of them, and stands
+    for ``width`` (m,) annuli.
     """
 
     radius: Array
@@ -127,7 +115,7 @@ class LoadBetween:
     width: Array
 
     @classmethod
-    def of(cls, annuli: Annuli, edge: float, nodes: Array) -> LoadBetween | None:
+    def of(cls, annuli: Annuli, edge: float, nodes: Array) -> LoadBetween:
         """Nodes around places where they are closer than their distance from the edge asks for."""
         count = int(nodes.searchsorted(edge))
         radius = nodes[:count]
@@ -136,7 +124,7 @@ class LoadBetween:
         apart = (high - low) / (NODES_APART * (edge - radius))
         apart[:1] *= 2.0  # nothing on the other side of the axis
         if apart.min(initial=_EVEN) >= _EVEN:
-            return None
+            return NONE_BETWEEN
         crowded = np.minimum((_EVEN - apart) / (_EVEN - _CROWDED), 1.0)
         position = annuli.position_at(edge - radius, edge)
         at = np.minimum(position.astype(int), annuli.count - 1)
@@ -153,28 +141,19 @@ class LoadBetween:
         return load + np.bincount(self.annulus.ravel(), (self.share * rest).ravel(), len(load))
 
 
+NONE_BETWEEN = LoadBetween(np.empty(0), np.empty((4, 0), int), np.empty((4, 0)), np.empty(0))
+
+
 @dataclass(frozen=True)
 class ContactSurface:
     """Contact of radius ``edge`` under scaled pressures.
 
-    Attributes
-    ----------
-    scaled : ndarray (M,)
-        Pressure times ``edge`` on each annulus, the punches included; ``rest`` (M,) without them.
-    kinks : Kinks or None
-        Former edges whose punches are subtracted before the annuli carry the rest.
-    strengths : ndarray (k,)
-        Their displacements.
-    density : ndarray (M,)
-        Scaled pressure of the rest times ``sqrt(1 - (r/a)^2)``, smooth up to the edge.
-    kappa : float
-        ``pi`` times the density at the edge; ``K_I = -kappa/sqrt(pi a)`` (tension opens).
-    field : ndarray (4, M)
-        Outer displacement of the rest without its punch part (``Annuli.outside_field``).
-    force : float
-        Compressive force.
-    smooth : SmoothPart
-        What the body lacks of the half-space's compliance, and ``moments`` (K,) of the pressure in it.
+    ``scaled`` (M,) is pressure times ``edge`` on each annulus, ``rest`` (M,) that without the punches at
+    ``kinks``, former edges, of displacements ``strengths`` (k,). Of the rest are ``density`` (M,), scaled
+    pressure times ``sqrt(1 - (r/a)^2)``, smooth up to the edge; ``kappa``, ``pi`` times it at the edge, with
+    ``K_I = -kappa/sqrt(pi a)`` (tension opens); ``field`` (4, M), the outer displacement without its punch
+    part (``Annuli.outside_field``). ``smooth`` is what the body lacks of the half-space's compliance, and
+    ``moments`` (K,) those of the pressure in it.
     """
 
     annuli: Annuli
@@ -187,8 +166,8 @@ class ContactSurface:
     force: float
     smooth: SmoothPart
     moments: Array
-    kinks: EdgeKinks | None = None
-    strengths: Array | None = None
+    kinks: EdgeKinks
+    strengths: Array
 
     @classmethod
     def under(
@@ -196,29 +175,23 @@ class ContactSurface:
         annuli: Annuli,
         edge: float,
         load: Array,
-        kinks: EdgeKinks | None = None,
-        between: LoadBetween | None = None,
+        kinks: EdgeKinks = NO_KINKS,
         body: Compliance = HALF_SPACE,
+        between: LoadBetween = NONE_BETWEEN,
     ) -> ContactSurface:
         """The surface under a required displacement: on the half-space that and what the body lacks."""
         smooth = body.within(edge)
         response = smooth.response(annuli, edge)
-        load, read = load[: annuli.count], load[annuli.count :]
-        if kinks is None:
-            load = load if between is None else between.added(load, read)
-            scaled = rest = annuli.solve(load)
-            strengths, carried, moments = None, 0.0, rest @ response.weights
-        else:
-            read, at_nodes = np.split(read, [3 * len(kinks.radius)])
-            strengths = kinks.strengths(read)
-            punches = kinks.displacement(edge * annuli.radii) @ strengths
-            load = load - punches
-            if between is not None:
-                load = between.added(load, at_nodes - kinks.displacement(between.radius) @ strengths)
+        load, read, at_nodes = np.split(load, [annuli.count, annuli.count + 3 * len(kinks.radius)])
+        strengths = kinks.strengths(read)
+        punches = kinks.displacement(edge * annuli.radii) @ strengths
+        load = between.added(load - punches, at_nodes - kinks.displacement(between.radius) @ strengths)
+        if len(strengths):
             scaled, rest = annuli.solve(np.array((load + punches, load)).T).T
-            carried = 2.0 * float(kinks.radius @ strengths)
-            volumes = strengths @ kinks.volumes(edge * annuli.borders).T / (2.0 * np.pi * edge)
-            moments = rest @ response.weights + volumes @ response.pressures
+        else:
+            scaled = rest = annuli.solve(load)
+        volumes = strengths @ kinks.volumes(edge * annuli.borders).T / (2.0 * np.pi * edge)
+        moments = rest @ response.weights + volumes @ response.pressures
         moments = response.inverse @ moments
         added = response.pressures @ moments
         curvature = annuli.curvature(rest) + float(response.curvatures @ moments)
@@ -226,16 +199,14 @@ class ContactSurface:
         density = annuli.density(rest, curvature)
         kappa = annuli.edge_strength(density)
         field = annuli.outside_field(rest, kappa, curvature)
-        force = edge * annuli.force(rest, kappa, curvature) + carried
+        force = edge * annuli.force(rest, kappa, curvature) + 2.0 * float(kinks.radius @ strengths)
         of_annuli = annuli, edge, scaled, rest, density, kappa, field, force
         return cls(*of_annuli, smooth, moments, kinks, strengths)
 
     def towards(self, other: ContactSurface, share: float) -> ContactSurface:
         """The surface a share of the way to another with the same edge and kinks; all is linear in ``v``."""
-        names = ("scaled", "rest", "density", "kappa", "field", "force", "moments")
+        names = ("scaled", "rest", "density", "kappa", "field", "force", "moments", "strengths")
         mixed = {n: getattr(self, n) + share * (getattr(other, n) - getattr(self, n)) for n in names}
-        if self.strengths is not None and other.strengths is not None:
-            mixed["strengths"] = self.strengths + share * (other.strengths - self.strengths)
         return replace(self, **mixed)
 
     @classmethod
@@ -243,18 +214,12 @@ class ContactSurface:
         """No contact."""
         zero = np.zeros(annuli.count)
         none = HALF_SPACE.within(0.0)
-        field, moments = np.zeros((4, annuli.count)), np.zeros(none.rank)
-        return cls(annuli, 0.0, zero, zero, zero, 0.0, field, 0.0, none, moments)
+        field, moments = np.zeros((4, annuli.count)), np.zeros(none.fields.shape[1])
+        return cls(annuli, 0.0, zero, zero, zero, 0.0, field, 0.0, none, moments, NO_KINKS, np.empty(0))
 
-    def tension(self, distance: Array) -> Array:
-        """Normal stress (tension positive) at ``distance`` inside the edge, singular there; without kinks."""
-        return self._tension(self.density, distance)
-
-    def singular_tension(self, distance: Array) -> Array:
-        """Its part with the density at the edge."""
-        return self._tension(np.full_like(self.density, self.kappa / np.pi), distance)
-
-    def _tension(self, density: Array, distance: Array) -> Array:
+    def tension(self, distance: Array, density: Array | None = None) -> Array:
+        """Normal stress (tension positive) at ``distance`` inside the edge, without kinks."""
+        density = self.density if density is None else density
         cosine = np.sqrt(distance * (2.0 * self.edge - distance)) / self.edge
         return -even_cubic(density, self.annuli.position_at(distance, self.edge)) / (cosine * self.edge)
 
@@ -264,9 +229,9 @@ class ContactSurface:
         value = np.zeros(len(radius))
         if inside.any():
             density = self.density
-            if self.kinks is not None:
+            if len(self.strengths):
                 density = self.annuli.density(self.scaled, self.annuli.curvature(self.scaled))
-            value[inside] = -self._tension(density, self.edge - radius[inside])
+            value[inside] = -self.tension(self.edge - radius[inside], density)
         return value
 
     def outside(self, radius: Array) -> Array:
@@ -274,7 +239,7 @@ class ContactSurface:
         if self.edge == 0.0:
             return np.zeros(len(radius))
         value = self.annuli.outside(self.field, self.kappa, radius / self.edge)
-        if self.kinks is not None and self.strengths is not None:
+        if len(self.strengths):
             value = value + self.kinks.displacement(radius) @ self.strengths
         return self.smooth.taken_from(value, radius, self.moments)
 
@@ -284,30 +249,22 @@ class ContactSurface:
         The punches are taken out of both: what one does on the rest of g is, the operator being symmetric,
         what the pressure under that rest does on the punch's displacement.
         """
-        annuli, kinks, strengths = self.annuli, self.kinks, self.strengths
-        if kinks is None or strengths is None:
-            return self.edge * annuli.work(self.scaled, displacement)
+        annuli, kinks = self.annuli, self.kinks
         at, roots = displacement[: annuli.count], kinks.strengths(displacement[annuli.count :])
         rest = at - kinks.displacement(self.edge * annuli.radii) @ roots
-        return self._work_on_parts(kinks, strengths, rest, annuli.solve(rest), roots)
+        return self._work_on_parts(rest, annuli.solve(rest) if len(self.strengths) else rest, roots)
 
     @property
     def load_work(self) -> float:
         """``int p v`` over the contact."""
-        annuli, kinks, strengths = self.annuli, self.kinks, self.strengths
-        lacking = 2.0 * np.pi * float(self.moments @ self.moments)
-        if kinks is None or strengths is None:
-            return float(self.edge * annuli.work(self.scaled, annuli.matrix @ self.scaled)) - lacking
-        given = annuli.matrix @ self.rest, self.rest
-        return float(self._work_on_parts(kinks, strengths, *given, strengths)) - lacking
+        work = self._work_on_parts(self.annuli.matrix @ self.rest, self.rest, self.strengths)
+        return float(work) - 2.0 * np.pi * float(self.moments @ self.moments)
 
-    def _work_on_parts(
-        self, kinks: EdgeKinks, strengths: Array, rest: Array, scaled: Array, roots: Array
-    ) -> Array:
+    def _work_on_parts(self, rest: Array, scaled: Array, roots: Array) -> Array:
         """``int p g``: rest of g (M, ...), scaled pressure (M, ...) that makes it, and punches (k, ...)."""
-        volumes = kinks.volumes(self.edge * self.annuli.borders).T / self.edge
-        work = self.edge * self.annuli.work(self.rest, rest) + strengths @ (volumes @ scaled)
-        return work + (volumes @ self.rest + strengths @ kinks.works) @ roots
+        volumes = self.kinks.volumes(self.edge * self.annuli.borders).T / self.edge
+        work = self.edge * self.annuli.work(self.rest, rest) + self.strengths @ (volumes @ scaled)
+        return work + (volumes @ self.rest + self.strengths @ self.kinks.works) @ roots
 
     @cached_property
     def edge_load(self) -> float:
@@ -315,8 +272,7 @@ class ContactSurface:
         if self.edge == 0.0:
             return 0.0
         load = self.annuli.at_edge(self.field, self.kappa)
-        if self.kinks is not None and self.strengths is not None:
-            load += float(self.kinks.displacement(np.array([self.edge]))[0] @ self.strengths)
+        load += float(self.kinks.displacement(np.array([self.edge]))[0] @ self.strengths)
         return float(self.smooth.taken_from(np.array([load]), np.array([self.edge]), self.moments)[0])
 
     def load_ahead(self, distance: float) -> float:
@@ -331,11 +287,6 @@ class ContactSurface:
             return 0.0
         tip, quarter, full = self.outside(self.edge + np.array([0.0, 0.25, 1.0]) * reach)
         return float((4.0 * (tip - quarter) - (tip - full)) / np.sqrt(reach))
-
-    @property
-    def singular_force(self) -> float:
-        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
-        return 2.0 * self.edge * self.kappa
 
     @property
     def stress_intensity(self) -> float:

@@ -1,14 +1,11 @@
 """Surface points over one step, and the committed state they begin with.
 
-A point is inside all the time, outside all the time, covered (outside, then inside) or released (inside,
-then outside). Inside, displacement is linear in time and the Maxwell recursion exact. Outside, ``v`` is the
-sum of the edge's own part, ``-singular * sqrt(distance to the moving edge)`` or a fall along its path, of a
-departure from a straight line in time, and of a rest that is linear in time; the recursions are exact for
-all. The departure is that of ``v`` at the edge, or ahead of an edge that hardly moves, a parabola through an
-earlier row; without adhesion that at a point inside all the time, near the edge, falling off as ``v``. Ahead
-of an edge that advances over zones displacement is known (``FreeCreep``), and the Maxwell recursion serves.
-A covered point meets the indenter at the moment the edge passes; a released one leaves it, glassy, then.
-Displacement ``w``, load ``v`` and penetration are positive downwards, force and pressure in compression.
+A point is inside all the time, outside all the time, covered (outside, then inside: it meets the indenter at
+the moment the edge passes) or released (it leaves it, glassy, then). Inside, displacement is a parabola in
+time and the Maxwell recursion exact. Outside, ``v`` is the sum of the edge's own part, a root or a fall
+along its path; of a bend in time, that of ``v`` at the edge or ahead of one that hardly moves, and without
+adhesion that at a point inside all the time, falling off as ``v``; and of a rest that is linear in time.
+Ahead of an edge that advances over zones displacement is known (``FreeCreep``): the Maxwell recursion serves.
 """
 
 from __future__ import annotations
@@ -19,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bem_solver.creep import Chain
-from bem_solver.edge_energy import EdgeStep
 from bem_solver.history import NodalVariables, SurfaceHistory
 from bem_solver.motion import Motion, Passage, SurfacePoints
 from bem_solver.problem import Problem
@@ -47,7 +43,7 @@ def pressed(
 
 def load_inside(chain: Chain, variables: Array, displacement: Array) -> Array:
     """``v = E0 w + sum b``."""
-    return chain.relaxed * displacement + chain.stress(variables)
+    return chain.relaxed * displacement + variables @ chain.stress_scale
 
 
 def bend(chain: Chain, points: SurfacePoints, motion: Motion, first: Array, last: Array) -> Array:
@@ -93,17 +89,12 @@ def _met_under_load(
     y = (share * motion.duration)[:, None] / chain.retardation
     even = chain.spread(y)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
-    if motion.path is None:
-        rise = motion.singular * np.sqrt(points.radius - motion.edge)
-        lags += (chain.spread_to_edge(y) - even) * chain.lag_rate * rise[:, None]
-        lags += motion.lags_of_bend(chain, share)
-    else:
-        lags += motion.lags_of_fall(chain, passage.recent)
+    lags += motion.lags_of_fall(chain, passage.recent)
     if motion.innermost is not None:
         lags += bend(chain, points, motion, np.zeros_like(share), share)
     # w = v/E0 - sum l at the moment of contact, with even * (v - v_n) still to come into l
     per_load = even @ chain.compliances
-    load = (meeting + chain.lag(lags) - per_load * points.load) / (1.0 / chain.relaxed - per_load)
+    load = (meeting + lags @ chain.lag_scale - per_load * points.load) / (1.0 / chain.relaxed - per_load)
     lags += even * chain.lag_rate * (load - points.load)[:, None]
     return lags @ chain.rotation
 
@@ -119,10 +110,6 @@ def released(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Arra
     even = chain.spread(y)
     lags = chain.decay(y) * (at_release @ chain.rotation.T)
     lags += even * chain.lag_rate * (new_load - load)[:, None]
-    if motion.path is None:
-        fall = -motion.singular * np.sqrt(points.radius - motion.new_edge)
-        lags += (chain.spread_from_edge(y) - even) * chain.lag_rate * fall[:, None]
-        lags += motion.lags_of_bend(chain, left)
     if motion.innermost is not None:
         lags += bend(chain, points, motion, share, np.ones_like(share))
     return lags @ chain.rotation
@@ -134,29 +121,22 @@ def free(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array) -
     even = chain.spread(y)
     lags = chain.decay(y) * (points.variables @ chain.rotation.T)
     lags += even * chain.lag_rate * (new_load - points.load)[:, None]
-    if motion.path is None:
-        before, after = points.radius - motion.edge, points.radius - motion.new_edge
-        change = -motion.singular * (np.sqrt(after) - np.sqrt(before))
-        weight = chain.spread_outside(np.broadcast_to(y, lags.shape), before[:, None], after[:, None])
-        lags += (weight - even) * chain.lag_rate * change[:, None]
-        lags += motion.lags_of_bend(chain, np.ones(1))
     if motion.innermost is not None:
         lags += bend(chain, points, motion, np.zeros(1), np.ones(1))
     return lags @ chain.rotation
 
 
 def along_path(chain: Chain, points: SurfacePoints, motion: Motion, begin: Array) -> Array:
-    """What the fall along the path of the edge adds to the variables of points outside at the end."""
+    """What the load near the edge, beyond an even change, adds to variables of points outside at the end."""
+    if motion.new_edge == motion.edge:
+        return motion.lags_of_bend(chain) @ chain.rotation
     recent = motion.recent(chain, points.radius, begin, np.zeros_like(begin))
     return motion.lags_of_fall(chain, recent) @ chain.rotation
 
 
 def displacement_outside(chain: Chain, variables: Array, load: Array) -> Array:
     """``w = v/E0 - sum l``."""
-    return load / chain.relaxed - chain.lag(variables @ chain.rotation.T)
-
-
-Mask = NDArray[np.bool_]
+    return load / chain.relaxed - variables @ chain.rotation.T @ chain.lag_scale
 
 
 def advanced(chain: Chain, points: SurfacePoints, motion: Motion, new_load: Array | None) -> Array:
@@ -174,17 +154,18 @@ class PointsByPassage:
     def __init__(self, chain: Chain, points: SurfacePoints, motion: Motion) -> None:
         self.chain, self.points, self.motion = chain, points, motion
         before = points.radius <= motion.edge if motion.edge > 0.0 else np.zeros(len(points), bool)
-        self.after: Mask = points.radius <= motion.new_edge
+        self.after = points.radius <= motion.new_edge
         self.stay, self.covered, self.leave = before & self.after, self.after & ~before, before & ~self.after
         self.staying, self.to_cover = points[self.stay], points[self.covered]
         self.passage = Passage(chain, self.to_cover.radius, motion)
-        self.pressed_to: dict[float, Array] = {}
 
     def inside(self, motion: Motion) -> Array:
         """Variables at the end of a motion of the same edge; those of points outside it are not filled."""
         variables = np.empty_like(self.points.variables)
         if len(self.staying):
-            variables[self.stay] = self._pressed(motion)
+            points = self.staying
+            rise = motion.new_penetration - points.height - points.displacement
+            variables[self.stay] = pressed(self.chain, points.variables, rise, motion.duration, motion.bend)
         if len(self.to_cover):
             variables[self.covered] = covered(self.chain, self.to_cover, motion, self.passage)
         return variables
@@ -200,25 +181,16 @@ class PointsByPassage:
             _, begin[self.leave] = passage.shares
         if out.any():
             variables[out] = free(chain, self.points[out], motion, new_load[out])
-        if motion.path is not None:
+        if beyond.any():
             variables[beyond] += along_path(chain, self.points[beyond], motion, begin[beyond])
-
-    def _pressed(self, motion: Motion) -> Array:
-        """Variables of points inside all the time, which depend on the penetration alone."""
-        depth, points = motion.new_penetration, self.staying
-        if depth not in self.pressed_to:
-            rise = depth - points.height - points.displacement
-            self.pressed_to[depth] = pressed(self.chain, points.variables, rise, motion.duration, motion.bend)
-        return self.pressed_to[depth]
 
 
 @dataclass(frozen=True)
 class HalfSpaceState:
     """Committed state: the surface, its history, time and penetration.
 
-    ``closure`` is the integral of the edge, and ``last_step`` the step of it that led here, ``None`` after a
-    kink: known where adhesion is irreversible. ``branch_work`` (K,) is ``int p e_k``, and ``tip_release`` the
-    glassy energy release rate of the tip, the way it has gone.
+    ``last_step`` (duration, first edge) led here, ``None`` after a kink; known of an irreversible adhesion.
+    ``branch_work`` (K,) is ``int p e_k``, ``tip_release`` the glassy energy release rate of the tip.
     """
 
     time: float
@@ -226,7 +198,7 @@ class HalfSpaceState:
     surface: ContactSurface
     history: SurfaceHistory
     closure: float = 0.0
-    last_step: EdgeStep | None = None
+    last_step: tuple[float, float] | None = None
     branch_work: Array | float = 0.0
     tip_release: float = 0.0
 
@@ -240,33 +212,16 @@ def points_at(problem: Problem, state: HalfSpaceState, radius: Array) -> Surface
     """State of surface points at the start of a step."""
     height = problem.scene.indenter.height(radius)
     inside = radius <= state.edge if state.edge > 0.0 else np.zeros(len(radius), bool)
-    if inside.all():
-        return SurfacePoints(radius, height, *_inside(problem, state, radius, height))
-    if not inside.any():
-        return SurfacePoints(radius, height, *_outside(problem, state, radius))
-    variables = np.empty((len(radius), len(problem.chain)))
-    load, displacement, outside = np.empty(len(radius)), np.empty(len(radius)), ~inside
-    variables[inside], load[inside], displacement[inside] = _inside(
-        problem, state, radius[inside], height[inside]
-    )
-    variables[outside], load[outside], displacement[outside] = _outside(problem, state, radius[outside])
+    chain, outside, displacement = problem.chain, ~inside, state.penetration - height
+    variables, load = np.empty((len(radius), len(chain))), np.empty(len(radius))
+    if inside.any():
+        variables[inside] = state.history.inner.at(radius[inside])
+        load[inside] = load_inside(chain, variables[inside], displacement[inside])
+    if outside.any():
+        load[outside] = state.surface.outside(radius[outside])
+        variables[outside] = chain.from_strains(state.history.outside(radius[outside]), load[outside])
+        displacement[outside] = displacement_outside(chain, variables[outside], load[outside])
     return SurfacePoints(radius, height, variables, load, displacement)
-
-
-def _inside(
-    problem: Problem, state: HalfSpaceState, radius: Array, height: Array
-) -> tuple[Array, Array, Array]:
-    """Variables, load and displacement of points in contact."""
-    displacement = state.penetration - height
-    variables = state.history.inner.at(radius)
-    return variables, load_inside(problem.chain, variables, displacement), displacement
-
-
-def _outside(problem: Problem, state: HalfSpaceState, radius: Array) -> tuple[Array, Array, Array]:
-    """Variables, load and displacement of points outside the contact."""
-    chain, load = problem.chain, state.surface.outside(radius)
-    variables = chain.from_strains(state.history.outside(radius), load)
-    return variables, load, displacement_outside(chain, variables, load)
 
 
 def split_at_edge(
@@ -277,7 +232,6 @@ def split_at_edge(
     edge: float,
     displacement: float,
     kinks: tuple[float, ...] = (),
-    rest: float | None = None,
 ) -> tuple[NodalVariables, NodalVariables]:
     """Nodal variables inside and outside the edge."""
     inside, outside = radius <= edge, radius >= edge
@@ -285,4 +239,4 @@ def split_at_edge(
     beyond[0] = load_inside(chain, variables[outside][:1], np.array([displacement]))[0]
     strains = chain.to_strains(variables[outside], beyond)
     inner = NodalVariables(radius[inside], variables[inside], tuple(k for k in kinks if k < edge))
-    return inner, NodalVariables(radius[outside], strains, (edge, *(k for k in kinks if k > edge)), rest)
+    return inner, NodalVariables(radius[outside], strains, (edge, *(k for k in kinks if k > edge)))

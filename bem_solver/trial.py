@@ -2,16 +2,10 @@
 
 What the edge covers and leaves depends on the load at the edge, or just ahead of one that hardly moves, and
 on how that falls outside it, during the step. Both are known at its start; at its end they are those of the
-surface that is sought.
-
-Over zones, the surface outside an edge that has not receded is right whatever way and time it took. By Eq.
-convolution the displacement ``w`` is everywhere that of a pressure ``q = int J* dp`` under unit plane
-modulus. Where there was no pressure throughout the step, ``q`` has crept freely: what all strains would have
-become in that way, ``sum e exp(-y)``, misses ``w`` by the displacement of a pressure inside the edge alone,
-and is known there: one contact problem gives the rest outside. Inside, that pressure follows an edge that
-passes as its inverse root, and the stress is ``int E* d`` of it. Ahead, the displacement at both ends of the
-step is known, and moves with the edge in between. Nothing here changes the committed state. Penetration and
-surface displacement positive downwards, force and pressure positive in compression; radii from the axis.
+surface that is sought. Over zones, the surface outside an edge that has not receded follows from free creep
+(``FreeCreep``) whatever way and time it took: what all strains would have become by themselves, ``sum e
+exp(-y)``, misses ``w`` by the displacement of a pressure inside the edge alone. Nothing here changes the
+committed state.
 """
 
 from __future__ import annotations
@@ -23,7 +17,6 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from bem_solver.creep import Chain
-from bem_solver.edge_energy import end_velocity, energy_taken
 from bem_solver.motion import (
     BentPath,
     CarriedDisplacement,
@@ -34,8 +27,8 @@ from bem_solver.motion import (
     distances_outside,
     parabola_bend,
 )
-from bem_solver.problem import ClosureRule, Problem
-from bem_solver.surface import ContactSurface, EdgeKinks, LoadBetween
+from bem_solver.problem import ClosureRule, Problem, end_velocity, energy_taken
+from bem_solver.surface import NO_KINKS, NONE_BETWEEN, ContactSurface, EdgeKinks, LoadBetween
 from bem_solver.surface_points import (
     HalfSpaceState,
     PointsByPassage,
@@ -65,36 +58,20 @@ class FreeCreep:
         over_zones = problem.over_zones(motion.edge)
         return over_zones and motion.duration > 0.0 and motion.new_edge >= motion.edge > 0.0
 
-    @classmethod
-    def within(
-        cls,
-        problem: Problem,
-        state: HalfSpaceState,
-        motion: Motion,
-        points: SurfacePoints,
-        kinks: EdgeKinks | None,
-        between: LoadBetween | None,
-    ) -> FreeCreep | None:
-        """Of a step over process zones; its motion then tells what its edge carries along."""
-        if not cls.takes(problem, motion):
-            return None
-        pressed = surface_pressed(problem, motion, points, kinks, between)
-        creep = cls(problem.chain, motion, pressed)
-        return creep if motion.new_edge == motion.edge else creep._carrying(problem, state)
-
-    def _carrying(self, problem: Problem, state: HalfSpaceState) -> FreeCreep:
-        """The same with the displacement that its edge carries along."""
+    def carrying(self, problem: Problem, state: HalfSpaceState) -> FreeCreep:
+        """The same with the displacement that its edge, if it moves, carries along."""
+        if self.motion.new_edge == self.motion.edge:
+            return self
         motion, distance = self.motion, np.append(0.0, distances_outside(self.motion.edge, problem.nearest))
-        path = motion.path or BentPath.straight(motion.edge, motion.new_edge)
         before = points_at(problem, state, motion.edge + distance).displacement
         after = self.displacement(points_at(problem, state, motion.new_edge + distance))
         fall, new_fall = ((w[0] - w[1:]) / np.sqrt(distance[1:]) for w in (before, after))
         shares = np.array([0.0, 0.5, 1.0])
         start, middle, end = motion.penetration_at(shares) - problem.scene.indenter.height(
-            path.edge(1.0 - shares)
+            motion.way.edge(1.0 - shares)
         )
         bend = 2.0 * (start + end) - 4.0 * middle
-        carried = CarriedDisplacement(path, OuterFall(distance[1:], fall, new_fall), float(bend))
+        carried = CarriedDisplacement(motion.way, OuterFall(distance[1:], fall, new_fall), float(bend))
         return replace(self, motion=replace(motion, carried=carried))
 
     def displacement(self, points: SurfacePoints) -> Array:
@@ -109,11 +86,14 @@ class FreeCreep:
         if carried is None or not share.any():
             return otherwise
         _, left = motion.passing(motion.new_edge - distance)
-        kept = 1.0 - carried.path.abscissa(left) * carried.growth
+        start, end = float(carried.fall.start[0]), float(carried.fall.end[0])
+        growth = min(max(1.0 - start / end, -1.0), 1.0) if end != 0.0 else 0.0
+        kept = 1.0 - carried.path.abscissa(left) * growth
         slowed = np.sqrt(carried.path.mean_since(left))
         gained = 1.0 - kept * slowed, 1.0 - kept / slowed
         of_inverse_root, of_root = self.chain.moduli_of_passage(left * motion.duration, gained)
-        singular, whole = self.pressed.singular_tension(distance), self.pressed.tension(distance)
+        at_edge = np.full_like(self.pressed.density, self.pressed.kappa / np.pi)
+        singular, whole = self.pressed.tension(distance, at_edge), self.pressed.tension(distance)
         passed = of_inverse_root * singular + of_root * (whole - singular)
         return otherwise + share * (passed - otherwise)
 
@@ -122,25 +102,25 @@ class FreeCreep:
         chain = self.chain
         missed = self.displacement(points) - displacement_outside(chain, variables, load)
         lags = chain.lag_rate * chain.spread_bent(self.motion.duration / chain.retardation)
-        return variables - (missed[:, None] * (lags / chain.lag(lags))) @ chain.rotation
+        return variables - (missed[:, None] * (lags / (lags @ chain.lag_scale))) @ chain.rotation
 
 
 def surface_pressed(
     problem: Problem,
     motion: Motion,
     points: SurfacePoints,
-    kinks: EdgeKinks | None,
-    between: LoadBetween | None = None,
+    kinks: EdgeKinks,
+    between: LoadBetween = NONE_BETWEEN,
 ) -> ContactSurface:
     """The surface under what free creep throughout a step misses of the displacement inside the edge."""
     missed = motion.new_penetration - points.height - _crept(problem.chain, points, motion)
-    return ContactSurface.under(problem.annuli, motion.new_edge, missed, kinks, between, problem.body)
+    return ContactSurface.under(problem.annuli, motion.new_edge, missed, kinks, problem.body, between)
 
 
 def _crept(chain: Chain, points: SurfacePoints, motion: Motion) -> Array:
     """``sum e`` (m,) after free creep throughout a step."""
     strains = chain.to_strains(points.variables, points.load)
-    return chain.lag(chain.decay(motion.duration / chain.retardation) * strains)
+    return chain.decay(motion.duration / chain.retardation) * strains @ chain.lag_scale
 
 
 def closure_integral(
@@ -165,14 +145,12 @@ def forces_over(
     The punches at kinks are integrated from their own edges on.
     """
     distances, forces = [length * rule.distance], [length * rule.weight]
-    kinks, strengths = surface.kinks, surface.strengths
-    if kinks is not None and strengths is not None:
-        depth = surface.edge - kinks.radius
-        for index in np.flatnonzero(depth < length).tolist():
-            own = length - depth[index]
-            tension = strengths[index] * kinks.tension(index, own * rule.distance)
-            distances.append(depth[index] + own * rule.distance)
-            forces.append(own * rule.weight * tension)
+    depth = surface.edge - surface.kinks.radius
+    for index in np.flatnonzero(depth < length).tolist():
+        own = length - depth[index]
+        tension = surface.strengths[index] * surface.kinks.tension(index, own * rule.distance)
+        distances.append(depth[index] + own * rule.distance)
+        forces.append(own * rule.weight * tension)
     tension = surface.tension(distances[0])
     forces[0] *= tension if creep is None or len(forces) > 1 else creep.tension(distances[0], tension)
     return np.concatenate(distances), np.concatenate(forces)
@@ -200,6 +178,10 @@ def gap_outside(
     return points.height - motion.new_penetration + displacement
 
 
+_PASSES = 2
+"""Of an advancing edge, whose load at the end of the step is that of the surface sought."""
+
+
 @dataclass(frozen=True)
 class LoadControl:
     """``control`` has ``value`` at the end of the step.
@@ -211,12 +193,12 @@ class LoadControl:
     problem: Problem
     state: HalfSpaceState
     points: SurfacePoints
-    kinks: EdgeKinks | None
+    kinks: EdgeKinks
+    between: LoadBetween
     control: str
     value: float
     earlier: EarlierRow | None = None
-    between: LoadBetween | None = None
-    _creep: dict[float, FreeCreep | None] = field(default_factory=dict)
+    _creep: dict[float, FreeCreep] = field(default_factory=dict)
     _by_passage: dict[float, PointsByPassage] = field(default_factory=dict)
 
     def satisfied(self, motion: Motion) -> tuple[Motion, ContactSurface]:
@@ -229,22 +211,22 @@ class LoadControl:
         motion = self._ending(motion, surface)
         if motion.new_edge <= motion.edge:
             return motion, surface
-        return self._controlled(motion) if motion.fall is None else self._settled(motion, surface)
+        if motion.fall is None:
+            return self._controlled(motion)
+        for _ in range(_PASSES):
+            motion, surface = self._controlled(motion)
+            motion = self._ending(motion, surface)
+        return motion, surface
 
     def creep(self, motion: Motion) -> FreeCreep | None:
         """What free creep tells of a motion; within a step their penetration alone differs."""
-        depth = motion.new_penetration
+        problem, depth = self.problem, motion.new_penetration
+        if not FreeCreep.takes(problem, motion):
+            return None
         if depth not in self._creep:
-            self._creep[depth] = FreeCreep.within(
-                self.problem, self.state, motion, self.points, self.kinks, self.between
-            )
+            pressed = surface_pressed(problem, motion, self.points, self.kinks, self.between)
+            self._creep[depth] = FreeCreep(problem.chain, motion, pressed).carrying(problem, self.state)
         return self._creep[depth]
-
-    def _settled(self, motion: Motion, surface: ContactSurface) -> tuple[Motion, ContactSurface]:
-        """Motion and surface of an advancing edge."""
-        one, second = self._controlled(motion)
-        two, third = self._controlled(self._ending(one, second))
-        return self._ending(two, third), third
 
     def _ending(self, motion: Motion, surface: ContactSurface) -> Motion:
         """The motion whose end is that of a surface."""
@@ -258,10 +240,10 @@ class LoadControl:
         if earlier is None or earlier.load is None or (path is not None and earlier.fall is None):
             return 0.0, 0.0
         start, end = (of.load_ahead(earlier.ahead) for of in (self.state.surface, surface))
-        if path is not None and path.of_travel and earlier.edge is not None:
-            ago = (motion.edge - earlier.edge) / path.travel
-            return end - start, parabola_bend((ago, earlier.load), start, 1.0, end)
-        return end - start, parabola_bend((earlier.time, earlier.load), start, motion.duration, end)
+        before = (
+            path.before if path is not None and motion.fall is not None else earlier.time / motion.duration
+        )
+        return end - start, parabola_bend((before, earlier.load), start, 1.0, end)
 
     def _controlled(self, motion: Motion) -> tuple[Motion, ContactSurface]:
         """Motion with the penetration, and surface, that the control asks for."""
@@ -289,7 +271,7 @@ class LoadControl:
         creep = self.creep(motion)
         load = self._required_load(motion if creep is None else creep.motion)
         annuli, body = self.problem.annuli, self.problem.body
-        return ContactSurface.under(annuli, motion.new_edge, load, self.kinks, self.between, body)
+        return ContactSurface.under(annuli, motion.new_edge, load, self.kinks, body, self.between)
 
     def _required_load(self, motion: Motion) -> Array:
         """``v`` at radii inside the new edge."""
@@ -340,31 +322,32 @@ def evaluate(
     within: tuple[float, float] | None = None,
 ) -> TrialContact:
     """The surface with the edge at ``edge`` after ``duration``, and its residual."""
-    kinks = _kinks_inside(problem, state, duration, edge)
-    between = _load_between(problem, state, edge)
-    readings = np.empty(0) if kinks is None else kinks.readings
-    nodes = np.empty(0) if between is None else between.radius
-    radii = edge * problem.annuli.radii
-    points = points_at(problem, state, np.concatenate((radii, readings, nodes)))
+    kinks = _kinks_inside(problem, state, edge)
+    between = NONE_BETWEEN
+    if edge > 0.0 and problem.over_zones(state.edge):  # wide annuli against what the edge has left behind
+        between = LoadBetween.of(problem.annuli, edge, state.history.radius)
+    radii = np.concatenate((edge * problem.annuli.radii, kinks.readings))
+    points = points_at(problem, state, np.concatenate((radii, between.radius)))
     depth = value if control == "penetration" else state.penetration
     motion = _motion(problem, state, duration, edge, depth, earlier, within)
-    loading = LoadControl(problem, state, points, kinks, control, value, earlier, between)
+    loading = LoadControl(problem, state, points, kinks, between, control, value, earlier)
     motion, surface = loading.satisfied(motion)
     creep = loading.creep(motion)
     if creep is not None:
         motion = replace(motion, carried=creep.motion.carried)
-    if len(nodes):
-        points = points[: len(radii) + len(readings)]
+    points = points[: len(radii)]
     if problem.work == 0.0:
         return TrialContact(motion, surface, points, -surface.kappa, 0.0)
-    return _adhesive_contact(problem, state, motion, surface, points, creep)
-
-
-def _load_between(problem: Problem, state: HalfSpaceState, edge: float) -> LoadBetween | None:
-    """Nodes of the history between the collocation radii, where zones are short against the contact."""
-    if edge <= 0.0 or not problem.over_zones(state.edge):
-        return None
-    return LoadBetween.of(problem.annuli, edge, state.history.radius)
+    problem.counters.closure_evaluations += 1
+    zone = _zone(problem, surface)
+    closure = closure_integral(problem, state, motion, surface, zone, creep)
+    if (surface if creep is None else creep.pressed).kappa > 0.0:  # gap and tension have the wrong sign
+        closure = -abs(closure)
+    residual = closure - problem.work
+    if problem.irreversible is not None:
+        velocity = end_velocity(state.edge, motion.new_edge, motion.duration, state.last_step)
+        residual = (closure / energy_taken(problem.irreversible, velocity) - 1.0) * problem.work
+    return TrialContact(motion, surface, points, residual, closure, zone, creep)
 
 
 def _motion(
@@ -381,14 +364,15 @@ def _motion(
     path = row = fall = None
     if within is not None:
         row = -within[0], within[1]
-    if earlier is not None:
-        row = row or (earlier.time, earlier.penetration)
+    elif earlier is not None:
+        row = earlier.time, earlier.penetration
     if earlier is not None and earlier.edge is not None and earlier.fall is not None:
         if edge != state.edge:
-            rows = [(earlier.time, earlier.edge), *([earlier.further] if earlier.further else [])]
-            path = BentPath.through(rows, state.edge, duration, edge, earlier.of_travel)
+            before = earlier.time, earlier.edge
+            path = BentPath.through(before, state.edge, duration, edge, earlier.runs_away)
             fall = earlier.fall
-    elif edge > state.edge > 0.0 and problem.over_zones(state.edge) and problem.relaxes_within(duration):
+    elif problem.over_zones(state.edge) and edge > state.edge and duration > problem.chain.retardation.min():
+        # a step long against a branch: the points it covers feel the whole fall of the load
         path = BentPath.straight(state.edge, edge)
         fall = OuterFall.outside(state.surface, problem.nearest)
     if problem.viscoelastic and path is None:
@@ -398,29 +382,6 @@ def _motion(
             inside = max(min(edge, state.edge) - away, 0.5 * state.edge)
             innermost = points_at(problem, state, np.array([inside]))
     return Motion(duration, state.edge, edge, state.penetration, depth, singular, innermost, path, fall, row)
-
-
-def _adhesive_contact(
-    problem: Problem,
-    state: HalfSpaceState,
-    motion: Motion,
-    surface: ContactSurface,
-    points: SurfacePoints,
-    creep: FreeCreep | None,
-) -> TrialContact:
-    """The contact after a motion, and by how much it misses the closure."""
-    problem.counters.closure_evaluations += 1
-    zone = _zone(problem, surface)
-    closure = closure_integral(problem, state, motion, surface, zone, creep)
-    if (surface if creep is None else creep.pressed).kappa > 0.0:  # gap and tension have the wrong sign
-        closure = -abs(closure)
-    residual = closure - problem.work
-    if problem.irreversible is None:
-        return TrialContact(motion, surface, points, residual, closure, zone, creep)
-    velocity = end_velocity(state.edge, motion.new_edge, motion.duration, state.last_step)
-    excess = closure / energy_taken(problem.irreversible, velocity) - 1.0
-    residual = excess * problem.work
-    return TrialContact(motion, surface, points, residual, closure, zone, creep)
 
 
 def _zone(problem: Problem, surface: ContactSurface) -> float:
@@ -445,18 +406,15 @@ def _zone(problem: Problem, surface: ContactSurface) -> float:
     return float(brentq(excess, least, edge, xtol=1e-15 * edge, rtol=1e-12))
 
 
-def _kinks_inside(problem: Problem, state: HalfSpaceState, duration: float, edge: float) -> EdgeKinks | None:
+def _kinks_inside(problem: Problem, state: HalfSpaceState, edge: float) -> EdgeKinks:
     """Where an edge has rested, or turns in this step, inside the new edge."""
     history = state.history
     if not problem.viscoelastic or edge <= 0.0:
-        return None
+        return NO_KINKS
     longest = 0.25 * problem.length_at(edge)
     rested = history.rested_at(state.edge)
     if rested is None or edge <= state.edge:
         return EdgeKinks.within(history.past_kinks, min(edge, state.edge), longest)
-    still = 0.1 * float(problem.chain.relaxation[0])
-    came = history.direction > 0 and rested == state.edge  # from further in: it has not rested there
-    share = 1.0 if came else still / (still + duration)
-    reach = max(state.edge - rested, min(longest, (edge - rested) * share))
-    none = EdgeKinks(np.empty(0), np.empty(0))
-    return (EdgeKinks.within(history.kinks, rested, longest) or none).and_at(rested, reach)
+    reach = max(state.edge - rested, min(longest, edge - rested))
+    kinks = EdgeKinks.within(history.kinks, rested, longest)
+    return EdgeKinks(np.append(kinks.radius, rested), np.append(kinks.reach, reach))

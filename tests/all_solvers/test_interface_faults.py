@@ -42,11 +42,11 @@ FAULTS = table("reference", "validation.reference.path", [
     (TWICE, "rheology:rheology", timed(2.0), STEADY_STRESS),
 ])  # fmt: skip
 FAULTS += table("bem", "bem_solver", [
-    ("closes at what it opens at", "edge_energy:energy_taken", closing_as_opening, HYSTERESIS),
-    ("always pinned", "edge_energy:closure_of_departure", constant(None), HYSTERESIS),
-    (SPEED, "edge_energy:end_velocity", times(2.0), RATED),
-    (f"{SPEED}, steadily", "edge_energy:end_velocity", times(2.0), STEADY_RATE),
-    ("energy spent too large", "edge_energy:energy_spent", times(1.1), HYSTERESIS),
+    ("closes at what it opens at", "problem:energy_taken", closing_as_opening, HYSTERESIS),
+    ("always pinned", "problem:closure_of_departure", constant(None), HYSTERESIS),
+    (SPEED, "problem:end_velocity", times(2.0), RATED),
+    (f"{SPEED}, steadily", "problem:end_velocity", times(2.0), STEADY_RATE),
+    ("energy spent too large", "recorder:energy_spent", times(1.1), HYSTERESIS),
     ("tension a tenth too large", "trial:forces_over", gives(lambda found: (found[0], 1.1 * found[1])),
      STRESS),
     (AT_REST, "trial:_zone", lambda true: lambda problem, surface: problem.zone, STEADY_STRESS),

@@ -14,8 +14,8 @@ from support.paper_scenes import ELASTIC, SPHERE, STICKY, WORK, ZONE, scene
 
 from bem_solver.annuli import Annuli
 from bem_solver.creep import Chain
+from bem_solver.equilibrium import untouched_state
 from bem_solver.problem import ClosureRule, Problem
-from bem_solver.start import untouched_state
 from bem_solver.trial import evaluate
 from contact_scene import Adhesion, Counters
 from validation.reference.finite_zone import FiniteZone
@@ -38,10 +38,9 @@ def gap(r, depth, a=EDGE):
 def problem(count=64, divisions=12, material=ELASTIC, adhesion=STICKY, exponent=2.0):
     """A problem as the solver sets it up, with a given number of annuli."""
     question = scene(start="relaxed", material=material, adhesion=adhesion)
-    zone, work = (adhesion.zone, adhesion.work) if adhesion else (0.0, 0.0)
     rule = ClosureRule.resolving(divisions)
     annuli = Annuli(count, exponent=exponent)
-    return Problem(question, annuli, Chain(material), zone, work, zone or 0.01, Counters(), rule)
+    return Problem(question, annuli, Chain(material), adhesion.zone if adhesion else 0.01, Counters(), rule)
 
 
 def static(whole, edge, depth):

@@ -9,7 +9,7 @@ from support.closed_forms import hertz
 from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, WORK, ZONE, cycle, scene
 
 from bem_solver.creep import Chain
-from bem_solver.energy import RowPath, rest_ends, stored_energy
+from bem_solver.recorder import RowPath, rest_ends, stored_energy
 from contact_scene import Adhesion, Branch, FlatPunch, Force, Hold, Material, Oscillate, Ramp, Table
 from validation.reference.finite_zone import FiniteZone
 

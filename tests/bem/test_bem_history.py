@@ -167,20 +167,6 @@ def test_kinks_near_the_edge_are_dropped_and_all_others_kept():
     assert min(abs(k - 0.1501) for k in kinks) >= 1e-3
 
 
-def surface_with_roots(kinks, strengths):
-    """Roots of given strengths at kinks, on nodes graded towards each."""
-    near = np.concatenate([kink + np.geomspace(1e-8, 0.5, 80) for kink in kinks])
-    radius = np.unique(np.concatenate(([0.0], kinks, near[near < 0.5], [0.5])))
-    beyond = np.sqrt(np.maximum(radius[:, None] - np.array(kinks), 0.0))
-    return NodalVariables(radius, columns(beyond @ np.array(strengths)), tuple(kinks))
-
-
-def test_a_root_that_has_faded_is_no_kink():
-    surface = surface_with_roots([0.1, 0.2], (1.0, 1e-6))
-    assert surface.without_faded_kinks(1e-5).kinks == (0.1,)
-    assert surface.without_faded_kinks(1e-8) is surface
-
-
 def test_a_kink_that_the_edge_comes_near_is_held_until_it_is_far():
     before = SurfaceHistory(
         track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.15, 0.2)), -1, None

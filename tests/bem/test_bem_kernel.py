@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import dblquad
 
-from bem_solver.kernel import annulus_influence, disc_displacement
+from bem_solver.annuli import annulus_influence, disc_displacement
 
 RADII = st.floats(1e-3, 1e3)
 RATIOS = st.floats(1e-2, 1e2)

@@ -78,8 +78,8 @@ def test_volume_of_a_punch_on_an_annulus():
 
 
 def test_no_kinks_no_work():
-    assert EdgeKinks.within((), 1.0, 0.1) is None
-    assert EdgeKinks.within((1.0, 2.0, 0.0), 1.0, 0.1) is None
+    assert len(EdgeKinks.within((), 1.0, 0.1).radius) == 0
+    assert len(EdgeKinks.within((1.0, 2.0, 0.0), 1.0, 0.1).radius) == 0
 
 
 @pytest.mark.parametrize("resolution", [4, 6, 12])

@@ -8,7 +8,7 @@ from support.paper_scenes import ONE, cycle, scene
 
 from bem_solver import Options, solve, trial
 from bem_solver.creep import Chain
-from bem_solver.energy import tip_energy
+from bem_solver.recorder import tip_energy
 from contact_scene import (
     Adhesion,
     Branch,

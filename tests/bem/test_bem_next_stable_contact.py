@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bem_solver.root_search import first_stable
+from bem_solver.equilibrium import first_stable
 
 
 @dataclass(frozen=True)

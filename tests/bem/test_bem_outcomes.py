@@ -322,7 +322,7 @@ def test_a_pull_beyond_all_measure_detaches(step):
 @pytest.mark.parametrize(
     ("where", "error", "kind"),
     [
-        ("start", ZeroDivisionError, OutcomeKind.NO_EQUILIBRIUM),
+        ("equilibrium", ZeroDivisionError, OutcomeKind.NO_EQUILIBRIUM),
         ("step", OverflowError, OutcomeKind.OUT_OF_RANGE),
     ],
 )

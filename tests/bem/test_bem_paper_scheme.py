@@ -11,7 +11,7 @@ from support.paper_scenes import cycle, scene
 
 import bem_solver
 from bem_solver import Options
-from bem_solver.paper_scheme.annuli import LeadingBlocks
+from bem_solver.paper_scheme import LeadingBlocks
 from contact_scene import (
     Adhesion,
     Branch,
@@ -250,7 +250,7 @@ def test_pulled_without_contact():
 
 
 def test_contact_that_leaves_the_annuli(monkeypatch):
-    monkeypatch.setattr("bem_solver.paper_scheme.solver.largest_contact", lambda scene, problem: 0.15)
+    monkeypatch.setattr("bem_solver.paper_scheme.largest_contact", lambda scene: 0.15)
     trace = uniform(cycle(0.1))
     assert trace.outcome.kind is OutcomeKind.OUT_OF_RANGE
     assert 0.16 < trace.contact_radius[-1] < 0.17

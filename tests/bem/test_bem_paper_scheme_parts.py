@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from support.paper_scenes import ONE as RUBBER
 
+from bem_solver.annuli import disc_displacement
 from bem_solver.creep import Chain
-from bem_solver.kernel import disc_displacement
-from bem_solver.paper_scheme.annuli import AnnuliState, ContactCandidates, LeadingBlocks, UniformAnnuli
+from bem_solver.paper_scheme import AnnuliState, ContactCandidates, LeadingBlocks, UniformAnnuli
 from contact_scene import Branch, Counters, Material, Sphere
 
 TWO_BRANCHES = Material(0.75, 0.5, (Branch(2.0, 0.1), Branch(4.75, 1.0)))

@@ -13,10 +13,10 @@ from support.paper_scenes import ZONE, scene
 
 from bem_solver import Options, solve
 from bem_solver.creep import Chain
-from bem_solver.edge_energy import closure_of_departure
+from bem_solver.equilibrium import rising_root
 from bem_solver.history import NodalVariables
 from bem_solver.motion import Motion, SurfacePoints
-from bem_solver.root_search import rising_root
+from bem_solver.problem import closure_of_departure
 from bem_solver.surface_points import advanced, load_inside, pressed
 from contact_scene import (
     Adhesion,

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from bem_solver import Options, history, solve
-from bem_solver import energy as energy_module
+from bem_solver import recorder as energy_module
 from bem_solver.creep import Chain
 from bem_solver.history import NodalVariables
 from bem_solver.problem import Problem

@@ -10,6 +10,7 @@ from bem_solver.creep import Chain
 from bem_solver.motion import Motion, Passage, SurfacePoints
 from bem_solver.surface_points import (
     advanced,
+    along_path,
     covered,
     displacement_outside,
     free,
@@ -43,12 +44,26 @@ def passage(points, motion):
     return Passage(CHAIN, points.radius, motion)
 
 
+def stayed_outside(points, motion, load):
+    """Variables of points outside all the time."""
+    begin = np.ones(len(points))
+    return free(CHAIN, points, motion, load) + along_path(CHAIN, points, motion, begin)
+
+
+def let_go(points, motion, load):
+    """Variables of points that the edge passes."""
+    past = passage(points, motion)
+    _, begin = past.shares
+    own = released(CHAIN, points, motion, load, past)
+    return own + along_path(CHAIN, points, motion, begin)
+
+
 def test_edge_arriving_at_the_end_is_the_limit_of_staying_outside():
     points = points_outside(np.array([0.2]))
     motion = Motion(0.3, 0.19, 0.2, 0.0, 0.01, singular=0.05)
     state = covered(CHAIN, points, motion, passage(points, motion))
     load = load_inside(CHAIN, state, 0.01 - points.height)
-    assert_allclose(free(CHAIN, points, motion, load), state, rtol=1e-9, atol=1e-14)
+    assert_allclose(stayed_outside(points, motion, load), state, rtol=1e-9, atol=1e-14)
     assert_allclose(displacement_outside(CHAIN, state, load), 0.01 - points.height, rtol=1e-10)
 
 
@@ -57,8 +72,8 @@ def test_edge_leaving_at_the_start_is_the_limit_of_having_been_outside():
     motion = Motion(0.3, 0.2, 0.19, 0.01, 0.005, singular=0.05)
     load = points.load - 0.002
     assert_allclose(
-        released(CHAIN, points, motion, load, passage(points, motion)),
-        free(CHAIN, points, motion, load),
+        let_go(points, motion, load),
+        stayed_outside(points, motion, load),
         rtol=1e-9,
         atol=1e-14,
     )
@@ -68,12 +83,10 @@ def test_edge_passing_at_the_very_end_or_start_is_the_limit_of_staying_inside():
     points = points_inside(np.array([0.19]), 0.01)
     motion = Motion(0.3, 0.2, 0.19, 0.01, 0.005)
     stayed = pressed(CHAIN, points.variables, np.array([-0.005]), 0.3)
-    loose = released(
-        CHAIN,
+    loose = let_go(
         points,
         motion,
         load_inside(CHAIN, stayed, 0.005 - points.height),
-        passage(points, motion),
     )
     assert_allclose(loose, stayed, rtol=1e-12)
 
@@ -102,8 +115,8 @@ def test_released_half_way_is_pressed_then_free():
     )
     second = Motion(0.2, 0.195, 0.19, 0.008, 0.006, singular=0.03)
     assert_allclose(
-        released(CHAIN, points, motion, load, passage(points, motion)),
-        free(CHAIN, at_release, second, load),
+        let_go(points, motion, load),
+        stayed_outside(at_release, second, load),
         rtol=1e-9,
         atol=1e-15,
     )
@@ -143,11 +156,11 @@ def test_every_point_gets_its_case():
             if stays_in:
                 expected = pressed(CHAIN, alone.variables, 0.008 - alone.height - alone.displacement, 0.3)
             elif stays_out:
-                expected = free(CHAIN, alone, motion, load[index : index + 1])
+                expected = stayed_outside(alone, motion, load[index : index + 1])
             elif end > start:
                 expected = covered(CHAIN, alone, motion, passage(alone, motion))
             else:
-                expected = released(CHAIN, alone, motion, load[index : index + 1], passage(alone, motion))
+                expected = let_go(alone, motion, load[index : index + 1])
             assert_allclose(together[index], expected[0], rtol=1e-12)
 
 

@@ -111,7 +111,7 @@ def test_orders_come_out_as_they_went_in(scene_file, fakes):
 
 def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
     def missing(*arguments, **options):
-        raise ModuleNotFoundError("No module named 'bem_solver.paper_scheme.solver'")
+        raise ModuleNotFoundError("No module named 'bem_solver.paper_scheme'")
 
     fakes(paper_scheme=missing)
     assert main(["study", scene_file, "--jobs", "1"]) == 1

@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from support.faults.injection import by, changed, table, takes, times
 
-from bem_solver.step import Located
-
 
 def _without_stage_work(true):
     def columns(of, machine, events):
@@ -35,8 +33,8 @@ FAULTS = table("reference", "contact_scene", [
      "temperature"),
 ])  # fmt: skip
 FAULTS += table("bem", "bem_solver", [
-    (WHOLE, "step:to_level", lambda true: lambda step, trigger, candidate: Located(
-        candidate, true(step, trigger, candidate).reached), "level"),
+    (WHOLE, "step:to_level", lambda true: lambda step, trigger, candidate: (
+        candidate, true(step, trigger, candidate)[1]), "level"),
 ])  # fmt: skip
 FAULTS += table("fem", "fem_solver", [
     (WHOLE, "time_step:step_to_level", lambda true: lambda run, segment, trigger, dt, contact: (

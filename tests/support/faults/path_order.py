@@ -26,7 +26,6 @@ ONE_LESS, ONE_KEPT = "path through one row less", "one row less kept for the pat
 FAULTS = table("bem", "bem_solver", [
     ("straight path", "motion:BentPath.through",
      lambda true: lambda cls, rows, edge, duration, end, *_: cls.straight(edge, end)),
-    (ONE_LESS, "motion:BentPath.through", takes(rows=lambda rows: rows[:1])),
     ("points passed a tenth too early", "motion:BentPath.left", times(1.1)),
 ])  # fmt: skip
 FAULTS += table("fem", "fem_solver", [

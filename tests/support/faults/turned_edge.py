@@ -7,10 +7,9 @@ of the branches where an edge meets its place of turning again: :mod:`bem.test_b
 
 from __future__ import annotations
 
-from support.faults.injection import constant, gives, table
+from support.faults.injection import gives, table, times
 
 FAULTS = table("bem", "bem_solver", [
     ("no kink where the edge turned", "history:updated_kinks", gives(lambda found: ((), *found[1:]))),
-    ("square root at the edge left out of the outer history", "surface:ContactSurface.root_strength",
-     constant(0.0)),
+    ("inverse root inside the old edge left out", "surface:EdgeKinks.strengths", times(0.0)),
 ])  # fmt: skip

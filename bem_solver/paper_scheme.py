@@ -1,12 +1,19 @@
 """The paper's own discretisation (Appendix A): uniform annuli and a fixed time step.
 
 First order in the annulus width and in the step, by construction: the contact edge moves from border to
-border. One factorisation a run, one forward and one backward solution a step, whatever the control.
+border. A disc ``C_0`` of radius ``lambda`` is collocated at its centre, annulus ``C_q`` from ``q lambda`` to
+``(q + 1) lambda`` at ``(q + 1/2) lambda``. Every annulus has a history, in contact or not: its displacement
+per unit modulus ``v`` and the strains ``e_k`` of its Voigt branches, ``w = v/Einf + sum e_k`` (Eq. knownterm:
+``A = sum e_k``). One step of any scheme then reads ``w = C v + A`` at every radius, the same C everywhere.
+Lengths in scene units, ``scaled`` pressure is pressure times ``lambda`` at unit plane modulus.
+
+One factorisation of the influence matrix without row exchanges serves every contact. With ``K = L U``, for
+every n ``K[:n, :n] = L[:n, :n] U[:n, :n]`` and ``K[n:, :n] = L[n:, :n] U[:n, :n]``: so ``y = L^-1 b`` holds
+the forward solutions of all leading blocks, and ``K[n:, :n] K[:n, :n]^-1 b[:n]`` is ``L[n:, :n] y[:n]``.
 
 The energies are exact for the discrete fields: a step makes each new branch field a combination of three
-known ones, ``e_k = alpha e_k before + beta v before + gamma v after``, and with it the forms Y, X_k, W_k of
-``energy``. The work a branch receives is taken with the pressure at the end of the step, as backward Euler
-does: with that scheme no step then dissipates less than nothing.
+known ones, and with it the forms Y, X_k, W_k of ``recorder``. The work a branch receives is taken with the
+pressure at the end of the step, as backward Euler does: no step then dissipates less than nothing.
 """
 
 from __future__ import annotations
@@ -17,23 +24,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
+from scipy.linalg.blas import dtpsv
+from scipy.linalg.lapack import dgetrf
 
-from bem_solver.annuli import Annuli
+from bem_solver.annuli import annulus_influence
 from bem_solver.creep import Chain
+from bem_solver.equilibrium import contact_scale
 from bem_solver.options import Options
-from bem_solver.paper_scheme.annuli import (
-    AnnuliState,
-    ContactCandidates,
-    UniformAnnuli,
-    equilibrium_contact,
-    step_factors,
-)
-from bem_solver.problem import ClosureRule, Problem
 from bem_solver.recorder import RunRecord, trace_without_start
-from bem_solver.size_estimates import FEWEST_ANNULI, MOST_ANNULI, largest_contact
-from bem_solver.start import contact_scale
+from bem_solver.size_estimates import MOST_ANNULI, largest_contact
 from contact_scene import (
     Counters,
+    Indenter,
     Material,
     Outcome,
     OutcomeKind,
@@ -54,6 +57,240 @@ from contact_scene.run_control import (
 from contact_scene.scene import zone_too_long
 
 Array = NDArray[np.float64]
+
+
+def _packed(triangle: Array) -> Array:
+    """Rows of a lower triangle one after another: storage of which every leading block is a prefix."""
+    return np.concatenate([triangle[j, : j + 1] for j in range(len(triangle))])
+
+
+class LeadingBlocks:
+    """LU factors of a matrix (N, N) for solutions with any leading block.
+
+    In ``factors`` (N, N) L, with unit diagonal, is below the diagonal, U on and above it. ArithmeticError if
+    the matrix is singular or needs row exchanges.
+    """
+
+    def __init__(self, matrix: Array) -> None:
+        factors, rows, info = dgetrf(matrix)
+        if info or np.any(rows != np.arange(len(rows))):
+            raise ArithmeticError("the matrix cannot be factorised without exchanging rows")
+        self.factors = np.ascontiguousarray(factors)
+        self._lower = _packed(self.factors)
+        self._upper = _packed(self.factors.T)
+
+    def forward(self, values: Array) -> Array:
+        """``L^-1 b`` for b (n,), any n <= N."""
+        return dtpsv(len(values), self._lower, values, trans=1, diag=1)
+
+    def backward(self, values: Array) -> Array:
+        """``U^-1 y`` for y (n,): the solution with the leading block of that size."""
+        return dtpsv(len(values), self._upper, values)
+
+    def adjoint(self, values: Array) -> Array:
+        """``U^-T c`` for c (n,): ``c[:m] @ K[:m, :m]^-1 b[:m]`` is ``(U^-T c)[:m] @ (L^-1 b)[:m]``."""
+        return dtpsv(len(values), self._upper, values, trans=1)
+
+    def last(self, forward: Array, count: int) -> Array:
+        """The last ``count`` entries of ``U^-1 y`` for y (n,)."""
+        n = len(forward)
+        corner = self.factors[n - count : n, n - count : n]
+        return solve_triangular(corner, forward[n - count :], check_finite=False)
+
+    def beyond(self, forward: Array, end: int) -> Array:
+        """Rows n to ``end`` of ``K[:, :n] K[:n, :n]^-1 b`` from ``y = L^-1 b`` (n,)."""
+        n = len(forward)
+        return self.factors[n:end, :n] @ forward
+
+
+class UniformAnnuli:
+    """``count`` annuli of equal ``width`` under an indenter, ``zone`` of them (0 without adhesion) the zone.
+
+    ``radii``, ``heights`` and ``areas`` (N,) are the collocation radii, the indenter there, and areas in
+    squared widths; ``blocks`` the factors for annuli of width one; ``unit`` is ``L^-1 1``, and the force of n
+    annuli the product of ``force_weights``, ``U^-T areas``, with ``y = L^-1 v``.
+    """
+
+    def __init__(self, width: float, count: int, zone: int, indenter: Indenter) -> None:
+        borders = np.arange(count + 1.0)
+        middles = borders[:-1] + 0.5
+        middles[0] = 0.0
+        self.width, self.count, self.zone = width, count, zone
+        self.radii = width * middles
+        self.heights = indenter.height(self.radii)
+        self.areas = np.pi * np.diff(borders**2)
+        self.blocks = LeadingBlocks(annulus_influence(middles, borders))
+        self.unit = self.blocks.forward(np.ones(count))
+        self.force_weights = self.blocks.adjoint(self.areas)
+
+    def forces(self, scaled: Array) -> Array:
+        """Force on each annulus of a contact from its scaled pressures, (n,)."""
+        return self.width * self.areas[: len(scaled)] * scaled
+
+    def stress_intensity(self, forward: Array) -> float:
+        """``K_I`` (tension opens) from ``y = L^-1 v`` (n,): the edge annulus against the flat punch's.
+
+        The punch of unit displacement has ``K_I = -1/sqrt(pi a)``; the ratio of last pressures is that of the
+        last entries of y.
+        """
+        n = len(forward)
+        if n == 0:
+            return 0.0
+        return -float(forward[-1] / self.unit[n - 1] / np.sqrt(np.pi * n * self.width))
+
+
+@dataclass(frozen=True)
+class AnnuliState:
+    """Committed state of the surface.
+
+    ``contact`` annuli touch under the ``scaled`` pressure (n,); ``load`` (N,) is ``v``, and ``strains``
+    (N, K) are the displacements of the Voigt branches.
+    """
+
+    time: float
+    penetration: float
+    contact: int
+    load: Array
+    strains: Array
+    scaled: Array
+    force: float
+    stress_intensity: float
+
+    @classmethod
+    def untouched(cls, annuli: UniformAnnuli, branches: int, penetration: float) -> AnnuliState:
+        """No contact and no past, at time zero."""
+        zero = np.zeros(annuli.count)
+        return cls(0.0, penetration, 0, zero, np.zeros((annuli.count, branches)), zero[:0], 0.0, 0.0)
+
+    def displacement(self, chain: Chain) -> Array:
+        """Surface displacement (N,)."""
+        return self.load / chain.glassy + self.strains.sum(axis=1)
+
+
+def step_factors(chain: Chain, duration: float) -> tuple[Array, Array, Array]:
+    """Factors (K,) of a step of either scheme, ``e_k = one e_k + two v before + three v after``."""
+    y = duration / chain.retardation
+    decay, spread = chain.decay(y), chain.spread(y)
+    return decay, chain.compliances * (spread - decay), chain.compliances * (1.0 - spread)
+
+
+class ContactCandidates:
+    """All contacts that are possible at the end of a step, from one triangular solution.
+
+    Penetration enters ``v = (D - f - A)/C`` linearly, so ``y = L^-1 v`` is ``base + D rise``, for contacts of
+    any number of annuli, and so is the force. Of the two the ``control`` has ``value`` at the end.
+    """
+
+    def __init__(
+        self,
+        annuli: UniformAnnuli,
+        chain: Chain,
+        before: AnnuliState,
+        duration: float,
+        control: str,
+        value: float,
+        counters: Counters,
+    ) -> None:
+        self.annuli, self.before = annuli, before
+        self.control, self.value, self.counters = control, value, counters
+        decay, of_before, self._new_share = step_factors(chain, duration)
+        self._decayed = before.strains * decay + np.outer(before.load, of_before)
+        self._known = self._decayed.sum(axis=1)
+        self._compliance = 1.0 / chain.glassy + float(self._new_share.sum())
+        self._base = annuli.blocks.forward(-(annuli.heights + self._known) / self._compliance)
+        self._rise = annuli.unit / self._compliance
+        if control == "force":
+            self._force_base = annuli.width * np.cumsum(annuli.force_weights * self._base)
+            self._force_rise = annuli.width * np.cumsum(annuli.force_weights * self._rise)
+        counters.linear_solves += 1
+        counters.history_updates += 1
+
+    def penetration(self, contact: int) -> float:
+        """Penetration of a contact of that many annuli (at least one)."""
+        if self.control == "penetration":
+            return self.value
+        return float((self.value - self._force_base[contact - 1]) / self._force_rise[contact - 1])
+
+    def forward(self, contact: int) -> Array:
+        """``L^-1 v`` (n,)."""
+        return self._base[:contact] + self.penetration(contact) * self._rise[:contact]
+
+    def closure(self, contact: int) -> float:
+        """Closure integral (Eq. closure), a plain sum over the annuli of the process zone.
+
+        The tension s inside the edge meets the gap ``zone - s`` outside it, which is the gap ``zone`` annuli
+        further out. The zone is cut at the centre. A compressive edge counts negative.
+        """
+        self.counters.closure_evaluations += 1
+        annuli, zone = self.annuli, self.annuli.zone
+        y, inside = self.forward(contact), min(zone, contact)
+        pressure = annuli.blocks.last(y, inside)
+        end = contact + zone
+        outside = slice(end - inside, end)
+        load = annuli.blocks.beyond(y, end)[-inside:]
+        lowered = self._compliance * load + self._known[outside] - self.penetration(contact)
+        value = -float(pressure @ (annuli.heights[outside] + lowered)) / (2.0 * zone * annuli.width)
+        if not math.isfinite(value):
+            raise FloatingPointError(
+                f"the closure is not finite at contact radius {contact * annuli.width:.6g}"
+            )
+        return -abs(value) if pressure[-1] > 0.0 else value
+
+    def edge_pressure(self, contact: int) -> float:
+        """Pressure of the outermost annulus of a contact, in units of its own (positive: compression)."""
+        n = contact - 1
+        return float(self._base[n] + self.penetration(contact) * self._rise[n])
+
+    def state(self, contact: int, time: float) -> AnnuliState:
+        """The state with that many annuli in contact."""
+        annuli = self.annuli
+        if contact == 0:
+            penetration = self.value if self.control == "penetration" else self.before.penetration
+            load, y, scaled = np.zeros(annuli.count), self._base[:0], self._base[:0]
+        else:
+            penetration, y = self.penetration(contact), self.forward(contact)
+            inside = (penetration - annuli.heights[:contact] - self._known[:contact]) / self._compliance
+            load = np.concatenate((inside, annuli.blocks.beyond(y, annuli.count)))
+            scaled = annuli.blocks.backward(y)
+        force = float(annuli.forces(scaled).sum())
+        strains = self._decayed + np.outer(load, self._new_share)
+        intensity = annuli.stress_intensity(y)
+        return AnnuliState(time, penetration, contact, load, strains, scaled, force, intensity)
+
+
+def equilibrium_contact(
+    candidates: ContactCandidates, start: int, most: int, capped: bool, work: float
+) -> int | None:
+    """Number of annuli in contact at equilibrium, next to ``start``.
+
+    With adhesion, the stable edge lies where the closure rises through the work of adhesion; of the two
+    borders around it the one whose closure comes closer is taken. Without adhesion, tensile edge annuli are
+    released and overlapping ones covered. Zero where no stable contact is left; ``None`` where it would
+    spread beyond the largest, ``most``, unless the indenter ends there (``capped``).
+    """
+    n, above = start, None
+    if work > 0.0:
+        residual = candidates.closure(n) - work if n > 0 else -work
+        while residual > 0.0:
+            n, above = n - 1, residual
+            if n == 0:
+                return 0
+            residual = candidates.closure(n) - work
+        while above is None and n < most:
+            beyond = candidates.closure(n + 1) - work
+            if beyond > 0.0:
+                above = beyond
+            else:
+                n, residual = n + 1, beyond
+        if above is not None:
+            return n + 1 if above < -residual else n
+    else:
+        while n > 0 and candidates.edge_pressure(n) < 0.0:
+            n -= 1
+        while n < most and candidates.edge_pressure(n + 1) > 0.0:
+            n += 1
+    return n if n < most or capped else None
+
 
 _MARGIN = 1.1
 """Outermost contact allowed for, relative to the estimate of the largest contact radius."""
@@ -106,20 +343,10 @@ def solve_uniform(
     return run.record.finished(outcome, counters, run.work, (stored, spent, heat), intensity)
 
 
-def _largest_radius(scene: Scene, chain: Chain) -> float:
-    """Estimate of the largest contact radius; any length will do where there is never contact."""
-    adhesion = scene.adhesion if scene.is_adhesive else None
-    zone, work = (adhesion.zone, adhesion.work) if adhesion else (0.0, 0.0)
-    rule = ClosureRule.resolving(FEWEST_ANNULI)
-    problem = Problem(scene, Annuli(FEWEST_ANNULI), chain, zone, work, 1.0, Counters(), rule)
-    return largest_contact(scene, problem) or contact_scale(scene, scene.loading.penetration) or 1.0
-
-
 def _annuli_for(scene: Scene, divisions: int, largest: float) -> tuple[UniformAnnuli, int]:
     """The annuli, and the number of them in the largest contact that is allowed for.
 
-    Under a flat punch the width is changed by less than one part in the number of annuli, so that its edge
-    is a border. UnsupportedScene if the annuli would be too many for one dense matrix.
+    Under a flat punch the width is changed a little, so that its edge is a border.
     """
     zone = divisions if scene.is_adhesive else 0
     width = largest / (_PER_RADIUS * divisions)
@@ -143,16 +370,10 @@ def _annuli_for(scene: Scene, divisions: int, largest: float) -> tuple[UniformAn
 def step_count(
     scene: Scene, interval: LoadingInterval, options: Options, largest: float, length: float
 ) -> int:
-    """Number of equal steps in which an interval is taken.
+    """Number of equal steps in which an interval is taken (``Options.step``); of a jump ``4 resolution``.
 
-    A jump, which takes no time, is applied in ``4 resolution`` equal steps. Elsewhere, unless
-    ``options.step`` is given, a step is ``1/(4 resolution)`` of the shortest of
-
-    - the time in which, at the fastest loading, the edge of the largest contact travels ``length``, the
-      process zone, or ``resolution`` annuli without adhesion;
-    - the time in which that loading would sweep its range;
-    - the shortest relaxation time, though not less than a thousandth of the interval: a fixed step cannot
-      follow a spectrum over many decades, and both schemes are stable beyond it.
+    A zone stands for ``resolution`` annuli without adhesion. A fixed step cannot follow a spectrum over many
+    decades, and both schemes are stable beyond it.
     """
     if interval.jump:
         return math.ceil(_STEPS_PER_RESOLUTION * options.divisions)
@@ -200,18 +421,12 @@ class _Energies:
         self, chain: Chain, annuli: UniformAnnuli, before: AnnuliState, after: AnnuliState
     ) -> _Energies:
         """After a step."""
-        factors = step_factors(chain, after.time - before.time)
+        decay, one, two = step_factors(chain, after.time - before.time)
         forces, n = annuli.forces(after.scaled), after.contact
         load_work, branch_work = float(forces @ after.load[:n]), forces @ after.strains[:n]
         load_before, branch_before = float(forces @ before.load[:n]), forces @ before.strains[:n]
-        energy = (
-            factors.decay**2 * self.branch_energy
-            + factors.before**2 * self.load_work
-            + factors.after**2 * load_work
-            + 2.0 * factors.decay * factors.before * self.branch_work
-            + 2.0 * factors.decay * factors.after * branch_before
-            + 2.0 * factors.before * factors.after * load_before
-        )
+        energy = decay**2 * self.branch_energy + one**2 * self.load_work + two**2 * load_work
+        energy += 2.0 * (decay * (one * self.branch_work + two * branch_before) + one * two * load_before)
         gained = 0.5 * (energy - self.branch_energy) / chain.compliances
         lost = float(np.sum(branch_work - branch_before - gained))
         return _Energies(load_work, branch_work, energy, self.dissipated + lost)
@@ -232,7 +447,8 @@ class _Run:
         self.monitor = monitor
         self.chain = Chain(scene.material, options.scheme == "backward-euler")
         self.work = scene.adhesion.work if scene.adhesion else 0.0
-        self.largest = _largest_radius(scene, self.chain)
+        at_start = contact_scale(scene, scene.loading.penetration)
+        self.largest = largest_contact(scene) or at_start or 1.0  # any length where there is never contact
         self.annuli, self.most = _annuli_for(scene, options.divisions, self.largest)
         self.length = self.annuli.width * options.divisions
         self.capped = scene.indenter.edge < math.inf

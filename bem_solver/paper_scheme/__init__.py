@@ -1,1 +1,0 @@
-"""The paper's own discretisation: uniform annuli, fixed time steps, backward Euler."""
