@@ -165,13 +165,20 @@ class AcceptedSteps:
         return travel * (delay + bend * travel)
 
     def until_load_turns(self) -> float:
-        """Distance from the last state to where the load turns, by the parabola through the last three."""
+        """Distance from the last state to where the load turns, by the cubic through the last four states."""
         if len(self.rows) < 3:
             return math.inf
         (t0, _, f0, *_), (t1, _, f1, *_), (t2, _, f2, *_) = self.rows[-3:]
         late, early = (f2 - f1) / (t2 - t1), (f1 - f0) / (t1 - t0)
-        curvature = (late - early) / (t2 - t0)
-        return -0.5 * (late / curvature + t2 - t1) if curvature != 0.0 else math.inf
+        curvature, third, h, k = (late - early) / (t2 - t0), 0.0, t2 - t1, t2 - t0
+        if len(self.rows) > 3:
+            t, _, f, *_ = self.rows[-4]
+            third = (curvature - (early - (f0 - f) / (t0 - t)) / (t1 - t)) / (t2 - t)
+        slope, bend = late + h * (curvature + third * k), 2.0 * (curvature + third * (h + k))
+        square = bend**2 - 12.0 * slope * third
+        if bend * curvature <= 0.0 or square < 0.0:  # it turns nowhere near
+            return math.inf
+        return -2.0 * slope / (bend + math.copysign(math.sqrt(square), bend))
 
 
 def _missed(x: list[float], y: list[float]) -> float:
@@ -460,7 +467,9 @@ def until_largest_tension(start: StepStart, step: float) -> float:
     distance = start.state.accepted.until_load_turns()
     if not -1.5 * near < distance < step + near:
         return math.inf
-    return distance - near if distance > 1.5 * near else near
+    if distance > 1.5 * near:
+        return distance - near
+    return distance if distance > 0.5 * near else near  # from near before it, it is known better
 
 
 def short_of_largest_tension(start: StepStart, trial: TrialContact, parameter: float) -> float:

@@ -14,7 +14,6 @@ from functools import cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from bem_solver.control import StepStart
@@ -25,9 +24,6 @@ from bem_solver.surface import ContactSurface
 from bem_solver.surface_points import HalfSpaceState
 from bem_solver.trial import EDGE_ACCURACY, TrialContact, evaluate
 from contact_scene import Indenter, Material, Outcome, OutcomeKind, Scene, TabulatedProfile
-
-Array = NDArray[np.float64]
-
 
 _ITERATIONS = 200
 """Evaluations before the search is given up; bisection alone would need about 60."""

@@ -16,7 +16,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bem_solver.control import (
     SHARE_OF_WAY,
@@ -63,8 +62,6 @@ from contact_scene.run_control import (
     outgrown_outcome,
     single_threaded,
 )
-
-Array = NDArray[np.float64]
 
 _SLIGHTLY_LONGER = 1.5
 """Step, in shortest ones, up to which it is as short as can be: it is rounded to multiples of a quarter."""

@@ -228,10 +228,6 @@ def pinned(step: TrialStep) -> Candidate | float:
     return trial.closure - adhesion.work
 
 
-_LENGTH_ACCURACY = 1e-14
-"""Accuracy of the length of the step, relative to it: close to rounding."""
-
-
 def to_level(step: TrialStep, trigger: Trigger, candidate: Candidate) -> tuple[Candidate, bool]:
     """The candidate of the step that ends at the level, if this one passes it, and whether it does."""
     contact, begin = step.state.contact, step.state.parameter
@@ -255,7 +251,7 @@ def to_level(step: TrialStep, trigger: Trigger, candidate: Candidate) -> tuple[C
     def excess(length: float) -> float:
         return beyond(shorter(length)) if length > 0.0 else before
 
-    return shorter(float(brentq(excess, 0.0, taken, xtol=_LENGTH_ACCURACY * taken, rtol=1e-15))), True
+    return shorter(float(brentq(excess, 0.0, taken, xtol=1e-14 * taken, rtol=1e-15))), True
 
 
 @dataclass(frozen=True)
