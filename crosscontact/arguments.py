@@ -25,8 +25,6 @@ RESOLUTION = whole_from(1)
 """Divisions per process zone (without adhesion: per hundredth of the largest contact radius); a solver may
 ask for more."""
 COUNT = whole_from(1)
-COARSE = 4
-"""Resolution of curves that are only looked at: errors of a thousandth."""
 A_SCENE = "a Scene, the name of a built-in scene, or a scene file"
 
 

@@ -17,10 +17,11 @@ from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, COUNT, checked_path, given
 from validation.runs.folder import claim, locked_folder
 from validation.runs.pool import engine_of, own_engine
+from validation.sweeps.batch_runs import BATCH
 from validation.sweeps.dataset import check_writable, to_dataset, write_results
 from validation.sweeps.explorer import Exploration, check_drawable, explored, sliders_of
 from validation.sweeps.plan import DESIGNS, SAMPLES, SceneTable, builtin_or_file, of_scene, plan_from_dict
-from validation.sweeps.run_plan import carry_out, store_of
+from validation.sweeps.run_plan import carry_out, solved_again, store_of
 
 if TYPE_CHECKING:
     import xarray
@@ -56,9 +57,13 @@ def sweep(
         paths, values that all of them take, or a tuple of values for each. Of a sample: lowest and highest
         value, and ``"log"`` where it is to be even in the logarithm.
     solver : str
-        One of :func:`crosscontact.solvers`.
+        One of :func:`crosscontact.solvers`, or "batch": the reference's method, hundreds of scenes together.
+        It takes power-law indenters with a fixed zone on a rigid machine, one ramp away or a cycle of two
+        ramps, and gives no energies. What has no answer there the reference solves, as
+        ``solved_by`` says, and a hundredth of the runs, at least twenty, again: ``solved_again`` and
+        ``largest_difference`` in the attributes.
     resolution : int, optional
-        As for :func:`crosscontact.solve`.
+        As for :func:`crosscontact.solve`; of the batch solver steps a process zone, 16 by default.
     design : str
         "grid", "points" (the first values of all, the second values, ...), "latin-hypercube" or "sobol".
     points, seed : int
@@ -138,6 +143,7 @@ def sweep(
         if folder is not None:
             claim(folder, "a sweep", {}, "out")
         runs = carry_out(plan, opened.enter_context(store_of(folder)), engine, progress)
+        runs = solved_again(plan, runs, engine, progress)
         return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
 
 
@@ -146,7 +152,7 @@ def explore(
     vary: Sequence[str],
     *,
     values: int | None = None,
-    solver: str = arguments.REFERENCE,
+    solver: str | None = None,
     resolution: int | None = None,
     jobs: int = 1,
     progress: Callable[[float, str], None] | None = None,
@@ -163,7 +169,8 @@ def explore(
     values : int, optional
         Of each key; by default 31 of one, 11 of two, 7 of three.
     solver, resolution, jobs, progress
-        As for :func:`sweep`; by default the resolution is 4, enough for curves to look at.
+        As for :func:`sweep`; where neither solver nor resolution are stated, the batch solver if it takes all
+        scenes and they only retract; else the reference, at resolution 4 enough for curves to look at.
 
     Returns
     -------
@@ -184,7 +191,8 @@ def explore(
     """
     check_drawable()
     function_or_none(progress, "progress", "the share that is done and a line of text")
-    arguments.check_solver(solver, "solver", arguments.names())
+    if solver is not None:
+        arguments.check_solver(solver, "solver", (*arguments.names(), BATCH))
     jobs, count = COUNT(jobs, "jobs"), given(whole_from(2), values, "values")
     table = _base(scene)
     sliders = sliders_of(table, several(vary, "vary", "dotted paths of the scene"), count)
@@ -193,7 +201,7 @@ def explore(
             table,
             sliders,
             solver,
-            given(COUNT, resolution, "resolution") or arguments.COARSE,
+            given(COUNT, resolution, "resolution"),
             engine,
             progress,
         )

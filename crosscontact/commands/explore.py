@@ -6,13 +6,13 @@ import argparse
 
 from contact_scene.files import as_target
 from contact_scene.value_checks import whole_from
-from crosscontact import arguments
 from crosscontact.arguments import option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import say, value
 from crosscontact.sweeps import explore
 from validation.runs.folder import in_words
 from validation.runs.progress import Progress
+from validation.sweeps.batch_runs import BATCH
 
 OPTIONS = {
     **shared.SCENE,
@@ -27,8 +27,10 @@ OPTIONS = {
     "--values": value(
         "N", "of each key; default: 31 of one, 11 of two, 7 of three", type=option_type(whole_from(2))
     ),
-    **shared.solver("default: the reference"),
-    **shared.resolution("as of solve; default: 4, enough for curves to look at"),
+    **shared.solver("default: batch if all are retractions that it takes, else the reference", BATCH),
+    **shared.resolution(
+        "as of solve, by the reference; default: 4, enough for curves to look at, of batch 16"
+    ),
     **shared.jobs(),
 }
 
@@ -42,7 +44,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
             options.scene,
             options.vary,
             values=options.values,
-            solver=options.solver or arguments.REFERENCE,
+            solver=options.solver,
             resolution=options.resolution,
             jobs=jobs,
             progress=lambda share, text: progress(share, detail=text),

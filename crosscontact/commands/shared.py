@@ -62,9 +62,9 @@ def resolution(help: str, **more: Any) -> Options:
     return {"--resolution": value("N", help, type=option_type(RESOLUTION), **more)}
 
 
-def solver(otherwise: str) -> Options:
-    """``--solver``: one of those that can be selected, or what happens without it."""
-    names = Names(lambda: arguments.selectable())
+def solver(otherwise: str, *more: str) -> Options:
+    """``--solver``: one of those that can be selected, one ``more``, or what happens without it."""
+    names = Names(lambda: (*arguments.selectable(), *more))
     return {"--solver": value("NAME", f"one of %(choices)s; {otherwise}", choices=names)}
 
 

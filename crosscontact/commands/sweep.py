@@ -14,10 +14,20 @@ from validation.report.terminal import aligned
 from validation.runs.folder import claim, in_words, locked_folder
 from validation.runs.pool import own_engine
 from validation.runs.progress import Progress, duration
-from validation.sweeps.dataset import FILE, check_writable, endings, read_dataset, summary_rows, write_results
+from validation.sweeps.batch_runs import BATCH
+from validation.sweeps.dataset import (
+    AGAIN,
+    APART,
+    FILE,
+    check_writable,
+    endings,
+    read_dataset,
+    summary_rows,
+    write_results,
+)
 from validation.sweeps.figures import draw
 from validation.sweeps.plan import SweepPlan, plan_names, read_plan
-from validation.sweeps.run_plan import SweepForecast, carry_out, forecast, store_of
+from validation.sweeps.run_plan import SweepForecast, carry_out, forecast, solved_again, store_of
 
 ENDINGS = 5
 """Ways to end that are listed; the table has all."""
@@ -72,7 +82,11 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
         with Progress(f"sweep {name}") as progress, own_engine(jobs, options.dask) as engine:
             progress.phase("runs")
             try:
-                runs = carry_out(plan, store, engine, lambda share, text: progress(share, detail=text))
+                tell = lambda share, text: progress(share, detail=text)  # noqa: E731
+                runs = carry_out(plan, store, engine, tell)
+                if plan.solver == BATCH:
+                    progress.phase("a sample by the reference")
+                runs = solved_again(plan, runs, engine, tell)
             except (KeyboardInterrupt, OSError):
                 kept = f"kept in {folder}: the same command goes on"
                 say(kept if store.holds_answers else "no run is done: there is nothing to keep")
@@ -87,6 +101,10 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
         print(line)
     for outcome, reason, count in endings(data)[:ENDINGS]:
         print(f"  {count} {outcome}: {reason}")
+    if AGAIN in data.attrs:
+        print(
+            f"  {data.attrs[AGAIN]} runs solved again by the reference: {data.attrs[APART]:.1e} apart at most"
+        )
     print(f"written to {folder / FILE}")
     if unfinished:
         say(f"{unfinished} of {plan.count} runs did not reach their end")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -49,9 +50,18 @@ def test_every_run_of_the_grid_is_that_of_its_values(found):
         table.loading,
         cc.Adhesion(2e-4, table.adhesion.zone),
     )
+    assert found.plan.solver == "batch"
+    assert found.runs[2].measures["pull_off_force"] == pytest.approx(cc.solve(scene).pull_off.force, rel=1e-4)
+    coarse = cc.explore(scene, ["adhesion.work=2e-4:4e-4"], values=2, solver="reference")
     alone = cc.solve(scene, resolution=4).pull_off.force
-    assert found.runs[2].measures["pull_off_force"] == pytest.approx(alone, rel=1e-12)
+    assert coarse.runs[0].measures["pull_off_force"] == pytest.approx(alone, rel=1e-12)
     assert found.unfinished == 0
+
+
+def test_scenes_that_the_batch_solver_does_not_take_the_reference_solves():
+    scene = cc.builtin("elastic-relaxed")
+    held = replace(scene, loading=replace(scene.loading, machine=cc.Machine(10.0)))
+    assert cc.explore(held, VARIED[:1], values=2).plan.solver == "reference"
 
 
 def test_curves_come_back_to_sixteen_bits_and_keep_their_ends(found):

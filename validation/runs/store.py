@@ -108,13 +108,17 @@ class Store:
 
     def put(self, fingerprint: str, answer: Any) -> None:
         """Store an answer."""
+        self.put_all({fingerprint: answer})
+
+    def put_all(self, answers: Mapping[str, Any]) -> None:
+        """Store answers, all of them or, where the program ends, none."""
         if self._connection is None and self._path is None:
             return
-        text = dumps(answer)
-        row = (fingerprint, _digest(fingerprint, text), text, self.seconds)
+        texts = {fingerprint: dumps(answer) for fingerprint, answer in answers.items()}
+        rows = [(key, _digest(key, text), text, self.seconds) for key, text in texts.items()]
         try:
             with self._connect() as connection:
-                connection.execute("INSERT OR REPLACE INTO answers VALUES (?, ?, ?, ?)", row)
+                connection.executemany("INSERT OR REPLACE INTO answers VALUES (?, ?, ?, ?)", rows)
         except _DAMAGED as error:
             raise self._unusable(error) from None
 

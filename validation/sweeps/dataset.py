@@ -9,6 +9,7 @@ run does not have is NaN.
 from __future__ import annotations
 
 import itertools
+import math
 import os
 import shutil
 import tempfile
@@ -23,8 +24,11 @@ import tomli_w
 
 from contact_scene.errors import SceneError
 from contact_scene.trace import Array
+from validation.measure.difference import of_numbers
 from validation.measure.scaling import dimension_of
 from validation.runs.folder import move_whole, write_whole
+from validation.sweeps import batch_runs
+from validation.sweeps.batch_runs import BATCH
 from validation.sweeps.plan import Coordinate, SweepPlan
 from validation.sweeps.run_plan import SweepRuns
 
@@ -34,6 +38,10 @@ if TYPE_CHECKING:
 FILE, TABLE, TRACES = "sweep.nc", "sweep.csv", "traces"
 ERROR = "_error"
 """Ending of the relative error estimate of a measure."""
+AGAIN, APART = "solved_again", "largest_difference"
+"""Attributes: how many runs of the batch solver the reference solved again, and by how much they differ."""
+SOLVED_BY = "solved_by"
+"""Which solver gave a run, of a plan for the batch solver."""
 RUN = "run"
 """Dimension of a list of points and of a sample."""
 RUNS_PER_FILE = 500
@@ -71,11 +79,12 @@ def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
         one.name: (along[one.name], np.array(numbers), _about_coordinate(one, plan))
         for one, numbers in zip(plan.coordinates, values, strict=True)
     }
+    columns, apart = _columns(plan, runs), _differences(runs)
     variables = {
-        name: (dimensions, column.reshape(plan.shape), _about(name, plan))
-        for name, column in _columns(plan, runs).items()
+        name: (dimensions, column.reshape(plan.shape), _about(name, plan) | apart.get(name, {}))
+        for name, column in columns.items()
     }
-    attributes = {
+    attributes: dict[str, str | float] = {
         "title": plan.title,
         "scene": plan.scene.name,
         "scene_table": tomli_w.dumps(plan.scene.data),
@@ -84,13 +93,27 @@ def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
         "design": plan.design,
         "drawn": ", ".join(plan.drawn),
     }
+    if plan.solver == BATCH:
+        largest = (apart[name][APART] for name in columns.keys() & apart.keys())
+        attributes |= {AGAIN: len(runs.again), APART: max(largest, default=math.nan)}
     return xarray.Dataset(variables, coordinates, attributes)
+
+
+def _differences(runs: SweepRuns) -> dict[str, dict[str, float]]:
+    """By measure the largest relative difference from the reference; infinite where a run ends otherwise."""
+    found: dict[str, float] = {}
+    for one, other in runs.again:
+        for each in of_numbers(one, other, sorted(one.measures.keys() & other.measures.keys())):
+            apart = math.inf if one.outcome != other.outcome else 0.0 if each.missing else abs(each.error)
+            found[each.quantity] = max(apart, found.get(each.quantity, 0.0))
+    return {name: {APART: apart} for name, apart in found.items()}
 
 
 def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, np.ndarray]:
     """One-dimensional, in the order of the plan: numbers by name, then the words."""
     numbers = {name: np.full(plan.count, np.nan) for name in plan.measures}
     words: dict[str, list[str]] = {name: [] for name in _WORDS}
+    by: list[str] = []
     for index, run in enumerate(runs):
         for ending, found in (("", run.measures), (ERROR, run.errors)):
             for name, value in found.items():
@@ -99,12 +122,14 @@ def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, np.ndarray]:
                     numbers.setdefault(name + ending, np.full(plan.count, np.nan))[index] = value
         for name, said in zip(_WORDS, (run.outcome, run.reason, "; ".join(run.warnings)), strict=True):
             words[name].append(said)
-    return dict(sorted(numbers.items())) | {name: np.array(said) for name, said in words.items()}
+        by.append(run.solver)
+    columns = dict(sorted(numbers.items())) | {name: np.array(said) for name, said in words.items()}
+    return columns | ({SOLVED_BY: np.array(by)} if plan.solver == BATCH else {})
 
 
 def _about(name: str, plan: SweepPlan) -> dict[str, str]:
-    if name in _WORDS:
-        return {"long_name": _WORDS[name]}
+    if name in _WORDS or name == SOLVED_BY:
+        return {"long_name": _WORDS.get(name, "solver")}
     if name.endswith(ERROR):
         return {"units": "1", "long_name": f"relative error estimate of {_plain(name.removesuffix(ERROR))}"}
     return {"units": plan.units.named(dimension_of(name)), "long_name": _plain(name)}
@@ -206,7 +231,9 @@ Labelled = tuple[int, dict[str, Any], dict[str, Array]]
 def _traces(plan: SweepPlan, runs: SweepRuns) -> Iterator[Labelled]:
     for number, (run, rows) in enumerate(zip(runs, plan.rows(), strict=True)):
         labels = {one.name: row[0] for one, row in zip(plan.coordinates, rows, strict=True)}
-        yield number, labels, {} if run.trace is None else run.trace.columns()
+        columns = {} if run.trace is None else run.trace.columns()
+        given = batch_runs.COLUMNS if run.solver == BATCH else columns
+        yield number, labels, {name: columns[name] for name in given if name in columns}
 
 
 def _hdf5(path: Path, traces: Iterable[Labelled]) -> None:

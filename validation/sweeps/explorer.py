@@ -26,6 +26,8 @@ from validation.measure.scaling import unit_name
 from validation.runs.folder import write_whole
 from validation.runs.pool import Engine
 from validation.runs.run import Run
+from validation.solvers import REFERENCE
+from validation.sweeps.batch_runs import BATCH, drawn_by
 from validation.sweeps.plan import SceneTable, SweepPlan, parts, plan_from_dict
 from validation.sweeps.run_plan import carry_out, store_of
 
@@ -34,6 +36,8 @@ VALUES = {1: 31, 2: 11, 3: 7}
 """Values of a key, by the number of keys: some hundred runs."""
 SPAN = 10.0
 """Factor by which a positive number is varied either way, unless bounds are stated."""
+COARSE = 4
+"""Resolution of solvers other than the batch solver: enough for curves to look at."""
 POINTS = 80
 COLUMNS = ("time", "penetration", "force", "contact_radius")
 DEPTH = 65_534
@@ -152,19 +156,26 @@ def _slider(table: SceneTable, entry: str, count: int) -> Slider:
 def explored(
     table: SceneTable,
     sliders: tuple[Slider, ...],
-    solver: str,
+    solver: str | None,
     resolution: int | None,
     engine: Engine | None = None,
     progress: Callable[[float, str], None] | None = None,
 ) -> Exploration:
-    """Solve the scene and the grid; what does not come to its end is shown as that."""
-    asked = {"solver": solver, "resolution": resolution, "estimate": False}
+    """Solve the scene and the grid; what does not come to its end is shown as that.
+
+    Where neither solver nor resolution are stated, the batch solver does if its rows show all of the curves.
+    """
+    by = solver or REFERENCE
+    asked = {"solver": by, "resolution": resolution or (None if by == BATCH else COARSE), "estimate": False}
     asked |= {"traces": "hdf5"}  # so that runs keep their rows; no file of them is written
     grid = [{"key": one.path, "values": one.values} for one in sliders]
     own = [{"key": one.path, "values": [one.given]} for one in sliders]
     given, plan = (plan_from_dict(asked | {"coordinates": some}, Path(), table) for some in (own, grid))
     for each in (given, plan):
         each.check()
+    scenes = (each.scene_of(rows) for each in (given, plan) for rows in each.rows())
+    if solver is None and resolution is None and all(map(drawn_by, scenes)):
+        given, plan = (replace(each, solver=BATCH, resolution=None) for each in (given, plan))
     with store_of() as store:
         (first,) = carry_out(given, store)
         runs = tuple(carry_out(plan, store, engine, progress))

@@ -54,12 +54,14 @@ from contact_scene.scene import scene_table
 from contact_scene.value_checks import one_of, positive, whole_from
 from validation import scenes, solvers
 from validation.measure.observables import measure
+from validation.sweeps import batch_runs
+from validation.sweeps.batch_runs import BATCH
 
 PLANS = Path(__file__).with_name("plans")
 """Folder of the built-in plans."""
 MOST_RUNS = 10_000_000
 """Runs of a plan, and values of a coordinate: their fingerprints alone take a gigabyte and an hour."""
-RESERVED = ("run", "outcome", "reason", "warnings")
+RESERVED = ("run", "outcome", "reason", "warnings", "solved_by")
 """Names that a data set of runs has of itself."""
 SAMPLES = ("latin-hypercube", "sobol")
 DESIGNS = ("grid", "points", *SAMPLES)
@@ -256,7 +258,7 @@ class SweepPlan(Checked):
     scene: Annotated[SceneTable, Key("built-in scene, or a scene file beside the plan")]
     coordinates: Annotated[tuple[Coordinate, ...], Key("what is varied of it")]
     title: Annotated[str, Key("of data set and figures")] = ""
-    solver: Annotated[str, Key("name of a solver")] = solvers.REFERENCE
+    solver: Annotated[str, Key("name of a solver, or batch")] = solvers.REFERENCE
     resolution: Annotated[int | None, whole_from(1), Key("by default the solver's choice")] = None
     max_steps: Annotated[int | None, whole_from(1), Key("most steps of a run")] = None
     design: Annotated[
@@ -272,8 +274,10 @@ class SweepPlan(Checked):
     units: Annotated[Units, Key("names of the scene's units; by default as it states them")] = UNNAMED
 
     def rules(self) -> None:
-        one_of(self.solver, "solver", tuple(solvers.SOLVERS))
-        least = solvers.SOLVERS[self.solver].least_resolution  # one that cannot be loaded says so here
+        one_of(self.solver, "solver", (*solvers.SOLVERS, BATCH))
+        least = batch_runs.LEAST_RESOLUTION
+        if self.solver != BATCH:
+            least = solvers.SOLVERS[self.solver].least_resolution  # one that cannot be loaded says so here
         if self.resolution is not None:
             whole_number(self.resolution, "resolution", least)
         is_sample = self.design in SAMPLES
@@ -309,6 +313,9 @@ class SweepPlan(Checked):
             for name in asked:
                 if name not in known and asked is not DRAWN:
                     raise SceneError(key, f"no measure {shown(name)}", ", ".join(known))
+                if self.solver == BATCH and key == "measures" and not batch_runs.given(name):
+                    problem = f"the batch solver gives no {shown(name)}"
+                    raise SceneError(key, problem, ", ".join(filter(batch_runs.given, known)))
         if self.count > MOST_RUNS:
             raise SceneError("coordinates", f"make {self.count} runs", f"at most {MOST_RUNS}")
 
@@ -335,18 +342,25 @@ class SweepPlan(Checked):
 
     def scene_of(self, rows: tuple[Row, ...]) -> Scene:
         """The scene of a run; a refusal says at which values."""
-        pairs = list(zip(self.coordinates, rows, strict=True))
+        pairs = zip(self.coordinates, rows, strict=True)
         settings = {path: value for c, row in pairs for path, value in zip(c.paths, row, strict=True)}
         try:
             return self.scene.with_values(settings)
         except SceneError as error:
-            at = ", ".join(f"{coordinate.name} = {shown(row[0])}" for coordinate, row in pairs)
-            raise SceneError(f"{error.key or 'scene'} at {at}", error.problem, error.allowed) from None
+            key = f"{error.key or 'scene'} at {self._at(rows)}"
+            raise SceneError(key, error.problem, error.allowed) from None
+
+    def _at(self, rows: tuple[Row, ...]) -> str:
+        """Which run it is, in words."""
+        pairs = zip(self.coordinates, rows, strict=True)
+        return ", ".join(f"{coordinate.name} = {shown(row[0])}" for coordinate, row in pairs)
 
     def check(self) -> None:
         """Build every scene, so that a bad value is refused before anything runs."""
         for rows in self.rows():
-            self.scene_of(rows)
+            scene = self.scene_of(rows)
+            if self.solver == BATCH:
+                batch_runs.check(scene, f" at {self._at(rows)}")
 
 
 def measure_names(scene: Scene) -> list[str]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import groupby, islice
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from contact_scene import COLUMNS
 from validation.cases import Case
@@ -16,6 +20,8 @@ from validation.runs.process import keep_freed
 from validation.runs.progress import duration
 from validation.runs.run import Run
 from validation.runs.store import Store, dumps
+from validation.solvers import REFERENCE
+from validation.sweeps.batch_runs import BATCH, solve_all
 from validation.sweeps.plan import Row, SweepPlan, measure_names
 
 FILE = "runs.sqlite"
@@ -24,6 +30,11 @@ BYTES_OF_NUMBER = 8 + 20
 """A number in the data set, and its digits in the table."""
 FIGURES_BYTES = 250_000
 """PNG and SVG of a measure, about."""
+TOGETHER = 256
+"""Runs of a task of the batch solver: what a kill can lose of them, for each worker."""
+SAMPLE, LEAST_SAMPLE = 0.01, 20
+"""Share of the runs of the batch solver that the reference solves again, and how many at least."""
+Progress = Callable[[float, str], None]
 
 
 def store_of(folder: Path | None = None, fresh: bool = False) -> Store:
@@ -35,12 +46,14 @@ def store_of(folder: Path | None = None, fresh: bool = False) -> Store:
 class SweepRuns:
     """The runs of a plan: fingerprints in the order of ``plan.rows()``, and the store that holds them.
 
-    ``failed`` are those that are not stored because another attempt may end otherwise.
+    ``failed`` are those that are not stored because another attempt may end otherwise; ``again`` runs of the
+    batch solver beside those of the reference.
     """
 
     keys: list[str]
     store: Store
     failed: dict[str, Run] = field(default_factory=dict)
+    again: tuple[tuple[Run, Run], ...] = ()
 
     def __getitem__(self, key: str) -> Run:
         return self.failed.get(key) or self.store.get(key, Run)
@@ -50,15 +63,23 @@ class SweepRuns:
 
 
 def task_of(plan: SweepPlan, rows: tuple[Row, ...]) -> Task:
-    """The run at some values of the coordinates; two plans that ask for it share it."""
+    """The run at some values of the coordinates; two plans that ask for it share it.
+
+    Of a plan for the batch solver it is what the reference makes of a scene that has no answer there.
+    """
     case = Case("sweep", plan.scene_of(rows))
     task = run_task(case, plan.solver, plan.resolution, plan.estimate, plan.max_steps)
-    return replace(task, function=partial(kept, plan.traces is not None, task.function))
+    asked = (case, REFERENCE, None) if plan.solver == BATCH else task.arguments
+    return replace(task, function=partial(kept, plan.traces is not None, task.function), arguments=asked)
 
 
 def kept(traces: bool, run: Callable[..., Run], *asked: Any) -> Run:
-    """A run as a sweep keeps it: of its trace no rows, unless ``traces`` are kept, and no profiles."""
-    result = run(*asked)
+    """A run as a sweep keeps it."""
+    return thinned(traces, run(*asked))
+
+
+def thinned(traces: bool, result: Run) -> Run:
+    """Without profiles, and without the rows of its trace unless ``traces`` are kept."""
     if result.trace is None:
         return result
     rows = slice(None if traces else 0)
@@ -67,9 +88,24 @@ def kept(traces: bool, run: Callable[..., Run], *asked: Any) -> Run:
     return replace(result, trace=replace(result.trace, **columns, extra=extra, profiles=()))
 
 
-def missing_runs(plan: SweepPlan, store: Store) -> tuple[list[str], dict[str, tuple[Row, ...]]]:
-    """Fingerprints of all runs of a plan, and the values of those that are not stored, each once."""
-    rows_of = [(task_of(plan, rows).key, rows) for rows in plan.rows()]
+def batch_task(plan: SweepPlan, some: Mapping[str, tuple[Row, ...]]) -> Task:
+    """Some runs of a plan by the batch solver."""
+    cases = [Case("sweep", plan.scene_of(rows)) for rows in some.values()]
+    asked = plan.traces is not None, cases, plan.resolution, plan.estimate
+    return Task("", "batch", solved_together, asked)
+
+
+def solved_together(traces: bool, cases: list[Case], resolution: int | None, estimate: bool) -> list[Run]:
+    """Runs of the batch solver as a sweep keeps them."""
+    return [thinned(traces, run) for run in solve_all(cases, resolution, estimate)]
+
+
+def missing_runs(
+    plan: SweepPlan, store: Store, chosen: Collection[int] | None = None
+) -> tuple[list[str], dict[str, tuple[Row, ...]]]:
+    """Fingerprints of all runs of a plan, or of those chosen, and the values of the ones not stored."""
+    some = (rows for number, rows in enumerate(plan.rows()) if chosen is None or number in chosen)
+    rows_of = [(task_of(plan, rows).key, rows) for rows in some]
     missing = {key: rows for key, rows in rows_of if not _holds(store.get(key, Run), plan)}
     return [key for key, _ in rows_of], missing
 
@@ -86,31 +122,91 @@ def carry_out(
     plan: SweepPlan,
     store: Store,
     engine: Engine | None = None,
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress | None = None,
+    chosen: Collection[int] | None = None,
 ) -> SweepRuns:
     """Run what the store does not hold of a plan whose scenes can all be built, and store it there.
 
     ``progress`` is called with the share of the missing runs that is done, 0 to 1, and a line of text: the
-    number of runs, their rate and the remaining time.
+    number of runs, their rate and the remaining time. ``chosen``: numbers of runs; by default all.
     """
     engine = engine or Engine()
     if engine.executor is None:
         keep_freed()  # as a worker process does
-    keys, missing = missing_runs(plan, store)
-    found, began, before = SweepRuns(keys, store), time.monotonic(), len(keys) - len(missing)
+    keys, missing = missing_runs(plan, store, chosen)
+    found, tell = SweepRuns(keys, store), _teller(progress, len(keys), len(missing))
+    if plan.solver == BATCH:
+        missing = _by_batch(plan, found, missing, engine, tell)
     tasks = enumerate(task_of(plan, rows) for rows in missing.values())
-    for done, (_, result) in enumerate(completed_tasks(tasks, engine, len(missing)), 1):
+    for _, result in completed_tasks(tasks, engine, len(missing)):
         run = run_of(result)
         if run.breakdown:
             found.failed[result.task.key] = run
         else:
             store.put(result.task.key, run)
-        if progress is not None:
-            rate = done / max(time.monotonic() - began, 1e-9)
-            left = len(missing) - done
-            rest = f", about {duration(left / rate)} left" if left else ""
-            progress(done / len(missing), f"{before + done}/{len(keys)} runs, {rate:.3g} a second{rest}")
+        tell(1)
     return found
+
+
+def _teller(progress: Progress | None, runs: int, missing: int) -> Callable[[int], None]:
+    """Told how many runs more are done."""
+    began, done = time.monotonic(), 0
+
+    def tell(more: int) -> None:
+        nonlocal done
+        done += more
+        if progress is None or not more:
+            return
+        rate = done / max(time.monotonic() - began, 1e-9)
+        left = missing - done
+        rest = f", about {duration(left / rate)} left" if left else ""
+        progress(done / missing, f"{runs - left}/{runs} runs, {rate:.3g} a second{rest}")
+
+    return tell
+
+
+def _by_batch(
+    plan: SweepPlan,
+    found: SweepRuns,
+    missing: dict[str, tuple[Row, ...]],
+    engine: Engine,
+    tell: Callable[[int], None],
+) -> dict[str, tuple[Row, ...]]:
+    """Store what the batch solver answers; what it leaves open, a batch whose process has ended too.
+
+    Batches are the same whatever is stored: they are stored whole, so that an interrupted sweep solves no
+    scene in other company, and gives the same bits.
+    """
+    place = {key: number for number, key in enumerate(dict.fromkeys(found.keys))}
+    batches = [list(some) for _, some in groupby(missing, lambda key: place[key] // TOGETHER)]
+    tasks = enumerate(batch_task(plan, {key: missing[key] for key in some}) for some in batches)
+    left = dict(missing)
+    for number, result in completed_tasks(tasks, engine, len(batches)):
+        runs = dict(zip(batches[number], result.value or (), strict=False))
+        answered = {key: run for key, run in runs.items() if run.trace is not None}
+        found.store.put_all(answered)
+        for key in answered:
+            del left[key]
+        tell(len(answered))
+    return left
+
+
+def sample_size(plan: SweepPlan) -> int:
+    """Runs of the batch solver that the reference solves again."""
+    return min(plan.count, max(LEAST_SAMPLE, math.ceil(SAMPLE * plan.count)))
+
+
+def solved_again(
+    plan: SweepPlan, runs: SweepRuns, engine: Engine | None = None, progress: Progress | None = None
+) -> SweepRuns:
+    """The runs of a plan, beside those of the batch solver in a sample what the reference makes of them."""
+    if plan.solver != BATCH:
+        return runs
+    drawn = sorted(np.random.default_rng(0).choice(plan.count, sample_size(plan), replace=False).tolist())
+    own = {i: run for i in drawn if (run := runs[runs.keys[i]]).solver == BATCH}
+    other = replace(plan, solver=REFERENCE, resolution=None, estimate=False, traces=None)
+    again = carry_out(other, runs.store, engine, progress, own.keys())
+    return replace(runs, again=tuple(zip(own.values(), again, strict=True)))
 
 
 @dataclass(frozen=True)
@@ -133,13 +229,31 @@ def forecast(plan: SweepPlan, store: Store) -> SweepForecast:
     stored = [key for key in keys if key not in missing]
     sample: list[Run] = [store.get(key, Run) for key in stored[:: max(1, len(stored) // 200)]]
     if not sample:
-        first = task_of(plan, next(iter(missing.values())))
-        sample = [first.function(*first.arguments)]
+        sample = _first_runs(plan, missing)
     spent = sum(run.cpu_seconds + run.estimate_seconds for run in sample) / len(sample)
+    again = sample_size(plan) * _first_run(plan, plan.rows()).cpu_seconds if plan.solver == BATCH else 0.0
     rows = [trace.columns().values() for run in sample if (trace := run.trace) is not None]
     numbers = len(plan.measures or measure_names(plan.scene.with_values({}))) * (2 if plan.estimate else 1)
     of_run = max(len(dumps(run)) for run in sample) + BYTES_OF_NUMBER * numbers
     of_run += max((sum(column.nbytes for column in columns) for columns in rows), default=0)
     size = float(of_run * len(keys) + FIGURES_BYTES * len(plan.drawn))
     measured = len(sample) if stored else 0
-    return SweepForecast(len(keys), len(stored), spent * len(missing), spent, measured, size)
+    return SweepForecast(len(keys), len(stored), spent * len(missing) + again, spent, measured, size)
+
+
+def _first_runs(plan: SweepPlan, missing: Mapping[str, tuple[Row, ...]]) -> list[Run]:
+    """The first run that is missing, or a batch of them; what has no answer there, as the first of these."""
+    if plan.solver != BATCH:
+        return [_first_run(plan, missing.values())]
+    first = dict(islice(missing.items(), TOGETHER))
+    task = batch_task(plan, first)
+    found = dict(zip(first.values(), task.function(*task.arguments), strict=True))
+    left = [rows for rows, run in found.items() if run.trace is None]
+    answered = [run for run in found.values() if run.trace is not None]
+    return answered + ([_first_run(plan, left)] * len(left) if left else [])
+
+
+def _first_run(plan: SweepPlan, rows: Iterable[tuple[Row, ...]]) -> Run:
+    first = task_of(plan, next(iter(rows)))
+    run: Run = first.function(*first.arguments)
+    return run
