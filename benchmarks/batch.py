@@ -1,8 +1,10 @@
-"""The batch solver against the reference: ``python -m benchmarks.batch [--scenes N] [--sample N]``.
+"""The batch solver against the reference: ``python -m benchmarks.batch [--sample N | --random N]``.
 
 Each row is a family of random scenes. Both solvers take turns on one core; the reference solves a sample. A
 line tells processor time a scene of both, how many have an answer, and of the sample the differences of the
 pull-off force, in the median, of 99 in 100, the largest, and how many are larger than the error estimate.
+``--random N``: N scenes drawn from all families instead, each solved by both; how many differences are larger
+than the estimate, and than it and the reference's own together, and the worst ratios.
 """
 
 from __future__ import annotations
@@ -116,6 +118,29 @@ def line(name: str, family: Family, asked: argparse.Namespace) -> str:
     )
 
 
+def calibrate(asked: argparse.Namespace) -> None:
+    """Print how many true differences are larger than their estimates, and the largest ratios of the two."""
+    rng, families = np.random.default_rng(asked.seed), list(FAMILIES.items())
+    drawn = [families[rng.integers(len(families))] for _ in range(asked.random)]
+    scenes = [family.scene(rng) for _, family in drawn]
+    ratios, own, none = [], [], 0
+    for (name, _), scene, answer in zip(drawn, scenes, batch.solve(scenes), strict=True):
+        if not answer.answered:
+            none += 1
+            continue
+        trace = solve(scene, Options(resolution=asked.resolution, estimate_errors=True))
+        tension, told = -float(trace.force.min()), answer.errors["pull_off_force"]
+        apart = abs(answer.pull_off_force - tension) / max(tension, 1e-300)
+        ratios.append((apart / told, apart, name))
+        own.append(apart / (told + trace.errors["pull_off_force"]))
+        if len(ratios) % 100 == 0:
+            print(f"# {len(ratios)}: larger than the estimate {sum(r > 1.0 for r, *_ in ratios)}", flush=True)
+    print(f"{len(ratios)} answered, {none} not; larger than the estimate: {sum(r > 1.0 for r, *_ in ratios)}")
+    print(f"larger than both estimates together: {sum(ratio > 1.0 for ratio in own)}")
+    for ratio, apart, name in sorted(ratios, reverse=True)[:10]:
+        print(f"{ratio:8.2f} times, {apart:.1e}: {name}")
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -124,7 +149,11 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", default="")
     parser.add_argument("--resolution", type=int, help="of the reference; by default its own")
+    parser.add_argument("--random", type=int, default=0, help="scenes for the calibration of estimates")
     asked = parser.parse_args()
+    if asked.random:
+        calibrate(asked)
+        return
     columns = "   least   median     ref. answer    median       99%     worst  over"
     print(f"{'ms a scene':48s} {columns}")
     for name, family in FAMILIES.items():
