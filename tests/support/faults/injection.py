@@ -217,6 +217,9 @@ def seeded(fault: Fault) -> Iterator[Calls]:
                     patch.setattr(importer, alias, wrong)
             yield calls
     finally:
+        for importer in _packages():  # one that was first loaded meanwhile has bound the wrong one
+            for alias in [a for a, value in vars(importer).items() if value is wrong]:
+                setattr(importer, alias, true)
         _empty_caches()
 
 

@@ -43,7 +43,7 @@ def _recovery(factor):
 
 
 FAULTS = table("reference", "validation.reference.path", [
-    ("the half of the closure dropped", "closure:Closure.integral", times(2.0)),
+    ("the half of the closure dropped", "closure:Closure.between", times(2.0)),
     ("tension and compression swapped", "trial:Trial.stress", times(-1.0)),
     ("1 - nu^2 lost", "rheology:rheology", takes(material=changed(poisson=by(0.0)))),
     ("relaxation and retardation times swapped", "rheology:rheology", _times_swapped),
@@ -61,7 +61,7 @@ FAULTS = table("reference", "validation.reference.path", [
     ("edge passes every point at the end of the step", "numerics:inverse",
      lambda true: lambda way, rise: np.ones_like(rise)),
     ("surface energy of the wrong sign in the balance", "energies:_separation", times(-1.0)),
-    ("closure 0.3 % too large", "closure:Closure.integral", times(1.003), "elastic-glassy",
+    ("closure 0.3 % too large", "closure:Closure.between", times(1.003), "elastic-glassy",
      "elastic-relaxed"),
     ("force 0.3 % too large", "trial:Trial.force", times(1.003), PUNCH),
     ("edge fields with a length of 1e-6", "edge_law:EdgeLaw.zone", gives(lambda zone: zone + 1e-6),
