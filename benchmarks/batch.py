@@ -77,6 +77,7 @@ FAMILIES = {
     ),
     "cycles, three branches": Family(cycle=True, branches=3, decades=4.0, zones=(-2.0, -2.0)),
     "cycles, ten branches over six decades": Family(cycle=True, branches=10, decades=6.0, zones=(-2.0, -2.0)),
+    "cycles, slow turns": Family(cycle=True, zones=(-4.0, -1.7), speeds=(-4.0, -1.0), works=(-5.0, -3.0)),
     "cycles, zone 1e-5 of the radius": Family(cycle=True, zones=(-5.0, -5.0), speeds=(-1.0, 3.0)),
 }
 

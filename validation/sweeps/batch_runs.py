@@ -74,6 +74,8 @@ def _run(case: Case, found: batch.Solution, estimate: bool, wall: float, spent: 
     outcome = Outcome(OutcomeKind.COMPLETED, "all loading steps carried out", end)
     if found.detached:
         outcome = Outcome(OutcomeKind.DETACHED, NO_STABLE_CONTACT, end)
+    elif found.reason:  # rows end at one and a half zones, after the pull-off
+        outcome = Outcome(OutcomeKind.BELOW_ZONE, found.reason, end, past_extremum=True)
     columns: dict[str, Any] = dict(zip(COLUMNS, _with_pull_off(found), strict=True))
     columns |= dict.fromkeys(ENERGIES, np.zeros(len(columns["time"])))
     trace = Trace(BATCH, **columns, outcome=outcome, counters=Counters(steps=len(found.time) - 1))
@@ -84,7 +86,11 @@ def _run(case: Case, found: batch.Solution, estimate: bool, wall: float, spent: 
         trace,
         wall_seconds=wall,
         cpu_seconds=spent,
-        measures={name: value for name, value in named if given(name)},
+        measures={
+            name: value
+            for name, value in named
+            if given(name) and not (found.reason and name.startswith("final_"))
+        },
         errors=found.errors if estimate else {},
         warnings=trace_warnings(case.scene, trace),
     )

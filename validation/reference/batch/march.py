@@ -180,8 +180,9 @@ def start_radius(bodies: Bodies) -> Array:
 class March:
     """Rows (S, B) of time, penetration, force and radius, ``last`` of each scene, and how it ended.
 
-    ``left`` (S, n, B): what the edge left where it was. ``quick``: a time in which it gets nowhere; ``lost``:
-    one that is lost in the rounding of the penetration, as a scale of the convergence of secants.
+    ``left`` (S, n, B): what the edge left where it was; ``resting`` (4, m, B): rows before the first.
+    ``quick``: a time in which it gets nowhere; ``lost``: one that is lost in the rounding of the penetration,
+    as a scale of the convergence of secants.
     """
 
     grid: Grid
@@ -193,6 +194,7 @@ class March:
     slope: Array
     quick: Array
     lost: Array
+    resting: Array
 
     @classmethod
     def empty(cls, steps: Grid, leg: LoadRamp, start: Array, duration: Array) -> March:
@@ -211,6 +213,7 @@ class March:
             np.ones(count),
             quick,
             ROUNDED / CONVERGED * depths / np.abs(leg.rate),
+            np.zeros((4, 0, count)),
         )
 
     @property

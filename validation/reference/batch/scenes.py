@@ -135,6 +135,12 @@ class LoadRamp:
         steady, faded = moduli * self.rate * times, np.exp(-t / times)
         return self.depth + self.rate * t, steady + (begun - steady) * faded
 
+    def at_rest(self, t: Array, radius: Array, held: Array) -> Array:
+        """Time, penetration, force, radius (4, m, B) of an edge at rest; ``held`` as the ramp begins."""
+        D, b = self.at(t)
+        force = self.bodies.force(D, b, radius, held[:, None] * np.exp(-t / self.bodies.times[:, None]))
+        return np.array([t, D, force, radius + 0.0 * t])
+
     def after(self, t: Array, rate: Array) -> LoadRamp:
         """One that follows at a time."""
         return LoadRamp(self.bodies, *self.at(t)[:1], rate, self.at(t)[1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Material, Scene
 from contact_scene.run_control import single_threaded
+from validation.reference.batch.answers import Solution, answers
 from validation.reference.batch.grid import Grid, Kind, grid
 from validation.reference.batch.march import (
     DETACHED,
@@ -42,15 +43,8 @@ CHUNK = 256
 """Scenes of one loop: their arrays stay in the cache."""
 LARGEST, ANY = 1024, 60
 """Scenes taken together, and a size of the grid that has no bound: of edges that close."""
-LEAST_ERROR = 1e-7
-"""Least estimate: no better is the reference known by default."""
-COMPARED = 0.4, 0.6, 0.8, 1.0
-"""Shares of the travel at pull-off where the forces of two resolutions are compared: no pull-off is held to
-be better than the curve in the mean, though it may agree by chance."""
-GAIN = 0.1
-"""What is at least gained by a doubled resolution."""
-NO_TENSION = 1e-12
-"""Pull-off force, in the largest force, below which there is none."""
+RESTING = np.linspace(0.0, 1.0, 17)[1:] ** 2
+"""Shares of the time before an edge opens at which there are rows: branches relax at once, or slowly."""
 
 
 def approach(bodies: Bodies, start: Array, steps: Grid) -> tuple[March, LoadRamp]:
@@ -99,6 +93,7 @@ def retract(
         noise = ROUNDING * start / bodies.zone
         t, _, found = secants(Opening(leg, travel, start, behind, own), guess, slope, rows.lost, noise, opens)
         rest = np.where(opens & found, t, 0.0)
+        rows.resting = leg.at_rest(rest * RESTING[:, None], start, total)
         rows.ending[(opens & ~found) | (rest >= duration)] = FAILED
     rows.add(
         0,
@@ -130,63 +125,6 @@ def retract(
     return rows
 
 
-def _none() -> Array:
-    return np.zeros(0)
-
-
-@dataclass(frozen=True)
-class Solution:
-    """What came of a scene: rows, pull-off, detachment, errors; or why there is none.
-
-    ``errors``: relative, by the names of a trace; times and penetrations relative to the largest of the run.
-    The rows end, where contact is lost, with the free surface at the time of the row before.
-    """
-
-    reason: str = ""
-    time: Array = field(default_factory=_none)
-    penetration: Array = field(default_factory=_none)
-    force: Array = field(default_factory=_none)
-    contact_radius: Array = field(default_factory=_none)
-    pull_off_force: float = math.nan
-    pull_off_time: float = math.nan
-    detached: bool = False
-    errors: dict[str, float] = field(default_factory=dict)
-
-    @property
-    def answered(self) -> bool:
-        """Whether there is one."""
-        return not self.reason
-
-
-@dataclass(frozen=True)
-class Events:
-    """Of each scene (B,): pull-off, its travel and time, and the last state in contact."""
-
-    travel: Array
-    pull_off_force: Array
-    pull_off_time: Array
-    time: Array
-    depth: Array
-    force: Array
-    radius: Array
-
-
-def events(found: March, leg: LoadRamp, duration: Array) -> Events:
-    """Largest time, or the end of the ramp, and the least force up to there."""
-    bodies = leg.bodies
-    place, time = found.largest(found.time)
-    ended = found.ending == ENDED
-    end = np.where(ended, found.reached(found.time, duration), place)
-    time = np.where(ended, duration, time)
-    force, radius = found.at(found.force, end), found.radius[0] - end * bodies.zone
-    place, tension = found.largest(-found.force)
-    later = (place > end) | (tension <= -force)
-    tension = np.where(later, -force, tension)
-    pulled = np.where(later, time, found.at(found.time, place))
-    place = np.where(later, end, place)
-    return Events(place, np.maximum(tension, 0.0), pulled, time, leg.depth + leg.rate * time, force, radius)
-
-
 @single_threaded()
 @np.errstate(over="ignore", under="ignore", invalid="ignore", divide="ignore")
 def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solution]:
@@ -213,7 +151,7 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solutio
     0.022283 True True
     """
     reasons = [refusal(scene) for scene in scenes]
-    answers = [Solution(reason) for reason in reasons]
+    solutions = [Solution(reason) for reason in reasons]
     known: dict[Material, Rheology] = {}
     alike: dict[tuple[int, bool], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
@@ -227,8 +165,8 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solutio
         for part in np.array_split(np.array(numbers), math.ceil(len(numbers) / LARGEST)):
             bodies = Bodies.of([scenes[i] for i in part], [known[scenes[i].material] for i in part])
             for i, answer in zip(part.tolist(), _solved(bodies, resolution, cycle), strict=True):
-                answers[i] = answer
-    return answers
+                solutions[i] = answer
+    return solutions
 
 
 @dataclass(frozen=True)
@@ -254,12 +192,19 @@ class Retraction:
         edge = before.radius[0] + place * bodies.zone
         return np.array([bodies.turn, self.held.second.depth, before.at(before.force, place), edge])
 
-    def approached(self, i: int) -> Array:
-        """Rows (4, m) of a scene up to there."""
+    @cached_property
+    def crept(self) -> Array:
+        """Rows (4, m, B) until the edge rests."""
+        if self.held is None or self.approach is None:
+            return np.zeros((4, 0, len(self.radius)))
+        return self.held.crept(self.approach.last)
+
+    def approached(self, i: int) -> list[Array]:
+        """Legs (4, m) of a scene: until the load turns, and until the edge rests."""
         rows = np.zeros((4, 0))
         if self.approach is not None:
             rows = self.approach.columns[:, : self.approach.last[i], i]
-        return np.column_stack((rows, self.corner[:, i]))
+        return [np.column_stack((rows, self.corner[:, i])), self.crept[:, :, i]]
 
     @classmethod
     def of(cls, bodies: Bodies, start: Array, resolution: int, cycle: bool) -> Retraction:
@@ -290,7 +235,7 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     """Answers of scenes, with the change from half the resolution as their errors."""
     start = start_radius(bodies)
     fine, coarse = (Retraction.of(bodies, start, n, cycle) for n in (resolution, resolution // 2))
-    answers = [Solution(REASONS[FAILED])] * len(start)
+    solutions = [Solution(REASONS[FAILED])] * len(start)
     sizes = np.floor(2.0 * np.log2(fine.radius / bodies.zone))
     alike: dict[tuple[int, Kind], list[int]] = defaultdict(list)
     for i in np.flatnonzero(np.isfinite(sizes)).tolist():
@@ -300,64 +245,8 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
         for chosen in np.array_split(np.array(numbers), math.ceil(len(numbers) / CHUNK)):
             steps = [grid(n, size, kind) for n in (resolution, resolution // 2)]
             runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
-            found = _answers(runs, fine, coarse, chosen)
+            before = [fine.approached(i) for i in chosen]
+            found = answers(runs, fine.when[chosen], coarse.when[chosen], before)
             for i, answer in zip(chosen.tolist(), found, strict=True):
-                answers[i] = answer
-    return answers
-
-
-def _answers(
-    runs: list[tuple[March, LoadRamp, Array]], first: Retraction, second: Retraction, chosen: Whole
-) -> list[Solution]:
-    """Answers of scenes of one loop, of two resolutions."""
-    (fine, leg, _), (coarse, *_) = runs
-    one, two = (events(*run) for run in runs)
-    when, other = first.when[chosen], second.when[chosen]
-    end = one.time + when
-    depths = np.maximum(np.abs(leg.depth), np.abs(one.depth))
-    tension = np.maximum(one.pull_off_force, NO_TENSION * np.abs(fine.force).max(axis=0))
-    places = [share * one.travel for share in COMPARED]
-    apart = [fine.at(fine.force, place) - coarse.at(coarse.force, place) for place in places]
-    apart = GAIN * np.sqrt(np.mean(np.square(apart), axis=0))
-    errors = {
-        "pull_off_force": np.maximum(np.abs(one.pull_off_force - two.pull_off_force), apart) / tension,
-        "pull_off_time": np.abs(one.pull_off_time + when - two.pull_off_time - other) / end,
-        "detachment_time": np.abs(one.time + when - two.time - other) / end,
-        "detachment_penetration": np.abs(one.depth - two.depth) / depths,
-    }
-    return [
-        _answer(j, fine, one, errors, int(coarse.ending[j]), float(when[j]), first.approached(i))
-        for j, i in enumerate(chosen)
-    ]
-
-
-def _answer(
-    j: int, found: March, events: Events, errors: dict[str, Array], other: int, when: float, before: Array
-) -> Solution:
-    """Of one scene; ``other``: how it ends at the other resolution; ``before``: rows until the load turns.
-
-    The edge opens ``when`` the retraction of its rows begins, or later.
-    """
-    ending, detached = int(found.ending[j]), found.ending[j] == DETACHED
-    if ending in REASONS or other != ending:
-        return Solution(REASONS.get(ending) or REASONS.get(other, "two resolutions end differently"))
-    end = np.array([part[j] for part in (events.time, events.depth, events.force, events.radius)])
-    rows = found.columns[:, : found.last[j] + 1, j]
-    columns = np.column_stack((rows[:, (rows[0] < end[0]) & (rows[3] > end[3])], end))
-    if detached:
-        columns = np.column_stack((columns, (end[0], end[1], 0.0, 0.0)))
-    told = [name for name in errors if detached or not name.startswith("detachment")]
-    columns[0] += when
-    columns = np.column_stack((before, columns[:, columns[0] > before[0, -1]]))
-    time, depth, force, radius = columns
-    return Solution(
-        "",
-        time,
-        depth,
-        force,
-        radius,
-        pull_off_force=float(events.pull_off_force[j]),
-        pull_off_time=float(events.pull_off_time[j]) + when,
-        detached=bool(detached),
-        errors={name: max(float(errors[name][j]), LEAST_ERROR) for name in told},
-    )
+                solutions[i] = answer
+    return solutions

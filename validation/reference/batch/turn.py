@@ -22,6 +22,11 @@ Whole = NDArray[np.intp]
 
 LONGEST, STEADY, WINDOW = 140, 0.02, 60
 """Steps in time of an edge that goes on closing after the turn, the first of them, and rows in its zone."""
+CREPT = 0.2, 0.4, 0.6, 0.8, 1.0
+"""Shares of these steps at which there are rows of the answer."""
+NEARER, AT_REST = 0.6, 1e-5
+"""Of the time that is left until an edge rests, the part that a step takes at most; and the travel, in zones,
+that is left where it is extrapolated."""
 FINER = 0.002, 0.008, 0.015, 0.05, 0.08, 0.12, 0.3, 0.4, 0.8
 """More breaks in this case: the place of the turn is somewhere in the zone."""
 
@@ -48,6 +53,14 @@ class Held:
         first, second = (one.of_some(chosen, bodies) for one in (self.first, self.second))
         radius, time, kinks = self.radius[:, chosen], self.time[:, chosen], self.kinks[:, chosen]
         return Held(bodies, first, second, self.start[chosen], radius, time, self.last[chosen], kinks)
+
+    def last_rows(self, count: int) -> Held:
+        """With that many rows before the last, and room for others."""
+        scenes, room = np.arange(len(self.last)), np.zeros((LONGEST, len(self.last)))
+        old = np.maximum(self.last - count + np.arange(count + 1)[:, None], 0)
+        radius, time = (np.concatenate((part[old, scenes], room)) for part in (self.radius, self.time))
+        kinks = np.clip(self.kinks - self.last + count, 0, count)
+        return replace(self, radius=radius, time=time, last=np.full(len(scenes), count), kinks=kinks)
 
     @cached_property
     def places(self) -> tuple[Array, Array, Array]:
@@ -100,6 +113,21 @@ class Held:
         inside = bodies.glassy * bodies.moduli * (bodies.depth * start - bodies.volume(start))
         inside = inside * np.exp(-now / bodies.times)
         return np.asarray(inside + (values * SHARES[:, None] * width[:, None]).sum(axis=(1, 2)))
+
+    def crept(self, turned: Whole) -> Array:
+        """Some rows (4, m, B) after that of the turn of the load, to the last."""
+        found = np.zeros((4, len(CREPT), len(turned)))
+        some = np.flatnonzero(self.last > turned)
+        if not len(some):
+            return found
+        held, scenes = self.of_some(some, self.bodies.of_some(some)), np.arange(len(some))
+        for m, share in enumerate(CREPT):
+            row = turned[some] + np.rint(share * (held.last - turned[some])).astype(np.intp)
+            radius, now = held.radius[row, scenes], held.time[row, scenes]
+            D, b = held.second.at(now - held.bodies.turn)
+            force = held.bodies.force(D, b, radius, replace(held, last=row).integral(now))
+            found[:, m, some] = now, D, force, radius
+        return found
 
     def branches(self, x: Array, now: Array) -> Array:
         """What is left (n, m, B) at a time beside ``E_k M_k``."""
@@ -168,49 +196,61 @@ class AfterTurn:
 
 
 def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array, Whole]:
-    """Rows from the turn on of edges that go on closing; the last, where they rest, or -1."""
-    bodies, scenes, window = held.bodies, np.arange(len(step)), WINDOW
-    old = held.last - window + np.arange(window + 1)[:, None]
-    empty = np.zeros((LONGEST, len(step)))
-    radius, time = (
-        np.concatenate((part[np.maximum(old, 0), scenes], empty)) for part in (held.radius, held.time)
-    )
-    kinks = np.clip(held.kinks - held.last + window, 0, window)
-    top, edge = np.full(len(step), window), radius[window].copy()
-    elapsed, moves, found = 0.0 * step, np.ones(len(step), bool), np.full(len(step), -1)
-    error, rounding = 0.0 * step, ROUNDING * edge / bodies.zone
-    for k in range(1, LONGEST):
-        if not moves.any():
-            break
-        elapsed = elapsed + step
-        step = step * (1.0 + 2.0 / resolution)
-        local = Held(bodies, held.first, held.second, held.start, radius, time, top, kinks)
-        residual = AfterTurn(local, elapsed)
-        if k == 1:
-            error = AfterTurn(local, 0.0 * step)(edge)  # of the place of the turn
-        y = (radius[window : window + k] - edge) / bodies.zone
-        guess = np.where(moves, 2.0 * y[-1] - y[-2] if k > 1 else 1e-4, y[-1])
+    """Rows from the turn on of edges that go on closing; the last, where they rest, or -1.
 
-        def at(y: Array, residual: AfterTurn = residual, error: Array = error) -> Array:
-            return residual(edge + y * bodies.zone) - error
+    The fall of the speed from row to row tells when an edge will rest, and the next row is no farther than
+    ``NEARER`` of the way. Where the edge would have come back there is no row: it opens, which no closure of
+    an edge that closes tells; a nearer one is tried.
+    """
+    scenes, zone, rest = np.arange(len(step)), held.bodies.zone, np.full(len(step), -1)
+    local = held.last_rows(WINDOW)
+    edge, rounding = local.radius[WINDOW], ROUNDING * local.radius[WINDOW] / zone
+    error = AfterTurn(local, 0.0 * step)(edge)  # of the place of the turn
+    rows, since, speed, first = np.zeros((2, LONGEST, len(step))), 0.0 * step, 0.0 * step, step
+    for _ in range(LONGEST):
+        here, last = np.arange(len(scenes)), local.last
+        y, elapsed = (local.radius[last, here] - edge) / zone, local.time[last, here] - local.bodies.turn
+        residual = AfterTurn(local, elapsed + step)
 
+        def at(y: Array, residual: AfterTurn = residual, edge: Array = edge, error: Array = error) -> Array:
+            return residual(edge + y * residual.held.bodies.zone) - error
+
+        guess = y + np.where(since > 0.0, speed * step, 1e-4)
         slope = (at(guess + 1e-4) - at(guess)) * 1e4
-        place, _, done = secants(at, guess, slope, np.full(len(step), 1e-3), rounding, moves)
-        rises = moves & done & (place > y[-1])
-        turns = moves & ~rises & np.isfinite(place)
-        row = window + k
-        radius[row], time[row] = edge + np.where(rises, place, y[-1]) * bodies.zone, residual.now
-        if k > 1 and turns.any():
-            t = time[row - 2 : row + 1]
-            one = (y[-1] - y[-2]) / (t[1] - t[0])
-            bend = ((place - y[-1]) / (t[2] - t[1]) - one) / (t[2] - t[0])
-            summit = 0.5 * (t[0] + t[1] - one / bend)
-            peak = y[-2] + (summit - t[0]) * (one + bend * (summit - t[1]))
-            at_row = np.where(summit < t[1], row - 1, row)[turns]
-            radius[at_row, scenes[turns]] = (edge + peak * bodies.zone)[turns]
-            time[at_row, scenes[turns]] = summit[turns]
-            found[turns] = at_row - window
-        elif k == 1:
-            found[turns] = 0
-        top, moves = np.where(rises, row, top), rises
-    return radius[window : window + LONGEST], time[window : window + LONGEST], found
+        place, _, known = secants(at, guess, slope, np.full(len(step), 1e-3), rounding, guess == guess)
+        rises = known & (place > y)
+        now = (place - y) / step
+        fall = np.where(since > 0.0, 2.0 * (speed - now) / (since + step), 0.0)
+        left = np.where(fall > 0.0, np.maximum(now / fall - 0.5 * step, 0.0), np.inf)
+        summit = rises & np.isfinite(left) & (fall * left * left < 2.0 * AT_REST)
+        top = last + np.where(rises, 1, 0) + np.where(summit, 1, 0)
+        for row, far, when, some in (
+            (last + 1, place, elapsed + step, rises),
+            (last + 2, place + 0.5 * fall * left * left, elapsed + step + left, summit),
+        ):
+            at_row = row[some], here[some]
+            local.radius[at_row], local.time[at_row] = (
+                (edge + far * zone)[some],
+                (local.bodies.turn + when)[some],
+            )
+        still = ~rises & (np.where(since > 0.0, speed * step, step / first * AT_REST / 1e-3) < AT_REST)
+        ended = summit | still | (top > WINDOW + LONGEST - 4)
+        speed, since = np.where(rises, now, speed), np.where(rises, step, since)
+        step = np.where(rises, np.minimum(step * (1.0 + 2.0 / resolution), NEARER * left), 0.25 * step)
+        local = replace(local, last=top)
+        if ended.any():
+            out = scenes[ended]
+            rows[:, :, out] = (
+                local.radius[WINDOW : WINDOW + LONGEST, ended],
+                local.time[WINDOW : WINDOW + LONGEST, ended],
+            )
+            rest[out] = np.where(summit | still, top - WINDOW, -1)[ended]
+            some = np.flatnonzero(~ended)
+            scenes = scenes[some]
+            edge, zone, rounding, error, since, speed, step, first = (
+                part[some] for part in (edge, zone, rounding, error, since, speed, step, first)
+            )
+            local = local.of_some(some, local.bodies.of_some(some))
+        if not len(scenes):
+            break
+    return rows[0], rows[1], rest
