@@ -139,16 +139,17 @@ class GradedRun:
         taken = result.parameter - state.parameter
         at_once = taken <= _SLIGHTLY_LONGER * start.shortest_step
         leaps = result.error > 1.0 and at_once
-        if result.error > 1.0 and not leaps:
-            problem.counters.rejected_steps += 1
+        trial, rejected = result.trial, result.error > 1.0 and not leaps
+        problem.counters.rejected_steps += rejected
+        if rejected or (abs(trial.motion.new_edge - trial.motion.edge) < trial.zone and not leaps):
             at_jump = trial_step.to_speed_jump(result)
-            if at_jump is not None and at_jump.parameter == state.parameter:
-                self._speed_jumps()
-                at_jump = None
-            if at_jump is None or at_jump.error > 1.0:
+            if at_jump is not None and at_jump.parameter > state.parameter and at_jump.error <= 1.0:
+                result = at_jump
+            elif rejected:
+                if at_jump is not None and at_jump.parameter == state.parameter:
+                    self._speed_jumps()
                 state.step = shrunk(taken, result.error, 2 if len(state.accepted.rows) > 1 else 1)
                 return None
-            result = at_jump
         if not at_once and (before := short_of_largest_tension(start, result.trial, result.parameter)) > 0.0:
             problem.counters.rejected_steps += 1
             state.step = before

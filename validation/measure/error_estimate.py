@@ -48,7 +48,7 @@ from validation.measure.curves import (
     movement_interpolation_error,
 )
 from validation.measure.events import SAFETY, after_last_contact, extrema, last_in_contact, left_open
-from validation.measure.observables import at_last_contact
+from validation.measure.observables import at_last_contact, largest_fall
 from validation.measure.scaling import column_of, scale
 from validation.measure.windows import windows
 
@@ -145,8 +145,10 @@ def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -
     for name, value in measured.items():
         if value is not None and _has_error(name):
             errors[name] = trace.errors.get(name, largest)
-    if "loss_fall" in errors:  # between the rows it may be larger
+    if "loss_fall" in errors:  # between the rows it may be larger, and its crest is no corner
         errors["loss_fall"] += interpolation_error(trace, "dissipated_energy", spans)
+        (fall, begin, end), loss = largest_fall(trace), trace.dissipated_energy
+        errors["loss_fall"] += (fall - loss[begin] + loss[end]) / (scale("loss_fall", fall, trace) or 1.0)
     for column, error in own.items() if len(spans) else ():
         bound = movement_bound(trace, spans, column) * error
         between = movement_interpolation_error(trace, spans, column)
