@@ -141,7 +141,8 @@ class GradedRun:
         leaps = result.error > 1.0 and at_once
         trial, rejected = result.trial, result.error > 1.0 and not leaps
         problem.counters.rejected_steps += rejected
-        if rejected or (abs(trial.motion.new_edge - trial.motion.edge) < trial.zone and not leaps):
+        over, travel = problem.over_zones(trial.motion.edge), abs(trial.motion.new_edge - trial.motion.edge)
+        if rejected or (over and travel < trial.zone and not leaps):
             at_jump = trial_step.to_speed_jump(result)
             if at_jump is not None and at_jump.parameter > state.parameter and at_jump.error <= 1.0:
                 result = at_jump
