@@ -178,6 +178,8 @@ def test_a_punch_that_was_pressed_in_and_is_torn_off_is_warned_of(depth, rate, w
     asked = scene(cs.Ramp(-1.0, rate), indenter=cs.FlatPunch(1.0), depth=depth)
     trace = SOLVERS["reference"].solve(asked)
     assert any("fresh crack" in line for line in trace_warnings(asked, trace)) == warned
+    none = dataclasses.replace(asked, adhesion=cs.Adhesion(0.0, 0.01))
+    assert not any("fresh crack" in line for line in trace_warnings(none, trace))
 
 
 @settings(max_examples=20)

@@ -182,7 +182,9 @@ def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
 def _held_at_the_rim(scene: Scene, trace: Trace) -> Iterator[str]:
     """A sentence on a flat face whose rim bears more tension than a fresh crack needs in the glassy body."""
     adhesion, radius, tension = scene.adhesion, scene.indenter.edge, -float(trace.force.min())
-    if adhesion is None or not isinstance(scene.indenter, FlatPunch) or scene.body is not None:
+    if adhesion is None or not scene.is_adhesive or scene.body is not None:
+        return
+    if not isinstance(scene.indenter, FlatPunch):
         return
     released = max(tension, 0.0) ** 2 / (8.0 * math.pi * radius**3 * scene.material.glassy_plane_modulus)
     work = adhesion.opening(math.inf)
