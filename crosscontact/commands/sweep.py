@@ -80,9 +80,12 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
     claim(folder, "a sweep", {}, fresh=options.fresh)
     with store_of(folder, options.fresh) as store:
         with Progress(f"sweep {name}") as progress, own_engine(jobs, options.dask) as engine:
+
+            def tell(share: float, text: str) -> None:
+                progress(share, detail=text)
+
             progress.phase("runs")
             try:
-                tell = lambda share, text: progress(share, detail=text)  # noqa: E731
                 runs = carry_out(plan, store, engine, tell)
                 if plan.solver == BATCH:
                     progress.phase("a sample by the reference")

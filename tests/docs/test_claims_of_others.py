@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import math
-import re
-from pathlib import Path
 
 import matplotlib
 import numpy as np
 import pytest
+from support.pages import code_cells
 
 import crosscontact as cc
 from validation.reference.batch import solve
-
-PAGE = Path(__file__).parents[2] / "docs/explanation/claims-of-others.md"
 
 
 @pytest.fixture(scope="module")
 def page():
     matplotlib.use("agg")
     names: dict = {}
-    cells = re.findall(r"```\{code-cell\} python\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
-    for cell in cells:
+    for cell in code_cells("claims-of-others"):
         if "peaks = " not in cell:
             exec(cell, names)
     return names

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import matplotlib
 import numpy as np
 import pytest
+from support.pages import code_cells
 
 import crosscontact as cc
 from validation.reference.batch import solve
 from validation.reference.steady_crack import opening
-
-PAGE = Path(__file__).parents[2] / "docs/explanation/jkr-on-viscoelastic-data.md"
 
 
 @pytest.fixture(scope="module")
 def page():
     matplotlib.use("agg")
     names: dict = {}
-    scenes, _, edges, fits = re.findall(
-        r"```\{code-cell\} python\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL
-    )
+    scenes, _, edges, fits = code_cells("jkr-on-viscoelastic-data")
     for cell in (scenes, edges, fits):
         exec(cell, names)
     return names

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import matplotlib
 import numpy as np
 import pytest
-
-PAGE = Path(__file__).parents[2] / "docs/explanation/small-scale.md"
+from support.pages import code_cells
 
 
 @pytest.fixture(scope="module")
 def page():
     matplotlib.use("agg")
     names: dict = {}
-    definitions, _, shares, *_ = re.findall(
-        r"```\{code-cell\} python\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL
-    )
+    definitions, _, shares, *_ = code_cells("small-scale")
     exec(definitions, names)
     exec(shares.partition("N = np.geomspace")[0], names)
     return names

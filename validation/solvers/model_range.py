@@ -27,6 +27,7 @@ from contact_scene import (
 from contact_scene.body import THINNEST
 from contact_scene.scene import zone_too_long
 from validation.reference.elastic_layer import ElasticLayer
+from validation.reference.jkr import JKR
 from validation.solvers.contact_range import largest_contact_radius, largest_penetration, start_radius
 
 MOST_CYCLES = 1e6
@@ -181,13 +182,14 @@ def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
 
 def _held_at_the_rim(scene: Scene, trace: Trace) -> Iterator[str]:
     """A sentence on a flat face whose rim bears more tension than a fresh crack needs in the glassy body."""
-    adhesion, radius, tension = scene.adhesion, scene.indenter.edge, -float(trace.force.min())
+    adhesion, radius = scene.adhesion, scene.indenter.edge
     if adhesion is None or not scene.is_adhesive or scene.body is not None:
         return
     if not isinstance(scene.indenter, FlatPunch):
         return
-    released = max(tension, 0.0) ** 2 / (8.0 * math.pi * radius**3 * scene.material.glassy_plane_modulus)
-    work = adhesion.opening(math.inf)
+    work, glassy = adhesion.opening(math.inf), scene.material.glassy_plane_modulus
+    elastic = JKR(scene.indenter, glassy, adhesion.work)
+    released = float(elastic.energy_release_rate_from_force(radius, min(trace.force.min(), 0.0)))
     if released > work * (1.0 + adhesion.zone / radius):
         yield (
             f"the face bears {released / work:.3g} times the work of adhesion at its rim, where 1 opens a "

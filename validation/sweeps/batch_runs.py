@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, SceneError, Trace
-from contact_scene.trace import Array
 from validation.cases import Case
 from validation.measure.observables import measure
 from validation.measure.scaling import LOSSES, WORKS
 from validation.reference import batch
+from validation.reference.batch.answers import LARGEST_ERROR
 from validation.reference.path.run import NO_STABLE_CONTACT
 from validation.runs.run import Run
 from validation.solvers import out_of_range, trace_warnings
@@ -25,13 +25,11 @@ from validation.solvers import out_of_range, trace_warnings
 BATCH = "batch"
 """Name of the batch solver in a plan."""
 LEAST_RESOLUTION = 8
-LARGEST_ERROR = 1e-2
-"""Of a pull-off force that counts as an answer, as estimated: beyond, two resolutions are different runs."""
 COLUMNS = ("time", "penetration", "force", "contact_radius")
 ENERGIES = ("stored_energy", "external_work", "dissipated_energy")
 """Columns of a trace that it computes, and those that it does not."""
 NOT_GIVEN = (*LOSSES, *WORKS, "loss_share", "peak_cycle_frequency", "pull_off_radius")
-"""Measures that it does not give: energies, and what it does not locate."""
+"""Measures that it does not give: energies, and a radius that no two resolutions are compared in."""
 
 
 def check(scene: Scene, at: str) -> None:
@@ -60,7 +58,7 @@ def solve_all(cases: Sequence[Case], resolution: int | None, estimate: bool) -> 
 
 
 def drawn_by(scene: Scene) -> bool:
-    """Whether rows of the batch solver show the curves of a scene: there are none while an edge rests."""
+    """Whether rows of the batch solver show the curves of a scene: few are where an edge rests or turns."""
     adhesion = scene.adhesion
     moves = adhesion is not None and adhesion.closing == adhesion.work and len(scene.loading.steps) == 1
     return moves and not batch.refusal(scene)
@@ -76,7 +74,7 @@ def _run(case: Case, found: batch.Solution, estimate: bool, wall: float, spent: 
         outcome = Outcome(OutcomeKind.DETACHED, NO_STABLE_CONTACT, end)
     elif found.reason:  # rows end at one and a half zones, after the pull-off
         outcome = Outcome(OutcomeKind.BELOW_ZONE, found.reason, end, past_extremum=True)
-    columns: dict[str, Any] = dict(zip(COLUMNS, _with_pull_off(found), strict=True))
+    columns: dict[str, Any] = {name: getattr(found, name) for name in COLUMNS}
     columns |= dict.fromkeys(ENERGIES, np.zeros(len(columns["time"])))
     trace = Trace(BATCH, **columns, outcome=outcome, counters=Counters(steps=len(found.time) - 1))
     named = measure(trace, case.scene, wall).items()
@@ -94,15 +92,3 @@ def _run(case: Case, found: batch.Solution, estimate: bool, wall: float, spent: 
         errors=found.errors if estimate else {},
         warnings=trace_warnings(case.scene, trace),
     )
-
-
-def _with_pull_off(found: batch.Solution) -> list[Array]:
-    """The columns with a row at pull-off; its radius is that of the line between two rows."""
-    time, when = found.time, found.pull_off_time
-    columns = [getattr(found, name) for name in COLUMNS]
-    after = int(time.searchsorted(when))
-    if found.pull_off_force <= -found.force.min() or not 0 < after < len(time):
-        return columns
-    depth, _, radius = (float(np.interp(when, time, column)) for column in columns[1:])
-    state = when, depth, -found.pull_off_force, radius
-    return [np.insert(column, after, value) for column, value in zip(columns, state, strict=True)]

@@ -171,11 +171,12 @@ def explored(
     grid = [{"key": one.path, "values": one.values} for one in sliders]
     own = [{"key": one.path, "values": [one.given]} for one in sliders]
     given, plan = (plan_from_dict(asked | {"coordinates": some}, Path(), table) for some in (own, grid))
-    for each in (given, plan):
-        each.check()
     scenes = (each.scene_of(rows) for each in (given, plan) for rows in each.rows())
     if solver is None and resolution is None and all(map(drawn_by, scenes)):
         given, plan = (replace(each, solver=BATCH, resolution=None) for each in (given, plan))
+    else:
+        for each in (given, plan):
+            each.check()
     with store_of() as store:
         (first,) = carry_out(given, store)
         runs = tuple(carry_out(plan, store, engine, progress))
