@@ -11,6 +11,7 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -29,14 +30,7 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 def chebyshev(x: Array, order: int) -> Array:
     """Chebyshev's polynomials (order, m)."""
-    table = np.ones((order, len(x)))
-    table[1:2], last = x, 1
-    while last < order - 1:  # T_(n + k) = 2 T_n T_k - T_(n - k)
-        more = min(last, order - 1 - last)
-        table[last + 1 : last + more + 1] = 2.0 * table[last] * table[1 : more + 1]
-        table[last + 1 : last + more + 1] -= table[last - more : last][::-1]
-        last += more
-    return table
+    return np.asarray(chebvander(x, order - 1).T, float)
 
 
 @cache
