@@ -46,10 +46,8 @@ def check(model: CurveModel, scene: Scene, parameters: Unknowns) -> list[str]:
         if np.ptp(curve.force) > 0.0:
             _check_columns(model)
         _check_signs(model)
-        if model.scene_of({}) is None and not parameters.sets(CONTACT_POINT):
-            problem = f"never comes to {model.scene.loading.penetration:.4g}, where the scene begins contact"
-            allowed = f"positions counted from first touch, or {CONTACT_POINT} free"
-            raise SceneError(curve.driven, problem, allowed)
+        if not parameters.sets(CONTACT_POINT):
+            model.scene_of({})
     except SceneError as error:
         raise error.in_file(curve.name) from None
     found = [*_of_record(model), *([] if parameters.sets(*SPRING) else _of_spring(curve, scene))]
@@ -133,14 +131,13 @@ def thickness_needed(models: Sequence[CurveModel], scene: Scene) -> Iterator[str
 def _of_record(model: CurveModel) -> Iterator[str]:
     """What makes a record of little use."""
     curve, seen = model.curve, model.moments
-    rows, reach = seen.last - seen.first, float(np.ptp(curve.force))
+    inside, reach = slice(seen.first, seen.last), float(np.ptp(curve.force))
+    rows = seen.last - seen.first
     if rows < FEW_ROWS:
         yield f"{rows} rows in contact: the sampling is too coarse for more than one or two parameters"
-    steps = np.abs(np.diff(curve.force))[model.kept[1:] & model.kept[:-1]]
-    largest = 100.0 * float(steps.max(initial=0.0)) / reach
-    if largest > 100.0 * COARSE:
-        yield f"the force changes by {largest:.0f} % of its range between two rows: sampling too coarse"
-    inside = slice(seen.first, seen.last)
+    steps = np.abs(np.diff(curve.force))[model.kept[1:] & model.kept[:-1]] / reach
+    if steps.max(initial=0.0) > COARSE:
+        yield f"the force changes by {100.0 * steps.max():.0f} % of its range between two rows: too coarse"
     expected = _elastic_force(model.scene, float(np.ptp(curve.motion[inside])))
     factor = float(np.abs(curve.force - seen.background)[inside].max()) / expected
     if not 1.0 / PLAUSIBLE < factor < PLAUSIBLE:

@@ -62,6 +62,12 @@ class Cycle(NamedTuple):
     approach: NDArray[np.intp]
     retraction: NDArray[np.intp]
 
+    @property
+    def background(self) -> dict[str, Array]:
+        """Columns that the force without contact is linear in."""
+        since, way = self.time - self.time[0], self.stage - self.stage[0]
+        return {"level": np.ones_like(way), "drift": since, "tilt": way, "drag": self.speed}
+
 
 class Loss(NamedTuple):
     """Of a retraction: the ``row`` from which it is free, if any, and the height of a ``jump``."""
@@ -128,25 +134,20 @@ class Background(NamedTuple):
 def background(cycle: Cycle, free: NDArray[np.bool_], wave: float | None = None) -> Background:
     """That of all free rows, with a wave of a length; two sides tell a drag, and a drift where it gains. Few
     rows tell a level, as the first do where none is free."""
-    time, stage, force, speed = cycle.time, cycle.stage, cycle.force[free], cycle.speed
+    stage, force = cycle.stage, cycle.force[free]
     if free.sum() <= FEWEST:
         level = float(np.median(force if free.any() else cycle.force[: max(3, free.size // 50)]))
         noise = white_noise(cycle.force)
         return Background(np.full(free.size, level), {"level": level}, 0.0, noise)
     ahead = free & (np.arange(free.size) <= cycle.apex)
     behind = free & ~ahead
-    known = {
-        "level": (np.ones_like(stage), 1.0),
-        "tilt": (stage - stage[0], float(np.ptp(stage))),
-        "drag": (speed, max(float(np.abs(speed).max()), 1e-300)),
-        "drift": (time - time[0], float(np.ptp(time))),
-    }
+    known, waves = cycle.background, wave_columns(stage, wave)
+    scale = {name: float(np.abs(column).max()) or 1.0 for name, column in known.items()}
     both = min(ahead.sum(), behind.sum()) > FEWEST and np.ptp(stage[behind]) > 0.01 * np.ptp(stage)
     sides = np.where(ahead, 1.0 / np.sqrt(max(ahead.sum(), 1)), 1.0 / np.sqrt(max(behind.sum(), 1)))[free]
     best: tuple[float, Background] | None = None
     for names in [["level", "tilt", "drag"], [*known]] if both else [["level", "tilt"]]:
-        columns = [known[name][0] / known[name][1] for name in names] + wave_columns(stage, wave)
-        matrix, weights = np.column_stack(columns), sides
+        matrix, weights = np.column_stack([*(known[name] / scale[name] for name in names), *waves]), sides
         for _ in range(3):
             found = np.linalg.lstsq(matrix[free] * weights[:, None], force * weights, rcond=None)[0]
             left = force - matrix[free] @ found
@@ -154,7 +155,7 @@ def background(cycle: Cycle, free: NDArray[np.bool_], wave: float | None = None)
             weights = sides / np.maximum(1.0, np.abs(left) / (OUTLYING * deviation))
         rough = float(np.sqrt(np.sum((sides * left) ** 2) / np.sum(sides**2)))
         if best is None or (rough < GAIN * best[0] and np.abs(found).max() < 3.0 * np.ptp(cycle.force)):
-            parts = {name: float(value / known[name][1]) for name, value in zip(names, found, strict=False)}
+            parts = {name: float(value / scale[name]) for name, value in zip(names, found, strict=False)}
             size = float(np.hypot(*found[-2:])) if wave else 0.0
             best = rough, Background(matrix @ found, parts, size, float(np.sqrt(np.mean(left**2))))
     assert best is not None

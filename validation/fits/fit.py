@@ -8,7 +8,6 @@ iterations, and the best of all to its end.
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
@@ -154,7 +153,7 @@ class Search:
         self.x, self.least = problem.unknowns.start, np.inf
         self.starts: list[float] = []
         self.ended, self.converged = "interrupted", False
-        self._stage, self._points, self._of_start = "choosing time steps", 0, np.inf
+        self._stage, self._points = "choosing time steps", 0
         problem.on_run = self._first_runs
 
     def tell(self, text: str) -> None:
@@ -174,7 +173,6 @@ class Search:
         total = float(found @ found)
         if total < self.least:
             self.x, self.least = x.copy(), total
-        self._of_start = min(self._of_start, total)
         now, best = (np.sqrt(value / found.size) for value in (total, self.least))
         self.tell(f"{self._stage}, point {self._points}: misfit {now:.4g}, best {best:.4g}")
         return found
@@ -190,18 +188,19 @@ class Search:
             problem = f"no parameter changes the force at the first guess{''.join(failures[:1])}"
             raise SceneError("vary", problem, "a first guess that comes to contact and can be run")
         followed = self._followed(own, MOST_EVALUATIONS)
+        self.starts.append(followed.chisqr)
         if not goodness(self.problem, self.problem.at(self.x)).explained:
             first = self.least
             for number, x in enumerate(self._more_starts(own)):
                 if self.problem.derivatives(x).any():  # otherwise there is nowhere to go from here
                     self._stage = f"start {number + 2} of {self.problem.settings.starts}"
-                    self._followed(x, EXPLORING)
+                    self.starts.append(self._followed(x, EXPLORING).chisqr)
             if self.least < first:
                 self._stage = "best start"
-                followed = self._followed(self.x, MOST_EVALUATIONS, counts=False)
+                followed = self._followed(self.x, MOST_EVALUATIONS)
         self.ended, self.converged = str(followed.message), bool(followed.success)
 
-    def _followed(self, x: Array, evaluations: int, held: int | None = None, counts: bool = True) -> Any:
+    def _followed(self, x: Array, evaluations: int, held: int | None = None) -> Any:
         """Least squares from a point, of all parameters but one that is held."""
         try:
             import lmfit
@@ -211,8 +210,7 @@ class Search:
         for place, (value, low, high) in enumerate(zip(x, *self.problem.unknowns.bounds, strict=True)):
             box.add(f"x{place}", value, vary=place != held, min=low, max=high)
         varied = [place for place in range(x.size) if place != held]
-        self._of_start = np.inf
-        found = lmfit.Minimizer(lambda values: self.residuals(_point(values)), box).least_squares(
+        return lmfit.Minimizer(lambda values: self.residuals(_point(values)), box).least_squares(
             max_nfev=evaluations,
             Dfun=lambda values: self.problem.jacobian(_point(values))[:, varied],
             x_scale="jac",
@@ -220,9 +218,6 @@ class Search:
             xtol=1e-6,
             gtol=None,
         )
-        if counts and held is None:
-            self.starts.append(self._of_start)
-        return found
 
     def _more_starts(self, own: Array) -> list[Array]:
         """The best of a few points drawn about the scene's values, for each further start."""
@@ -231,16 +226,11 @@ class Search:
         self._stage = "drawing starts"
         if settings.starts < 2 or not free.any():
             return []
-        shape = settings.starts - 1, DRAWN_BEFORE, int(free.sum())
-        found = []
-        for group in np.random.default_rng(settings.seed).random(shape):
-            points = []
-            for shares in group:
-                x = own.copy()
-                x[free] = np.clip(own[free] + SPREAD * (2.0 * shares - 1.0), low[free], high[free])
-                points.append((float(np.sum(self.residuals(x) ** 2)), x))
-            found.append(min(points, key=lambda point: point[0])[1])
-        return found
+        draws = np.random.default_rng(settings.seed)
+        drawn = np.zeros((settings.starts - 1, DRAWN_BEFORE, own.size))
+        drawn[..., free] = SPREAD * (2.0 * draws.random((*drawn.shape[:2], int(free.sum()))) - 1.0)
+        groups = np.clip(own + drawn, low, high)
+        return [min(points, key=lambda x: float(np.sum(self.residuals(x) ** 2))) for points in groups]
 
     def profiles(self, result: FitResult) -> tuple[LikelihoodProfile, ...]:
         """Profile likelihoods of the parameters that were asked for.
@@ -325,13 +315,10 @@ def named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:
     """Curves with names that differ."""
     if not curves:
         raise SceneError("curves", "there are none", "one or several MeasuredCurve, or paths of files")
-    names: Counter[str] = Counter()
-    made = []
-    for curve in curves:
-        names[curve.name] += 1
-        again = names[curve.name]
-        made.append(curve if again == 1 else replace(curve, name=f"{curve.name}-{again}"))
-    return made
+    names = [curve.name for curve in curves]
+    before = [names[:place].count(name) for place, name in enumerate(names)]
+    named = zip(curves, before, strict=True)
+    return [replace(curve, name=f"{curve.name}-{n + 1}") if n else curve for curve, n in named]
 
 
 OF_PARAMETER = ("value", "deviation", "low", "high")

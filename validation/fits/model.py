@@ -21,7 +21,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +66,7 @@ class FitRun:
     refused: bool = False
 
 
-NO_CONTACT = FitRun(*(np.empty(0),) * 4)
+NO_CONTACT = FitRun(np.array([0.0, 1.0]), *(np.zeros(2),) * 3, lost=0.0)
 
 
 def run_of(
@@ -93,6 +92,8 @@ def run_of(
         return replace(NO_CONTACT, failure="the run is not finite")
     ended = trace.outcome.finished and trace.outcome.kind is not OutcomeKind.COMPLETED
     failure = "" if trace.outcome.finished else f"{trace.outcome.kind}: {trace.outcome.reason}"
+    if trace.time.size < 2:
+        return replace(NO_CONTACT, failure=failure or "no contact")
     return FitRun(*columns, float(trace.time[-1]) if ended else None, failure)
 
 
@@ -103,16 +104,9 @@ def corners_of(time: Array, position: Array) -> Array:
 
 
 def sampled(time: Array, value: Array, corners: Array, at: Array) -> Array:
-    """A column of a run at times between its rows, each stretch between corners of the loading for itself."""
-    places = np.searchsorted(time, corners[(corners > time[0]) & (corners < time[-1])] - ON_TIME * time[-1])
-    ends = np.unique(np.concatenate([[0], places, [time.size - 1]]))
-    result = np.empty(at.size)
-    for first, last in pairwise(ends.tolist()):
-        rows = slice(first, last + 1)
-        inside = (at >= time[first]) & (at <= time[last])
-        if inside.any():
-            result[inside] = RowCurve(time[rows], value[rows]).values(at[inside])
-    return result
+    """A column of a run at times between its rows, which turns at corners of the loading."""
+    inside = corners[(corners > time[0]) & (corners < time[-1])]
+    return RowCurve(time, value, time[np.searchsorted(time, inside - ON_TIME * time[-1])]).values(at)
 
 
 @dataclass(frozen=True)
@@ -187,9 +181,9 @@ class CurveModel:
         noise = white_noise(inside if inside.size > 4 else radius)
         return max(noise, LEAST_RADIUS_NOISE * float(np.ptp(radius))) or None
 
-    def scene_of(self, values: Mapping[str, float], contact_point: float = 0.0) -> tuple[Scene, float] | None:
-        """The scene to solve with these numbers by path, and the time its clock starts at; ``None`` if the
-        motion never comes to contact."""
+    def scene_of(self, values: Mapping[str, float], contact_point: float = 0.0) -> tuple[Scene, float]:
+        """The scene to solve with these numbers by path, and the time its clock starts at; ``SceneError`` if
+        there is none, or the motion never comes to contact."""
         scene = with_values(self.scene, values)
         heights = self.heights - contact_point
         first, begin = scene.loading.penetration, float(self.knots[0])
@@ -198,31 +192,30 @@ class CurveModel:
         else:
             above = np.flatnonzero(heights >= first)
             if not above.size:
-                return None
+                problem = f"never comes to {first:.4g}, where the scene begins contact"
+                allowed = "positions counted from first touch, or contact_point free"
+                raise SceneError(self.curve.driven, problem, allowed)
             ends = slice(int(above[0]) - 1, int(above[0]) + 1)
             begin = float(np.interp(first, heights[ends], self.knots[ends]))
         later = self.knots > begin
         table = Table((begin, *self.knots[later].tolist()), (first, *heights[later].tolist()))
         return replace(scene, loading=replace(scene.loading, penetration=first, steps=(table,))), begin
 
-    def prediction(self, run: FitRun, begin: float | None, time_offset: float = 0.0) -> Prediction:
+    def prediction(self, run: FitRun, begin: float, time_offset: float = 0.0) -> Prediction:
         """A run whose clock starts at ``begin``, at the rows of the curve; the force is recorded later than
-        the motion by ``time_offset``. Contact that never begins, or ends, does so where the record ends."""
+        the motion by ``time_offset``. Contact that never ends does so where the record ends."""
         curve, seen = self.curve, self.moments
-        touching, end = np.zeros(curve.time.size, bool), float(curve.time[-1])
-        first, lost = end, end
+        at, first = curve.time - time_offset - begin, begin + time_offset
+        ends = run.lost if run.lost is not None else run.time[-1] if run.failure else np.inf
+        touching, inside = (at >= 0.0) & (at < ends), np.clip(at, 0.0, run.time[-1])
+        lost = float(curve.time[-1]) if run.lost is None else first + run.lost
+        corners = corners_of(self.knots, self.heights) - begin
         compared = [(run.force, curve.force, self.allowed)]
         if curve.contact_radius is not None and self.radius_noise is not None:
             compared.append((run.contact_radius, curve.contact_radius, self.radius_noise))
-        columns = [np.zeros(curve.time.size)] * len(compared)
-        if begin is not None and run.time.size > 1:
-            at, first = curve.time - time_offset - begin, begin + time_offset
-            touching = (at >= 0.0) & (at <= run.time[-1] if run.lost is not None or run.failure else True)
-            inside, corners = np.clip(at, 0.0, run.time[-1]), corners_of(self.knots, self.heights) - begin
-            columns = [
-                np.where(touching, sampled(run.time, of_run, corners, inside), 0.0) for of_run, *_ in compared
-            ]
-            lost = end if run.lost is None else first + run.lost
+        columns = [
+            np.where(touching, sampled(run.time, of_run, corners, inside), 0.0) for of_run, *_ in compared
+        ]
         left = [
             (column - measured) / deviation
             for column, (_, measured, deviation) in zip(columns, compared, strict=True)
@@ -245,12 +238,7 @@ class CurveModel:
         """Parts of the background, as far as each is more than the parts before it make up, shape (N,)."""
         asked = {part for name in free for part in BACKGROUND.get(name, ())}
         curve, ahead = self.curve, slice(0, self.moments.first)
-        parts = {
-            "baseline": np.ones(curve.time.size),
-            "drift": curve.time - curve.time[0],
-            "tilt": curve.position - curve.position[0],
-            "drag": curve.speed,
-        }
+        parts = {"baseline" if name == "level" else name: c for name, c in curve.cycle.background.items()}
         if "wave_cosine" in asked:  # that which the rows before contact show over level and tilt
             line = np.array([parts["baseline"], parts["tilt"]]).T[ahead]
             left = curve.force[ahead] - line @ least_squares(line, curve.force[ahead])

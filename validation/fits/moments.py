@@ -107,15 +107,13 @@ def moments(curve: MeasuredCurve) -> Moments:
     least = LEAST_NOISE * float(np.ptp(force))
     noise, source = max(white_noise(force), least), "differences of neighbouring rows"
     degrees = MEDIAN_EFFICIENCY * rows
-    first, last = 0, rows
-    if cycle.approach.size >= FEWEST_ROWS:
-        inward = cycle.approach[::-1]
-        begin = loss_of_contact(curve.position[inward], force[inward], noise).row
-        first = 0 if begin is None else int(inward[begin]) + 1
-    if cycle.retraction.size >= FEWEST_ROWS:
-        outward = cycle.retraction
-        end = loss_of_contact(curve.position[outward], force[outward], noise).row
-        last = rows if end is None else int(outward[end])
+
+    def lost(part: NDArray[np.intp], never: int) -> int:
+        enough = part.size >= FEWEST_ROWS
+        row = loss_of_contact(curve.position[part], force[part], noise).row if enough else None
+        return never if row is None else int(part[row])
+
+    first, last = lost(cycle.approach[::-1], -1) + 1, lost(cycle.retraction, rows)
     snap_in, pull_off = _jump(curve, first - 1, noise, 1), _jump(curve, last - 1, noise, -1)
     free = np.zeros(rows, bool)
     free[: first if snap_in else _free_rows(force[:first])] = True

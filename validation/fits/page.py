@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,33 +20,11 @@ from validation.drawing import export
 from validation.drawing.axes import format_axes, label_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
 from validation.fits.fit import OF_PARAMETER, EachFit, dataset
-from validation.fits.result import (
-    CHI_SQUARED,
-    UNLIKELY,
-    VAGUE,
-    Estimate,
-    FitResult,
-    FittedCurve,
-    LikelihoodProfile,
-)
+from validation.fits.result import CHI_SQUARED, UNLIKELY, VAGUE, Estimate, FitResult, FittedCurve
 from validation.measure.scaling import unit_name
+from validation.report import document as doc
 from validation.report import report
-from validation.report.document import (
-    ABSENT,
-    Bullets,
-    DataTable,
-    Document,
-    Figure,
-    Figures,
-    Paragraph,
-    Part,
-    Record,
-    Section,
-    VerdictCell,
-    number,
-    plain,
-    with_drawing,
-)
+from validation.report.document import ABSENT, DataTable, Paragraph, Record, Section, VerdictCell, number
 from validation.runs.folder import to_json
 from validation.runs.provenance import stamp, version
 
@@ -75,8 +53,11 @@ OF_CURVE = (
     "rows_correlated",
     "worst_stretch",
 )
+PROFILED = ("profile from", "low", "no lower end"), ("profile to", "high", "no upper end")
 MOST_COLUMNS = 4  # curves or profiles side by side
 ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.2, "rasterized": True}
+EXPLAINED = {"color": SERIES[0], "label": "explained"}
+MISSED = {"color": VERMILION, "label": "not explained"}
 LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "labelcolor": INK}
 
 
@@ -131,9 +112,18 @@ def write_fit(result: FitResult, folder: Path) -> None:
     report.write(folder, document(result, drawn), files | {"fit.json": to_json(of_fit(result))})
 
 
-def document(result: FitResult, curves: Drawing) -> Document:
+def document(result: FitResult, curves: Drawing) -> doc.Document:
     """The whole page, with the figure of the curves."""
+    sections = tuple(_sections(result, curves))
+    return doc.Document(f"Fit: {result.scene.title or 'a scene'}", (lead(result),), sections)
+
+
+def _sections(result: FitResult, curves: Drawing) -> Iterator[Section]:
     said = statements(result)
+    if said:
+        yield Section("Before you use a number", (doc.Bullets(tuple(said)),))
+    yield Section("Parameters", (table(result),))
+    yield Section("Curves", (_figure("curves", curves), DataTable.of(_curves(result))))
     products = (
         {"product": one.text, "standard deviation": _percent(one.deviation)} for one in result.combinations
     )
@@ -142,26 +132,36 @@ def document(result: FitResult, curves: Drawing) -> Document:
         {"correlation": name} | {str(place): f"{value:+.2f}" for place, value in enumerate(row, 1)}
         for name, row in zip(names, result.correlations, strict=True)
     )
-    profiles = (_figure("profiles", draw_profiles(result.profiles)),) if result.profiles else ()
-    sections: dict[str, tuple[Part, ...]] = {
-        "Before you use a number": (Bullets(tuple(said)),) if said else (),
-        "Parameters": (table(result),),
-        "Curves": (_figure("curves", curves), DataTable.of(_curves(result))),
-        "What the data tell apart": (
-            Paragraph(COMBINATIONS),
-            DataTable.of(products),
-            DataTable.of(correlations, unbroken=("correlation",)),
-        ),
-        "Profile likelihood": profiles,
-        f"The same by {result.check.solver}" if result.check else "": tuple(_second_opinion(result)),
-        "How it was done": tuple(_done(result)),
-    }
-    parts = tuple(Section(title, own) for title, own in sections.items() if own)
-    return Document(f"Fit: {result.scene.title or 'a scene'}", (lead(result),), parts)
+    apart = DataTable.of(products), DataTable.of(correlations, unbroken=("correlation",))
+    yield Section("What the data tell apart", (Paragraph(COMBINATIONS), *apart))
+    if result.profiles:
+        yield Section("Profile likelihood", (_figure("profiles", draw_profiles(result.profiles)),))
+    if result.check:
+        shifts = (
+            {"parameter": name, "shift, to first order, over its deviation": format(shift, "+.3f")}
+            for name, shift in result.check.shifts.items()
+        )
+        tables = DataTable.of(map(_plainly, result.check.differences)), DataTable.of(shifts)
+        yield Section(f"The same by {result.check.solver}", tables)
+    method = {"ended": result.ended} | asdict(result.settings) | _method(result)
+    known = {name: value for name, value in method.items() if value not in (None, (), "")}
+    done = DataTable(("", ""), tuple(_plainly(known, 4).items()), numeric=False)
+    penalty = Paragraph(
+        "The squared second differences of their logarithms, times "
+        f"{result.settings.regularisation:g}, were added to the sum of squares."
+    )
+    yield Section("How it was done", (done, penalty) if result.settings.prony else (done,))
 
 
-def _figure(name: str, drawn: Drawing) -> Figures:
-    return Figures((with_drawing(Figure(f"fit-{name}", CAPTIONS[name], wide=name != "profiles"), drawn),))
+def _plainly(values: Mapping[str, Any], digits: int = 2) -> dict[str, str]:
+    """Numbers, or several of them, by their names in words."""
+    several = {name: value if isinstance(value, tuple) else (value,) for name, value in values.items()}
+    return {doc.plain(name): ", ".join(number(one, digits) for one in all_) for name, all_ in several.items()}
+
+
+def _figure(name: str, drawn: Drawing) -> doc.Figures:
+    shown = doc.Figure(f"fit-{name}", CAPTIONS[name], wide=name != "profiles")
+    return doc.Figures((doc.with_drawing(shown, drawn),))
 
 
 def lead(result: FitResult) -> Paragraph:
@@ -259,20 +259,17 @@ def table(result: FitResult) -> DataTable:
     profiles = {one.name: one for one in result.profiles}
 
     def row(one: Estimate) -> Record:
-        known = math.isfinite(one.deviation)
-        record: dict[str, str | VerdictCell] = {
+        ends = (one.low, one.high) if math.isfinite(one.deviation) else (None, None)
+        record = {
             "parameter": one.name,
             "value ± standard deviation": with_error(one),
-            "95 % from": format(one.low, ".5g") if known else ABSENT,
-            "to": format(one.high, ".5g") if known else ABSENT,
-            "first guess": format(one.start, ".4g"),
+            **{title: number(end, 5) for title, end in zip(("95 % from", "to"), ends, strict=True)},
+            "first guess": number(one.start, 4),
             "note": VerdictCell(one.note, False) if one.note else ABSENT,
         }
-        for title, end in (("profile from", "low"), ("profile to", "high")) if profiles else ():
-            own = profiles.get(one.name)
-            without = "no lower end" if end == "low" else "no upper end"
-            value = None if own is None else getattr(own, end)
-            record[title] = ABSENT if own is None else without if value is None else format(value, ".5g")
+        for title, end, without in PROFILED if profiles else ():
+            at = getattr(profiles.get(one.name), end, ABSENT)
+            record[title] = without if at is None else number(at, 5)
         return record
 
     return DataTable.of(map(row, result.estimates), unbroken=("parameter", "value ± standard deviation"))
@@ -296,41 +293,11 @@ def _curves(result: FitResult) -> Iterator[Record]:
             "curve": one.curve.name,
             "rows": str(one.curve.time.size),
             "compared": str(int(one.compared.sum())),
-            **{plain(name): number(getattr(one, name), 3) for name in OF_CURVE[:-1]},
+            **_plainly({name: getattr(one, name) for name in OF_CURVE[:-1]}, 3),
             "stretches of one sign": str(runs.runs),
             "by chance": format(runs.expected, ".0f"),
             "as few by chance": VerdictCell(_chance(runs.probability), runs.probability >= UNLIKELY),
         }
-
-
-def _second_opinion(result: FitResult) -> Iterator[Part]:
-    """Differences of the fitted curves over the noise and the force by another solver, and what they amount
-    to in parameters."""
-    if result.check is None:
-        return
-    differences = result.check.differences
-    yield DataTable.of({plain(key): number(value, 2) for key, value in one.items()} for one in differences)
-    if result.check.shifts:
-        yield DataTable.of(
-            {"parameter": name, "shift, to first order, over its deviation": format(shift, "+.3f")}
-            for name, shift in result.check.shifts.items()
-        )
-
-
-def _done(result: FitResult) -> Iterator[Part]:
-    """Settings of the fit and how it was carried out."""
-    settings, method = result.settings, {"ended": result.ended} | asdict(result.settings) | _method(result)
-    known = ((plain(key), _listed(value)) for key, value in method.items() if value not in (None, (), ""))
-    yield DataTable(("", ""), tuple(known), numeric=False)
-    if settings.prony:
-        yield Paragraph(
-            "The squared second differences of their logarithms, times "
-            f"{settings.regularisation:g}, were added to the sum of squares."
-        )
-
-
-def _listed(value: Any) -> str:
-    return ", ".join(number(one, 4) for one in (value if isinstance(value, tuple) else (value,)))
 
 
 def draw_curves(result: FitResult) -> Drawing:
@@ -380,7 +347,7 @@ def _draw_curve(upper: Axes, lower: Axes, one: FittedCurve, explained: bool) -> 
         axes.locator_params(axis="x", nbins=5)
 
 
-def draw_profiles(profiles: Sequence[LikelihoodProfile]) -> Drawing:
+def draw_profiles(profiles: Sequence[Any]) -> Drawing:
     """Increase of the sum of squares over each parameter, the 95 % limit drawn in."""
     panels, figure = _panels(len(profiles), (2.6, 2.4), 1.5)
     look: dict[str, Any] = {"color": SERIES[0], "marker": MARKERS[0], "markersize": 3, "linewidth": 1.0}
@@ -411,7 +378,7 @@ def write_each(found: Sequence[EachFit], folder: Path) -> None:
     explained = sum(one.explained for one in found)
     lead = Paragraph(f"{explained} of {len(found)} curves are explained.", explained == len(found))
     section = Section("Curves", (_figure("each", draw_each(found)), each_table(found)))
-    report.write(folder, Document("Fit of each curve", (lead,), (section,)), files)
+    report.write(folder, doc.Document("Fit of each curve", (lead,), (section,)), files)
 
 
 def each_table(found: Sequence[EachFit]) -> DataTable:
@@ -428,22 +395,20 @@ def each_table(found: Sequence[EachFit]) -> DataTable:
 
 def draw_each(found: Sequence[EachFit]) -> Drawing:
     """A panel for each parameter: values with their intervals over the number of the curve."""
-    data = dataset(found)
-    [panels], figure = _panels(1, (7.2, 1.6 * data.parameter.size + 0.6), 1.0, (1.0,) * data.parameter.size)
-    places, explained = np.arange(1, len(found) + 1), data.explained.values
-    for axes, name in zip(panels, data.parameter.values, strict=True):
+    from matplotlib.figure import Figure
+
+    data, places = dataset(found), np.arange(1, len(found) + 1)
+    count, explained = max(data.parameter.size, 1), data.explained.values
+    figure = Figure(figsize=(7.2, 1.6 * count + 0.6), layout="constrained")
+    panels = figure.subplots(count, 1, sharex=True, squeeze=False).ravel()
+    for axes, name in zip(panels, data.parameter.values, strict=False):
         value, _, low, high = (data[of].sel(parameter=name).values for of in OF_PARAMETER)
         reach = np.nan_to_num(np.abs([low - value, high - value]), posinf=0.0)
-        for kept, colour, label in (
-            (explained, SERIES[0], "explained"),
-            (~explained, VERMILION, "not explained"),
-        ):
-            look: dict[str, Any] = {"fmt": "o", "markersize": 3, "color": colour, "label": label}
-            axes.errorbar(places[kept], value[kept], reach[:, kept], **look)
+        for kept, look in ((explained, EXPLAINED), (~explained, MISSED)):
+            axes.errorbar(places[kept], value[kept], reach[:, kept], fmt="o", markersize=3, **look)
         axes.set_ylabel(name, color=INK, fontsize="small")
         format_axes(axes)
         axes.locator_params(axis="x", integer=True)
-        axes.label_outer()
     panels[-1].set_xlabel("number of the curve")
     panels[0].legend(**LEGEND)
     return figure

@@ -12,13 +12,12 @@ no work and may be carried out side by side.
 from __future__ import annotations
 
 import math
-import re
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +26,7 @@ from contact_scene import Branch, Machine, Scene, SceneError
 from contact_scene.checked import Checked, NotNegative, Positive
 from contact_scene.errors import shown
 from contact_scene.scene import value_at
-from contact_scene.value_checks import Range, Rule, finite, whole_from
+from contact_scene.value_checks import Range, finite, one_of, whole_from
 from validation.fits.contact import Array
 from validation.fits.model import (
     BACKGROUND,
@@ -62,18 +61,6 @@ KEPT_RUNS = 2000
 SHARE = Range("a share of the range between 0 and 1", 0.0, 1.0, open=True)
 
 
-class SolverName(Rule):
-    """Names of the registered solvers, as they are when one is checked, behind ``words``."""
-
-    def __call__(self, value: Any, key: str) -> str:
-        if not isinstance(value, str) or value not in tuple(SOLVERS):
-            raise SceneError(key, f"got {shown(value)}", f"{self.words} {', '.join(SOLVERS)}")
-        return value
-
-
-SOLVER, CHECK_SOLVER = SolverName("one of"), SolverName("none,")
-
-
 @dataclass(frozen=True)
 class FitSettings(Checked):
     """What to fit and how: see :func:`crosscontact.fit`; one name needs no sequence around it."""
@@ -87,9 +74,9 @@ class FitSettings(Checked):
     starts: Annotated[int, whole_from(1)] = 3
     seed: Annotated[int, whole_from(0)] = 0
     profile: tuple[str, ...] = ()
-    solver: Annotated[str, SOLVER] = REFERENCE
+    solver: str = REFERENCE
     resolution: Annotated[int, whole_from(1)] | None = None
-    check_solver: Annotated[str, CHECK_SOLVER] | None = "bem"
+    check_solver: str | None = "bem"
     max_steps: Annotated[int, whole_from(1)] | None = None
     within: Annotated[float, SHARE] | None = None
 
@@ -101,8 +88,9 @@ class FitSettings(Checked):
 
     def rules(self) -> None:
         for name in self.free:
-            if name not in INSTRUMENT:
-                raise SceneError("free", f"got {shown(name)}", ", ".join(INSTRUMENT))
+            one_of(name, "free", INSTRUMENT)
+        one_of(self.solver, "solver", tuple(SOLVERS))
+        one_of(self.check_solver or "none", "check_solver", ("none", *SOLVERS))
         if list(self.prony) != sorted(set(self.prony)):
             raise SceneError("prony", f"got {shown(self.prony)}", "rising relaxation times")
         if self.regularisation is None:
@@ -268,9 +256,9 @@ def _of_scene(
     """The unknown of ``PATH``, ``PATH=LOW:HIGH`` or ``PATH=LOW:HIGH:linear``, with the paths tied to it."""
     path, _, limits = entry.partition("=")
     start = value_at(scene, path)
-    low, high, form = _limits(path, limits)
+    low, high, linear = _limits(path, limits)
     least, most = LIMITED.get(path, (-math.inf, math.inf))
-    logarithmic = form != "linear" and start > 0.0 and path not in LIMITED and (low is None or low > 0.0)
+    logarithmic = not linear and start > 0.0 and path not in LIMITED and (low is None or low > 0.0)
     reach = RANGE * max(abs(start), 1e-3)
     widest = (start / RANGE, start * RANGE) if logarithmic else (start - reach, start + reach)
     low = max(widest[0] if low is None else low, least)
@@ -283,18 +271,16 @@ def _of_scene(
     return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place, ratios)
 
 
-def _limits(path: str, text: str) -> tuple[float | None, float | None, str]:
-    """Bounds and form that an entry states, if any."""
+def _limits(path: str, text: str) -> tuple[float | None, float | None, bool]:
+    """Bounds that an entry states, if any, and whether the search sees the number itself."""
     if not text:
-        return None, None, ""
-    match = re.fullmatch(r"([^:]+):([^:]+)(?::(linear))?", text)
-    if match is None:
-        raise SceneError(path, f"got bounds {shown(text)}", "LOW:HIGH or LOW:HIGH:linear")
+        return None, None, False
     try:
-        low, high = (finite(float(part), path) for part in match.groups()[:2])
+        low, high = (finite(float(part), path) for part in text.removesuffix(":linear").split(":"))
     except ValueError:
-        raise SceneError(path, f"got bounds {shown(text)}", "two finite numbers, LOW:HIGH") from None
-    return low, high, match[3] or ""
+        allowed = "two finite numbers, LOW:HIGH or LOW:HIGH:linear"
+        raise SceneError(path, f"got bounds {shown(text)}", allowed) from None
+    return low, high, text.endswith(":linear")
 
 
 def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
@@ -338,7 +324,7 @@ class FitProblem:
     _kept: dict[str, FitRun] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        predicted = [model.prediction(NO_CONTACT, None) for model in self.models]
+        predicted = [model.prediction(NO_CONTACT, 0.0) for model in self.models]
         sizes = [one.residuals.size for one in predicted]
         ends = np.cumsum([0, *sizes, self._bending(self.unknowns.start).size]).tolist()
         self._rows, self.size = [slice(*both) for both in pairwise(ends[:-1])], ends[-1]
@@ -360,7 +346,7 @@ class FitProblem:
 
     def at(self, x: Array) -> Point:
         """A point of the search."""
-        predicted, bending = self.predictions(list(enumerate(self._values(x)))), self._bending(x)
+        predicted, bending = self.predictions(self._calls(x)), self._bending(x)
         compared = np.concatenate([*(one.hold for one in predicted), np.ones(bending.size, bool)])
         raw = np.concatenate([*(one.residuals for one in predicted), bending])
         raw, columns = np.where(compared, raw, 0.0), np.where(compared[:, None], self.columns, 0.0)
@@ -374,49 +360,41 @@ class FitProblem:
 
     def derivatives(self, x: Array) -> Array:
         """Derivatives by the numbers of the search with the background held, shape (R, P)."""
-        calls = list(enumerate(self._values(x)))
-        curves, bending, high = range(len(calls)), self._bending(x), self.unknowns.bounds[1]
-        moves: list[tuple[int, int, float]] = []  # parameter, curve, step
-        result = np.zeros((self.size, len(self.unknowns)))
-        for place, one in enumerate(self.unknowns.found):
-            moved = x.copy()
-            step = self.step if x[place] + self.step <= high[place] else -self.step
-            moved[place] += step
-            result[self.size - bending.size :, place] = (self._bending(moved) - bending) / step
-            for curve in curves if one.curve is None else (one.curve,):
-                moves.append((place, curve, step))
-                calls.append((curve, self.unknowns.values(moved, curve)))
-        predicted = self.predictions(calls)
-        for (place, curve, step), other in zip(moves, predicted[len(curves) :], strict=True):
-            now = predicted[curve]
-            change = (other.residuals - now.residuals) / step
-            result[self._rows[curve], place] = np.where(now.hold_with(other), change, 0.0)
-        return result
+        steps = np.where(x + self.step <= self.unknowns.bounds[1], self.step, -self.step)
+        points, count = [x, *(x + np.diag(steps))], len(self.models)
+        predicted = self.predictions([call for point in points for call in self._calls(point)])
+        slopes = np.zeros((self.size, x.size))
+        for place, (step, point) in enumerate(zip(steps, points[1:], strict=True)):
+            others = predicted[count * (place + 1) :]
+            for rows, now, other in zip(self._rows, predicted, others, strict=False):
+                change = (other.residuals - now.residuals) / step
+                slopes[rows, place] = np.where(now.hold_with(other), change, 0.0)
+            slopes[self._rows[-1].stop :, place] = (self._bending(point) - self._bending(x)) / step
+        return slopes
 
     def predictions(self, points: Sequence[tuple[int, Mapping[str, float]]]) -> list[Prediction]:
         """Predictions for curves, each with its numbers by path; equal runs are done once."""
         settings = self.settings
         asked_of = settings.solver, settings.resolution, self.tolerance, settings.max_steps
-        asked: list[tuple[str, float | None]] = []  # key of the run, or why there is none; start of its clock
+        asked: list[tuple[str, float]] = []  # key of the run, or why there is none; start of its clock
         tasks: dict[str, Task] = {}
         for curve, values in points:
-            key, begin = "", None
+            model, of_scene = self.models[curve], {path: at for path, at in values.items() if "." in path}
             try:
-                of_scene = {path: value for path, value in values.items() if "." in path}
-                found = self.models[curve].scene_of(of_scene, values.get(CONTACT_POINT, 0.0))
-                if found is not None:
-                    key, begin = fingerprint("fit", found[0], *asked_of), found[1]
-                    if key not in self._kept:
-                        tasks[key] = Task(key, f"curve {curve + 1}", run_of, (found[0], *asked_of), FitRun)
+                scene, begin = model.scene_of(of_scene, values.get(CONTACT_POINT, 0.0))
+                key = fingerprint("fit", scene, *asked_of)
+                if key not in self._kept:
+                    tasks[key] = Task(key, f"curve {curve + 1}", run_of, (scene, *asked_of), FitRun)
             except SceneError as error:  # a corner of the search that no scene may have
-                key = str(error)
+                key, begin = str(error), float(model.curve.time[-1])
+                self._kept[key] = replace(NO_CONTACT, failure=key)
             asked.append((key, begin))
         executor = self.executor if len(tasks) > 1 else None
         run_tasks(tasks.values(), executor, self.store, on_result=self._keep)
         made = []
         for (curve, values), (key, begin) in zip(points, asked, strict=True):
-            run = replace(NO_CONTACT, failure=key) if begin is None else self._kept[key]
-            made.append(self.models[curve].prediction(run, begin, values.get(TIME_OFFSET, 0.0)))
+            offset = values.get(TIME_OFFSET, 0.0)
+            made.append(self.models[curve].prediction(self._kept[key], begin, offset))
         while len(self._kept) > KEPT_RUNS:
             del self._kept[next(iter(self._kept))]
         return made
@@ -443,8 +421,8 @@ class FitProblem:
                 force += size * self.background[index][part]
         return force
 
-    def _values(self, x: Array) -> list[dict[str, float]]:
-        return [self.unknowns.values(x, index) for index in range(len(self.models))]
+    def _calls(self, x: Array) -> list[tuple[int, dict[str, float]]]:
+        return [(curve, self.unknowns.values(x, curve)) for curve in range(len(self.models))]
 
     def _bending(self, x: Array) -> Array:
         return self.settings.bending(self.unknowns.values(x))

@@ -282,19 +282,18 @@ class ColumnsByHand(Rule):
         if isinstance(value, str):
             parts = (part.partition("=") for part in value.split(","))
             value = {holds.strip(): tuple(at.strip().rsplit(":", 1)) for holds, _, at in parts}
-        if not isinstance(value, Mapping):
+        if not isinstance(value, Mapping) or not set(value) <= set(HELD):
             raise self.refused(key, f"got {shown(value)}")
         found: dict[str, tuple[str | int, float]] = {}
         for holds, stated in value.items():
             column, factor = (*stated, 1.0)[:2] if isinstance(stated, tuple) else (stated, 1.0)
-            is_column = isinstance(column, (int, str)) and not isinstance(column, bool) and column != ""
-            if holds not in HELD or not is_column:
-                raise self.refused(key, f"got {shown(holds)}: {shown(stated)}")
-            column = int(column) if isinstance(column, str) and column.isdigit() else column
             try:
+                if column == "" or type(column) not in (int, str):
+                    raise ValueError
+                column = int(column) if str(column).isdigit() else column
                 found[holds] = column, finite(float(factor), key)
             except (TypeError, ValueError):
-                raise SceneError(key, f"got the factor {shown(factor)}", "a number") from None
+                raise self.refused(key, f"got {shown(holds)}: {shown(stated)}") from None
         return found
 
 
@@ -365,7 +364,7 @@ class Given(Checked):
         try:
             return MeasuredCurve(**(more | kept), stiffness=stiffness, name=name)
         except SceneError as error:
-            raise SceneError(error.key, error.problem, error.allowed, str(file)) from None
+            raise replace(error, file=str(file)) from None
 
 
 def missing(keys: list[str], file: Path) -> SceneError:

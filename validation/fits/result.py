@@ -359,10 +359,9 @@ def estimate(one: Unknown, at: float, variance: float) -> Estimate:
 
 def correlation(spread: Array) -> Array:
     """Correlations of the parameters, shape (P, P); 0 where a variance is infinite."""
-    deviation = np.sqrt(np.diag(spread))
-    usable = np.isfinite(deviation) & (deviation > 0.0)
-    divisor = np.where(usable, deviation, 1.0)
-    result = np.where(np.outer(usable, usable), spread / np.outer(divisor, divisor), 0.0)
+    variance = np.diag(spread)
+    scale = 1.0 / np.sqrt(np.where(variance > 0.0, variance, np.inf))
+    result = np.where(np.isfinite(spread), spread, 0.0) * np.outer(scale, scale)
     np.fill_diagonal(result, 1.0)
     return result
 

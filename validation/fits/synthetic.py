@@ -88,8 +88,8 @@ def synthetic(
     one_of(solver, "solver", tuple(SOLVERS))
     scene = _driven(scene, stiffness)
     run = run_of(scene, solver, resolution)
-    if run.failure or run.time.size < 2:
-        raise SceneError("", f"no curve: {run.failure or 'no contact'}", "a scene that the solver finishes")
+    if run.failure:
+        raise SceneError("", f"no curve: {run.failure}", "a scene that the solver finishes")
     spring, end = scene.loading.compliance, float(run.time[-1])
     lasting = np.append(True, np.diff(run.time) > ON_TIME * end)  # rows of a jump share their time
     moments, driven = run.time[lasting], (run.penetration + spring * run.force)[lasting]
