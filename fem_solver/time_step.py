@@ -95,12 +95,11 @@ class TriedSteps(AcceptedStates):
         largest = deviation_from_tangent(segment, interval.time, interval.next_time)
         return largest / (_DEVIATION_PER_TOLERANCE * self.estimator.tolerance * span)
 
-    def _zone_fills_contact(self, contact: ContactCandidate, interval: DyadicInterval) -> bool:
-        """Whether a zone of fixed stress comes to fill its contact within a step that is not yet short."""
-        if self.setup.geometry.stress is None or not contact.in_equilibrium or interval.shortest:
+    def _zone_fills_contact(self, contact: ContactCandidate) -> bool:
+        """Whether a zone of fixed stress fills its contact, which is followed no farther."""
+        if self.setup.geometry.stress is None or not contact.in_equilibrium:
             return False
-        fills = contact.problem.zone(contact.edge.s) >= self.solver.radius(contact)
-        return fills and interval.dt > _ZONE_END_SHARE * (interval.end - interval.start)
+        return contact.problem.zone(contact.edge.s) >= self.solver.radius(contact)
 
 
 _LENGTH_TOLERANCE = 1e-14
@@ -197,7 +196,8 @@ class SteppedStates(TriedSteps):
             if self._first_step_was_too_long(candidate, interval):
                 continue
             contact = candidate.contact
-            if self._zone_fills_contact(contact, interval):
+            long = interval.dt > _ZONE_END_SHARE * (interval.end - interval.start) and not interval.shortest
+            if long and self._zone_fills_contact(contact):
                 self._reject(interval)
                 continue
             if error > _REJECT and not interval.shortest:
@@ -274,7 +274,7 @@ class SteppedStates(TriedSteps):
         Where the energy follows the speed, an edge that a short step takes beyond the zone has passed it.
         """
         landed = edge_jump(self.solver, candidate)
-        if not landed.in_equilibrium or self._below_zone(landed):
+        if not landed.in_equilibrium or self._below_zone(landed) or self._zone_fills_contact(landed):
             if self._has_rate and landed.edge.motion is not EdgeMotion.ADVANCING:
                 self._end_in_step(segment, dt)
             self._contact_lost(landed)

@@ -13,11 +13,13 @@ from support.paper_scenes import ONE, WORK
 
 from contact_scene import (
     Adhesion,
+    Branch,
     FlatPunch,
     Loading,
     Machine,
     Material,
     OutcomeKind,
+    PowerLaw,
     PowerRate,
     Ramp,
     Scene,
@@ -86,6 +88,17 @@ def test_on_a_spring_it_is_lost_where_the_stage_is_least(solver):
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert_allclose(trace.extra["stage"].min(), least, rtol=TOLERANCES[solver])
     assert_allclose(-trace.force.min(), -law.pull_off_force_control().force, rtol=TOLERANCES[solver])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", TOLERANCES)
+def test_a_contact_that_its_zone_fills_is_no_place_to_arrest(solver):
+    """Elsewhere on the way of the jump the residual rises through zero only where the zone is cut."""
+    material = Material(0.75, 0.5, (Branch(0.34, 0.034), Branch(4.3, 84.0)))
+    loading = Loading("snap-in", 1.2e-4, (Ramp(0.02, 0.048), Ramp(-0.08, 0.033)))
+    trace = solved(solver, Scene(material, PowerLaw(6.86, 1260.0), loading, Adhesion(4.3e-4, stress=0.101)))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.contact_radius[trace.contact_radius > 0.0].min() > 0.097
 
 
 def test_a_large_stress_is_jkr_and_the_zone_that_of_dugdale():
