@@ -50,7 +50,7 @@ resolution = 4
 [[coordinates]]
 name = "rate"
 key = "loading.steps.1.rate"
-geomspace = [0.02, 0.5, 16]
+geomspace = [0.02, 0.5, 8]
 """
 COMMANDS = {
     "sweep": "sweep plan.toml",

@@ -80,7 +80,9 @@ class EdgePolynomial:
         root = slope + np.sqrt(np.maximum(slope**2 + 4.0 * self.bend * way, 0.0))
         share = np.divide(2.0 * way, root, out=np.zeros_like(way), where=root > 0.0)
         share = np.clip(share, 0.0, 1.0)
-        return share if self.twist == 0.0 else self._improved(share, way)
+        if self.twist != 0.0:
+            share = self._improved(share, way)
+        return np.where(way >= 1.0, 1.0, np.where(way <= 0.0, 0.0, share))  # to the last bit
 
     def _improved(self, share: Array, way: Array) -> Array:
         """Roots of the cubic, from those of the parabola: Newton's method within brackets that shrink."""
@@ -98,7 +100,7 @@ class EdgePolynomial:
             moved, share = np.abs(ahead - share).max(initial=0.0), ahead
             if moved < _MOMENT_TOLERANCE:
                 break
-        return np.where(way >= 1.0, 1.0, np.where(way <= 0.0, 0.0, share))
+        return share
 
 
 def missed_by_extrapolation(start: float, end: float, dt: float, before: tuple[Row, ...]) -> float:

@@ -255,13 +255,16 @@ def test_the_path_meets_the_rows_and_tells_when_a_node_is_passed():
     turning = EdgePolynomial.through(1.0, 1.001, 0.5, ((0.25, 1.5),))
     assert abs(turning.bend) == 1.0
     assert not turning.opens
-    assert EdgePolynomial.through(1.0, 1.0, 0.5, ((0.25, 1.5),)).passed(
-        np.array([0.9, 1.0, 1.1])
-    ).tolist() == [
-        1,
-        1,
-        0,
-    ]
+    at_rest = EdgePolynomial.through(1.0, 1.0, 0.5, ((0.25, 1.5),))
+    assert at_rest.passed(np.array([0.9, 1.0, 1.1])).tolist() == [1, 1, 0]
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.1])
+def test_the_end_of_a_path_is_passed_at_the_end_of_the_step_to_the_last_bit(twist):
+    """A node that is covered in part would else go on as if it were covered whole."""
+    for bend in np.linspace(-0.5, 0.5, 1001):
+        path = EdgePolynomial(0.071, 0.0011325, bend, twist)
+        assert path.passed(np.array([0.073]))[0] == 1.0
 
 
 def test_a_parabola_through_three_rows_misses_a_cubic_by_its_third_difference():
