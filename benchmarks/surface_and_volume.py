@@ -1,6 +1,6 @@
 """Surface components against internal variables in the volume: ``python -m benchmarks.surface_and_volume``.
 
-The nodal forces of a run go through the Prony updates of the whole body (``fem_solver.replay``). Rows and
+The nodal forces of a run go through the Prony updates of the whole body (``fem_solver.volume``). Rows and
 nodes are refined together, N the elements of a process zone (without adhesion: divisions of a hundredth of
 the largest contact radius). Errors are root mean squares over the rows, relative to the largest of the run.
 """
@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator, Sequence
 
 from fem_solver import Options, record
-from fem_solver.replay import VolumeAnswer, replayed
+from fem_solver.volume import VolumeAnswer, replayed
 from validation import cases
 from validation.solvers.finite_elements import FiniteElements
 

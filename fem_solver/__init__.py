@@ -1,8 +1,8 @@
 """Adhesive contact of a viscoelastic body by finite elements and node release, of crosscontact."""
 
-from fem_solver.fields.recording import Recording
-from fem_solver.fields.states import FieldState, field_states
-from fem_solver.options import Options
+from fem_solver.fields import FieldState, field_states
+from fem_solver.recorder import Recording
+from fem_solver.setup import Options
 from fem_solver.solver import record, solve
 
 __all__ = [

@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_solver.prony import Prony, mean_phi, phi
+from fem_solver.moduli import Prony, mean_phi, phi
 
 Array = NDArray[np.float64]
 VariablesOfParts = tuple[Array, Array]

@@ -27,13 +27,11 @@ from numpy.typing import NDArray
 from contact_scene.loading import Control
 from fem_solver.closure import ZoneShift, zone_of_stress
 from fem_solver.components import Components
-from fem_solver.edge_geometry import NO_CONTACT, EdgeMotion, EdgeOrigin, EdgePosition
-from fem_solver.node_parts import LeftStrips, NodeStrips
-from fem_solver.passage import NodePassage, PartlyReleased
-from fem_solver.path import EdgePolynomial
+from fem_solver.edge_path import NO_CONTACT, EdgeMotion, EdgeOrigin, EdgePolynomial, EdgePosition
+from fem_solver.nodes import NodePassage, NodeStrips, PartlyReleased
 from fem_solver.placement import Placement
 from fem_solver.state import ComponentState
-from fem_solver.surface_record import EdgePassage, SurfaceRecord
+from fem_solver.surface_record import SurfaceRecord
 
 Array = NDArray[np.float64]
 
@@ -316,27 +314,27 @@ class ContactProblem:
         return self.geometry.radius(s) < state.radius and not receded
 
     @cached_property
-    def _left_free(self) -> LeftStrips:
+    def _left_free(self) -> dict[int, NodeStrips]:
         """Strips of the nodes that the edge has left, after the step without force."""
-        left = self.state.left
-        return replace(left, b=self._recovered(left.b))
+        left = self.state.left.items()
+        return {node: replace(strips, b=self._recovered(strips.b)) for node, strips in left}
 
     def _recovered(self, b: Array) -> Array:
         """Branch variables of what has been without force since before the step, at its end."""
         return self._freed(-b.sum(axis=0) / self.solid.modulus.relaxed, b)[1]
 
-    def _left(self, s: float, b: Array) -> LeftStrips:
+    def _left(self, s: float, b: Array) -> dict[int, NodeStrips]:
         """Strips of the nodes in which the edge turned and has left, as far out as the closure looks."""
         node, strips, last = self._partly, self.state.strips, int(np.floor(s)) + 1
         if self.geometry.shift is None or s <= NO_CONTACT or not self._gain.size:
-            return LeftStrips.none(len(b))
+            return {}
         reach = np.searchsorted(self.geometry.effective, self.geometry.radius(s) + self.zone(s))
-        left = self._left_free.within(last + 1, int(reach))
+        left = {at: strips for at, strips in self._left_free.items() if last < at <= reach}
         if node is None or strips is None or node <= last or math.isinf(self.dt):
             return left
         if not (strips.turned or self._turns(s)):
             return left
-        return left.and_of(node, self._left_behind(node, strips, s, b[:, node]))
+        return left | {node: self._left_behind(node, strips, s, b[:, node])}
 
     def _left_behind(self, node: int, strips: NodeStrips, s: float, mean: Array) -> NodeStrips:
         """Strips of a node that was in contact in part, and that the edge leaves on its way to ``s``.
@@ -375,9 +373,10 @@ class ContactProblem:
         moments = self._moments(s)
         penetrations = state.penetration, self.penetration(s)
         edge = sited * self.geometry.radius(s)
-        step = EdgePassage(self.dt, penetrations, edge, lambda x: moments(x / sited))
-        fine = slice(int(here.lowest), self.geometry.last + 1)
-        return state.record.after(self.solid, step, nodes).renewed(nodes, fine)
+        passed = state.record.after(
+            self.solid, self.dt, penetrations, edge, lambda x: moments(x / sited), nodes
+        )
+        return passed.renewed(nodes, slice(int(here.lowest), self.geometry.last + 1))
 
     def forces(self, s: float) -> Array:
         """All nodal forces, compressive positive; shape (n,)."""
@@ -388,10 +387,32 @@ class ContactProblem:
         return self.placement.forces(loaded)
 
     def closure(self, s: float) -> float:
-        """Closure integral, an energy per area (see ``closure``); minus infinity under pressure."""
+        """Closure integral, an energy per area (see ``closure``); minus infinity under pressure.
+
+        Of a node across the end of the zone it sees the radii within.
+        """
         self.evaluations += 1
-        v, b = self.arrival(s)
-        return closure_integral(self.placement, self.solid, s, self.penetration(s), v, b, self._left_free)
+        (v, b), here, shift = self.arrival(s), self.placement, self.geometry.shift
+        assert shift is not None, "no closure without adhesion"
+        if self.geometry.stress is not None:
+            shift = ZoneShift(here.radii, self.zone(s))
+        m = int(np.floor(s))
+        top = m + 1
+        first, end = shift.nodes(m, top)
+        y = self.solid.force(v[first : top + 1], b[:, first : top + 1])
+        # the node in full contact next to the edge tells tension from pressure
+        if y[m - first] > 0.0:
+            return -np.inf
+        seen = shift.seen(s)
+        node = int(np.floor(seen)) + 1
+        across = self._left_free.get(node)
+        if across is not None:
+            v = v.copy()
+            v[node] = -across.mean(0.0, seen - (node - 1)).sum() / self.solid.modulus.relaxed
+        gap = here.displacement_of(v, top, end) + (here.height[top:end] - self.penetration(s))
+        lower, upper = here.closure_scale[m : m + 2]
+        work = float(shift.closure(first, here.forces(y, first), gap))
+        return work / float(lower + (s - m) * (upper - lower))
 
     def pressed_in(self, s: float, before: bool = False) -> float:
         """Depth by which the indenter presses beyond the surface at the edge: zero without adhesion.
@@ -468,20 +489,25 @@ class ContactProblem:
         return self.solid.linear(v, touched, touching, np.array([self.penetration(s) - depth]))[:, 0]
 
     def zone(self, s: float) -> float:
-        """Length of the process zone; at fixed stress at most the contact radius."""
-        if self.geometry.stress is None:
-            return self.geometry.zone or 0.0
-        return zone_at(self.placement, self.solid, s, *self.arrival(s))
+        """Length of the process zone; at fixed stress that over which the tension has its mean, at most the
+        contact radius."""
+        geometry, here, end = self.geometry, self.placement, int(np.floor(s)) + 2
+        if geometry.stress is None or geometry.shortest is None or s < 0.0:
+            return geometry.zone or 0.0
+        v, b = self.arrival(s)
+
+        def forces(first: int) -> Array:
+            return here.forces(self.solid.force(v[first:end], b[:, first:end]), first)
+
+        edge = geometry.radius(s) / here.stretch  # as the nodes measure it
+        length = zone_of_stress(geometry.radii[:end], forces, edge, geometry.stress, geometry.shortest)
+        return length if length < edge else geometry.radius(s)
 
 
 @dataclass(frozen=True)
 class ContactCandidate:
-    """Contact state at the end of a trial step.
+    """Contact state at the end of a trial step: all states that are possible then, and the edge of one."""
 
-    ``problem`` holds all states that are possible then, ``edge`` selects one.
-    """
-
-    dt: float
     problem: ContactProblem
     edge: EdgePosition
 
@@ -489,6 +515,11 @@ class ContactCandidate:
     def in_equilibrium(self) -> bool:
         """Whether the edge rests."""
         return self.edge.motion is EdgeMotion.RESTING
+
+    @property
+    def radius(self) -> float:
+        """Contact radius."""
+        return self.problem.geometry.radius(self.edge.s)
 
     @property
     def penetration(self) -> float:
@@ -501,60 +532,6 @@ class ContactCandidate:
         return self.problem.force(self.edge.s)
 
     @property
-    def singular_force(self) -> float:
-        """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
-        return self.problem.singular_force(self.edge.s)
-
-    @property
     def response(self) -> float:
         """Penetration where the force is prescribed, otherwise the force."""
         return self.penetration if self.problem.control == "force" else self.force
-
-
-def closure_integral(
-    placement: Placement,
-    solid: Components,
-    s: float,
-    penetration: float,
-    v: Array,
-    b: Array,
-    left: LeftStrips,
-) -> float:
-    """Closure integral at the edge; of a node across the end of the zone it sees the radii within."""
-    geometry = placement.geometry
-    shift = geometry.shift
-    if shift is None:
-        raise AssertionError("no closure without adhesion")
-    if geometry.stress is not None:
-        shift = ZoneShift(geometry.radii, zone_at(placement, solid, s, v, b))
-    m = int(np.floor(s))
-    top = m + 1
-    first, end = shift.nodes(m, top)
-    y = solid.force(v[first : top + 1], b[:, first : top + 1])
-    # the node in full contact next to the edge tells tension from pressure
-    if y[m - first] > 0.0:
-        return -np.inf
-    seen = shift.seen(s)
-    node = int(np.floor(seen)) + 1
-    across = left.of(node)
-    if across is not None:
-        v = v.copy()
-        v[node] = -across.mean(0.0, seen - (node - 1)).sum() / solid.modulus.relaxed
-    gap = placement.displacement_of(v, top, end) + (placement.height[top:end] - penetration)
-    lower, upper = placement.closure_scale[m : m + 2]
-    work = float(shift.closure(first, placement.forces(y, first), gap))
-    return work / float(lower + (s - m) * (upper - lower))
-
-
-def zone_at(placement: Placement, solid: Components, s: float, v: Array, b: Array) -> float:
-    """Length of the process zone; at fixed stress that over which the tension has its mean."""
-    geometry, end = placement.geometry, int(np.floor(s)) + 2
-    if geometry.stress is None or geometry.shortest is None or s < 0.0:
-        return geometry.zone or 0.0
-
-    def forces(first: int) -> Array:
-        return placement.forces(solid.force(v[first:end], b[:, first:end]), first)
-
-    edge = geometry.radius(s) / placement.stretch  # as the nodes measure it
-    length = zone_of_stress(geometry.radii[:end], forces, edge, geometry.stress, geometry.shortest)
-    return length if length < edge else geometry.radius(s)

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from contact_scene import Adhesion
 from fem_solver.contact_problem import ContactProblem
-from fem_solver.edge_geometry import NO_CONTACT, EdgeGeometry, EdgeMotion, EdgePosition
+from fem_solver.edge_path import NO_CONTACT, EdgeGeometry, EdgeMotion, EdgePosition
 
 _NODE_TOLERANCE = 1e-10
 """Accuracy of the edge position, in node spacings."""
@@ -201,11 +201,13 @@ class IrreversibleEdge(AdhesiveEdge):
         return EdgeMotion.ADVANCING if closure < self.adhesion.closing else EdgeMotion.RESTING
 
 
-def edge_law(geometry: EdgeGeometry, adhesion: Adhesion) -> AdhesiveEdge:
-    """The law of an adhesive edge."""
-    if adhesion.reversible:
-        return AdhesiveEdge(geometry, adhesion.work)
-    return IrreversibleEdge(geometry, adhesion)
+def edge_law(geometry: EdgeGeometry, adhesion: Adhesion | None, plane_tip: float) -> AdhesiveEdge:
+    """The law of an edge."""
+    if adhesion is None:
+        return PressedEdge(geometry, plane_tip)
+    return (
+        AdhesiveEdge(geometry, adhesion.work) if adhesion.reversible else IrreversibleEdge(geometry, adhesion)
+    )
 
 
 def energy_spent(adhesion: Adhesion, radii: tuple[float, float], closures: tuple[float, float]) -> float:

@@ -9,17 +9,16 @@ positive in compression.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Adhesion, Counters
+from contact_scene import Counters
 from contact_scene.loading import Control
 from fem_solver.contact_problem import ContactCandidate, ContactProblem
-from fem_solver.edge import AdhesiveEdge, IrreversibleEdge, PressedEdge, edge_law
-from fem_solver.edge_geometry import NO_CONTACT, EdgeMotion, EdgePosition
-from fem_solver.path import missed_by_extrapolation
+from fem_solver.edge import AdhesiveEdge, IrreversibleEdge, edge_law
+from fem_solver.edge_path import NO_CONTACT, EdgeMotion, EdgePosition, missed_by_extrapolation
 from fem_solver.placement import Placement
 from fem_solver.setup import Setup
 
@@ -87,169 +86,6 @@ class EdgeNotFound(Exception):
     """The places of the mesh around the edge do not agree on where it rests."""
 
 
-def placed_law(
-    placement: Placement, adhesion: Adhesion | None, plane_tip: float, stride: float = 0.0
-) -> AdhesiveEdge:
-    """The edge law where the mesh resolves the zone."""
-    if adhesion is None:
-        return PressedEdge(placement.geometry, plane_tip)
-    law = edge_law(placement.geometry, adhesion)
-    law.lowest = placement.lowest
-    law.widest = max(law.widest, stride / (placement.fine_range / placement.fine_intervals))
-    return law
-
-
-@dataclass(frozen=True)
-class SearchRange:
-    """Radii at which an edge is sought, all of them lengths.
-
-    Parameters
-    ----------
-    expected : float
-        Contact radius where the search starts.
-    low, high : float
-        Least and largest contact radius searched.
-    """
-
-    expected: float
-    low: float
-    high: float
-
-    def clipped(self) -> SearchRange:
-        """The same, with the search starting within its limits."""
-        return replace(self, expected=min(max(self.expected, self.low), self.high))
-
-
-class EdgeSearch:
-    """Edge at the end of one trial step, on meshes that are moved on until they hold it.
-
-    Parameters
-    ----------
-    setup : Setup
-    counters : Counters
-        Take the work.
-    dt : float
-        Length of the step; 0 for a glassy response, infinite for a relaxed one.
-    control : "penetration", "force" or "stage"
-    value : float
-        Of the controlled quantity at the end of the step.
-    """
-
-    def __init__(self, setup: Setup, counters: Counters, dt: float, control: Control, value: float) -> None:
-        self.setup, self.counters = setup, counters
-        self.dt, self.control, self.value = dt, control, value
-
-    def problem(self, placement: Placement) -> ContactProblem:
-        """All contact states possible at the end of the step, with the mesh at a place."""
-        history = self.setup.history
-        state, compliance = history.at(placement), self.setup.compliance
-        return ContactProblem(placement, history.solid, state, self.dt, self.control, self.value, compliance)
-
-    def candidate(self, problem: ContactProblem, edge: EdgePosition) -> ContactCandidate:
-        """The candidate with its edge where a search has ended; the work of the search is counted."""
-        self.counters.closure_evaluations += problem.evaluations
-        self.counters.linear_solves += 1
-        return ContactCandidate(self.dt, problem, edge)
-
-    def first_contact(self) -> ContactCandidate:
-        """Largest stable contact, with the mesh placed around the axis."""
-        placement = self.setup.surfaces.around(0.0)
-        problem = self.problem(placement)
-        law = placed_law(placement, self.setup.adhesion, self.setup.plane_tip)
-        edge = law.start(problem)
-        return self.candidate(problem, edge)
-
-    def leaving(self, radii: SearchRange) -> ContactCandidate:
-        """An edge that is pinned where it is, or leaves it in one direction and is followed there."""
-        state, adhesion = self.setup.history.state, self.setup.adhesion
-        assert adhesion is not None
-        placement = self.setup.surfaces.around(state.radius)
-        problem, law = self.problem(placement), edge_law(placement.geometry, adhesion)
-        assert problem.origin is not None
-        assert isinstance(law, IrreversibleEdge)
-        here = problem.origin.edge
-        motion = law.departure(problem, here)
-        pinned = self.candidate(problem, EdgePosition(EdgeMotion.RESTING, here))
-        if motion is EdgeMotion.RESTING:
-            return pinned
-        if motion is EdgeMotion.ADVANCING:
-            ahead = replace(radii, low=state.radius).clipped()
-        else:
-            ahead = replace(radii, high=state.radius).clipped()
-        found = self.followed(ahead, abs(ahead.expected - state.radius))
-        # another place of the mesh may see the closure on the other side of what moves the edge
-        return found if found.in_equilibrium or found.edge.motion is motion else pinned
-
-    def followed(self, radii: SearchRange, travel: float = 0.0) -> ContactCandidate:
-        """Follow the edge from a radius, moving the mesh on where the edge leaves its fine strip."""
-        surfaces, adhesion = self.setup.surfaces, self.setup.adhesion
-        low, high = radii.low, min(radii.high, surfaces.reach)
-        radius = min(radii.expected, high)
-        far, stride = low == 0.0 or high == surfaces.reach, 0.0
-        within, beyond = 0.0, math.inf  # radii at which the edge advances, and recedes
-        passed = 0.0  # without a look at the closure, from the place before
-        for _ in range(_MOST_PLACES):
-            found, ended = self._sought(radius, low, high, travel, passed)
-            reached, outwards = found.problem.geometry.radius(found.edge.s), _outwards(found)
-            if ended and outwards and high == surfaces.rim:  # held by the rim of the indenter
-                return replace(found, edge=EdgePosition(EdgeMotion.RESTING, found.edge.s))
-            if found.in_equilibrium or ended:
-                return found
-            assert adhesion is not None  # otherwise the first place serves all radii
-            work = adhesion.closing if outwards else adhesion.opening(math.inf)
-            if far and math.isfinite(work):
-                problem = found.problem
-                radius, far = sharp_rest(problem, self.setup, reached, work, outwards), False
-                if radius == 0.0:
-                    return replace(found, edge=EdgePosition(EdgeMotion.RECEDING, 2.0))
-                continue
-            within, beyond = (reached, beyond) if outwards else (within, reached)
-            if within < beyond < math.inf and within > 0.0:  # it rests between the two
-                radius, passed = 0.5 * (within + beyond), 0.0
-                continue
-            fine_range = found.problem.placement.fine_range
-            stride = min(2.0 * stride + 0.25 * fine_range, _STRIDE_OF_RADIUS * reached)
-            radius, passed = min(max(reached + (stride if outwards else -stride), low), high), stride
-        raise EdgeNotFound(f"the edge is not found around the contact radius {radius:.6g}")
-
-    def _sought(
-        self, radius: float, low: float, high: float, travel: float, passed: float
-    ) -> tuple[ContactCandidate, bool]:
-        """The search from one place of the mesh, and whether the edge has come to the end of the range."""
-        placement = self.setup.surfaces.around(radius)
-        geometry = placement.geometry
-        stride = max(_STRIDE_OF_TRAVEL * travel, passed)
-        law = placed_law(placement, self.setup.adhesion, self.setup.plane_tip, stride)
-        if passed > 0.0:
-            law.first_strides = (law.widest,)
-        problem = self.problem(placement)
-        ends = geometry.position(low), geometry.position(high)
-        edge = law.seek(problem, geometry.position(radius), *ends)
-        found = self.candidate(problem, edge)
-        return found, edge.s >= ends[1] if _outwards(found) else edge.s <= max(ends[0], self.setup.law.lowest)
-
-    def sharp_radius(self, radius: float) -> float:
-        """Contact radius of a sharp edge if all happens at once: the outermost stable, or 0.
-
-        The first search has the mesh at ``radius``, each other one where the one before has found the edge.
-        """
-        for _ in range(_SHARP_SEARCHES):
-            problem = self.problem(self.setup.surfaces.around(radius))
-            assert self.setup.adhesion is not None
-            radius = sharp_rest(problem, self.setup, math.inf, self.setup.adhesion.closing)
-            if radius == 0.0 or problem.placement.stays:
-                break
-        return radius
-
-
-def _outwards(candidate: ContactCandidate) -> bool:
-    return candidate.edge.motion is EdgeMotion.ADVANCING
-
-
-_RIPPLE = 1.0
-"""Travel, in elements, within which the passage of nodes ripples the edge's path more than its steps do."""
-
-
 class ContactSolver:
     """Solves for the contact state at one instant and counts the work.
 
@@ -262,51 +98,41 @@ class ContactSolver:
 
     def start(self, control: Control, value: float, relaxed: bool) -> ContactCandidate:
         """Glassy or relaxed equilibrium, undeformed before; a flat face touches up to its rim."""
-        dt = math.inf if relaxed else 0.0
+        search = EdgeSearch(self.setup, self.counters, math.inf if relaxed else 0.0, control, value)
         if self.setup.adhesion is None:
-            return self._search(dt, control, value).followed(SearchRange(0.0, 0.0, math.inf))
+            return search.followed(0.0, 0.0, math.inf)
         if math.isfinite(self.setup.surfaces.rim):
-            whole = self.held(dt, control, value, self.setup.surfaces.rim)
+            whole = search.held(self.setup.surfaces.rim)
             if whole.problem.closure(whole.edge.s) <= self.setup.adhesion.work:
                 return whole
-        search = self._search(dt, control, value)
         radius = search.sharp_radius(self.setup.surfaces.largest)
-        if radius == 0.0:
-            return search.first_contact()
-        return search.followed(SearchRange(radius, 0.0, math.inf))
+        return search.first_contact() if radius == 0.0 else search.followed(radius, 0.0, math.inf)
 
     def trial(
-        self, dt: float, control: Control, value: float, start: float, limits: tuple[float, float]
+        self, dt: float, control: Control, value: float, limits: tuple[float, float]
     ) -> ContactCandidate:
         """Equilibrium of the edge at the end of a step."""
-        geometry, state = self.setup.geometry, self.setup.history.state
+        geometry, state, adhesion = self.setup.geometry, self.setup.state, self.setup.adhesion
         low = geometry.radius(limits[0]) if limits[0] > self.setup.law.lowest else 0.0
         high = geometry.radius(limits[1]) if math.isfinite(limits[1]) else math.inf
-        expected = 0.0
+        radius = state.radius
         if state.before and 0.0 < dt < math.inf:
-            expected = (state.radius - state.before[0][1]) / state.before[0][0] * dt
-        radius = state.radius + expected
-        search, adhesion = self._search(dt, control, value), self.setup.adhesion
+            radius += (state.radius - state.before[0][1]) / state.before[0][0] * dt
+        search = EdgeSearch(self.setup, self.counters, dt, control, value)
         if adhesion is not None and not adhesion.reversible:
-            return search.leaving(SearchRange(radius, low, high))
+            return search.leaving(radius, low, high)
         starts = [radius]
         if adhesion is not None and not self.setup.has_history:  # each state is an equilibrium by itself
             starts.insert(0, search.sharp_radius(state.radius) or radius)
-        for start_radius in dict.fromkeys(starts):
-            radii = SearchRange(start_radius, low, high).clipped()
-            found = search.followed(radii, abs(radii.expected - state.radius))
+        for start in dict.fromkeys(starts):
+            found = search.expected(start, low, high)
             if found.in_equilibrium:
                 break
         return found
 
     def held(self, dt: float, control: Control, value: float, radius: float) -> ContactCandidate:
         """State at the end of a step with the edge at a given radius, in equilibrium or not."""
-        self.counters.linear_solves += 1
-        lost = radius <= 0.0
-        placement = self.setup.history.placement if lost else self.setup.surfaces.around(radius)
-        s = NO_CONTACT if lost else placement.geometry.position(radius)
-        problem = self._search(dt, control, value).problem(placement)
-        return ContactCandidate(dt, problem, EdgePosition(EdgeMotion.RESTING, s))
+        return EdgeSearch(self.setup, self.counters, dt, control, value).held(radius)
 
     def plane_contact(self, dt: float, control: Control, value: float) -> ContactCandidate | None:
         """Contact of all of a plane tip, as it touches or is let go; ``None`` without one."""
@@ -314,32 +140,152 @@ class ContactSolver:
         return self.held(dt, control, value, tip) if tip > 0.0 else None
 
     def extended(self, candidate: ContactCandidate) -> ContactCandidate:
-        """The search of a candidate without equilibrium, continued as far as contact goes."""
-        problem, radius = candidate.problem, self.radius(candidate)
-        limits = (radius, math.inf) if candidate.edge.motion is EdgeMotion.ADVANCING else (0.0, radius)
-        search = self._search(candidate.dt, problem.control, problem.value)
-        return search.followed(SearchRange(radius, *limits))
-
-    def radius(self, candidate: ContactCandidate) -> float:
-        """Contact radius."""
-        return candidate.problem.geometry.radius(candidate.edge.s)
+        """An edge that has left the range of its search, followed to where it rests again, or is lost."""
+        problem, radius, outwards = candidate.problem, candidate.radius, _outwards(candidate)
+        if not outwards and candidate.edge.s <= self.setup.law.lowest:
+            return candidate
+        limits = (radius, math.inf) if outwards else (0.0, radius)
+        search = EdgeSearch(self.setup, self.counters, problem.dt, problem.control, problem.value)
+        return search.followed(radius, *limits)
 
     def missed_by_extrapolation(self, candidate: ContactCandidate) -> float:
-        """Distance by which the edge misses the extrapolation of its path."""
-        state, geometry = self.setup.history.state, candidate.problem.geometry
-        if not self.setup.has_history or not 0.0 < candidate.dt < math.inf or candidate.edge.s <= NO_CONTACT:
+        """Distance by which the edge misses the extrapolation of its path; none within an element, over
+        which the passage of nodes ripples the path more than its steps do."""
+        state, radius, dt = self.setup.state, candidate.radius, candidate.problem.dt
+        if not self.setup.has_history or not 0.0 < dt < math.inf or radius <= 0.0:
             return 0.0
-        radius, node = self.radius(candidate), int(candidate.edge.s)
-        element = float(geometry.radii[node + 2] - geometry.radii[node])
-        if abs(radius - state.radius) < _RIPPLE * element:
+        radii, node = candidate.problem.geometry.radii, int(candidate.edge.s)
+        if abs(radius - state.radius) < radii[node + 2] - radii[node]:
             return 0.0
-        return missed_by_extrapolation(state.radius, radius, candidate.dt, state.before)
+        return missed_by_extrapolation(state.radius, radius, dt, state.before)
 
-    def accept(self, candidate: ContactCandidate) -> float:
-        """Make a candidate the accepted state; the work done on the surface so far."""
-        problem = candidate.problem
-        self.setup.history.accept(problem.state, problem.accepted(candidate.edge.s))
-        return self.setup.history.state.received
 
-    def _search(self, dt: float, control: Control, value: float) -> EdgeSearch:
-        return EdgeSearch(self.setup, self.counters, dt, control, value)
+class EdgeSearch:
+    """Edge at the end of one trial step, on meshes that are moved on until they hold it.
+
+    ``dt`` is the length of the step, 0 for a glassy response, infinite for a relaxed one; ``value`` that of
+    the controlled quantity at its end. The counters take the work.
+    """
+
+    def __init__(self, setup: Setup, counters: Counters, dt: float, control: Control, value: float) -> None:
+        self.setup, self.counters = setup, counters
+        self.dt, self.control, self.value = dt, control, value
+
+    def problem(self, placement: Placement) -> ContactProblem:
+        """All contact states possible at the end of the step, with the mesh at a place."""
+        setup = self.setup
+        state = setup.at(placement)
+        return ContactProblem(
+            placement, setup.solid, state, self.dt, self.control, self.value, setup.compliance
+        )
+
+    def candidate(self, problem: ContactProblem, edge: EdgePosition) -> ContactCandidate:
+        """The candidate with its edge where a search has ended; the work of the search is counted."""
+        self.counters.closure_evaluations += problem.evaluations
+        self.counters.linear_solves += 1
+        return ContactCandidate(problem, edge)
+
+    def held(self, radius: float) -> ContactCandidate:
+        """State with the edge at a given radius, in equilibrium or not."""
+        here = self.setup.placement if radius <= 0.0 else self.setup.surfaces.around(radius)
+        s = NO_CONTACT if radius <= 0.0 else here.geometry.position(radius)
+        return self.candidate(self.problem(here), EdgePosition(EdgeMotion.RESTING, s))
+
+    def first_contact(self) -> ContactCandidate:
+        """Largest stable contact, with the mesh placed around the axis."""
+        placement = self.setup.surfaces.around(0.0)
+        problem = self.problem(placement)
+        return self.candidate(problem, self._law(placement, 0.0).start(problem))
+
+    def leaving(self, expected: float, low: float, high: float) -> ContactCandidate:
+        """An edge that is pinned where it is, or leaves it in one direction and is followed there."""
+        radius = self.setup.state.radius
+        placement = self.setup.surfaces.around(radius)
+        problem, law = self.problem(placement), self._law(placement, 0.0)
+        assert problem.origin is not None
+        assert isinstance(law, IrreversibleEdge)
+        here = problem.origin.edge
+        motion = law.departure(problem, here)
+        pinned = self.candidate(problem, EdgePosition(EdgeMotion.RESTING, here))
+        if motion is EdgeMotion.RESTING:
+            return pinned
+        low, high = (radius, high) if motion is EdgeMotion.ADVANCING else (low, radius)
+        found = self.expected(expected, low, high)
+        # another place of the mesh may see the closure on the other side of what moves the edge
+        return found if found.in_equilibrium or found.edge.motion is motion else pinned
+
+    def expected(self, radius: float, low: float, high: float) -> ContactCandidate:
+        """The edge in a range of radii, sought from where it is expected at the end of the step."""
+        radius = min(max(radius, low), high)
+        return self.followed(radius, low, high, abs(radius - self.setup.state.radius))
+
+    def followed(self, radius: float, low: float, high: float, travel: float = 0.0) -> ContactCandidate:
+        """Follow the edge from a radius, moving the mesh on where the edge leaves its fine strip."""
+        surfaces, adhesion = self.setup.surfaces, self.setup.adhesion
+        high = min(high, surfaces.reach)
+        radius = min(radius, high)
+        far, stride = low == 0.0 or high == surfaces.reach, 0.0
+        within, beyond = 0.0, math.inf  # radii at which the edge advances, and recedes
+        passed = 0.0  # without a look at the closure, from the place before
+        for _ in range(_MOST_PLACES):
+            found, ended = self._sought(radius, low, high, travel, passed)
+            reached, outwards = found.radius, _outwards(found)
+            if ended and outwards and high == surfaces.rim:  # held by the rim of the indenter
+                return replace(found, edge=EdgePosition(EdgeMotion.RESTING, found.edge.s))
+            if found.in_equilibrium or ended:
+                return found
+            assert adhesion is not None  # otherwise the first place serves all radii
+            work = adhesion.closing if outwards else adhesion.opening(math.inf)
+            if far and math.isfinite(work):
+                radius, far = sharp_rest(found.problem, self.setup, reached, work, outwards), False
+                if radius == 0.0:
+                    return replace(found, edge=EdgePosition(EdgeMotion.RECEDING, 2.0))
+                continue
+            within, beyond = (reached, beyond) if outwards else (within, reached)
+            if within < beyond < math.inf and within > 0.0:  # it rests between the two
+                radius, passed = 0.5 * (within + beyond), 0.0
+                continue
+            fine_range = found.problem.placement.fine_range
+            stride = min(2.0 * stride + 0.25 * fine_range, _STRIDE_OF_RADIUS * reached)
+            radius, passed = min(max(reached + (stride if outwards else -stride), low), high), stride
+        raise EdgeNotFound(f"the edge is not found around the contact radius {radius:.6g}")
+
+    def _law(self, placement: Placement, stride: float) -> AdhesiveEdge:
+        """The edge law where the mesh resolves the zone, with strides that are at least as wide."""
+        law = edge_law(placement.geometry, self.setup.adhesion, self.setup.plane_tip)
+        if self.setup.adhesion is not None:
+            law.lowest = placement.lowest
+            law.widest = max(law.widest, stride / (placement.fine_range / placement.fine_intervals))
+        return law
+
+    def _sought(
+        self, radius: float, low: float, high: float, travel: float, passed: float
+    ) -> tuple[ContactCandidate, bool]:
+        """The search from one place of the mesh, and whether the edge has come to the end of the range."""
+        placement = self.setup.surfaces.around(radius)
+        geometry, law = placement.geometry, self._law(placement, max(_STRIDE_OF_TRAVEL * travel, passed))
+        if passed > 0.0:
+            law.first_strides = (law.widest,)
+        problem = self.problem(placement)
+        ends = geometry.position(low), geometry.position(high)
+        found = self.candidate(problem, law.seek(problem, geometry.position(radius), *ends))
+        if _outwards(found):
+            return found, found.edge.s >= ends[1]
+        return found, found.edge.s <= max(ends[0], self.setup.law.lowest)
+
+    def sharp_radius(self, radius: float) -> float:
+        """Contact radius of a sharp edge if all happens at once: the outermost stable, or 0.
+
+        The first search has the mesh at ``radius``, each other one where the one before has found the edge.
+        """
+        assert self.setup.adhesion is not None
+        for _ in range(_SHARP_SEARCHES):
+            problem = self.problem(self.setup.surfaces.around(radius))
+            radius = sharp_rest(problem, self.setup, math.inf, self.setup.adhesion.closing)
+            if radius == 0.0 or problem.placement.stays:
+                break
+        return radius
+
+
+def _outwards(candidate: ContactCandidate) -> bool:
+    return candidate.edge.motion is EdgeMotion.ADVANCING

@@ -1,20 +1,17 @@
-"""Axisymmetric strain and the matrices of the weak forms, displacement and mixed.
+"""Axisymmetric strain and the matrices of the weak form in displacement and pressure.
 
 Coordinates ``(r, z)``, the body in ``z <= 0``; displacement ``(u_r, u_z)``, no twist. Strains in the order
 ``(rr, zz, tt, rz)`` with the tensor shear strain ``e_rz = (u_r,z + u_z,r)/2`` and the hoop strain
 ``e_tt = u_r/r``. All integrals carry ``2 pi r``: forces and energies are those of the whole body.
 
-Isotropic elasticity with shear modulus ``G`` and bulk modulus ``K`` is split into deviator and volume,
-
-    ``a(u, v) = 2 G int dev e(u) : e(v) + K int div u div v``          (displacement form)
-
-The second term locks as ``K/G -> inf``: quadratic triangles cannot make ``div u`` vanish pointwise and still
-bend. The mixed form takes the pressure as an unknown of its own, ``p = -K div u``, tested weakly:
+Isotropic elasticity with shear modulus ``G`` and bulk modulus ``K``, split into deviator and volume, with the
+pressure ``p = -K div u`` as an unknown of its own, tested weakly:
 
     ``2 G int dev e(u) : e(v) - int p div v = l(v)``,
-    ``-int q div u - (1/K) int p q = 0``                               (mixed form)
+    ``-int q div u - (1/K) int p q = 0``
 
-and holds for ``1/K = 0``. Quadratic ``u`` with linear continuous ``p`` (Taylor-Hood) is inf-sup stable.
+holds for ``1/K = 0``. Quadratic ``u`` with linear continuous ``p`` (Taylor-Hood) is inf-sup stable; quadratic
+``u`` alone cannot make ``div u`` vanish pointwise and still bend, and locks as ``K/G -> inf``.
 """
 
 from __future__ import annotations
@@ -87,12 +84,6 @@ def deviatoric_stiffness(basis: Any) -> sparse.csc_matrix:
     deviators = deviator(_of_shapes(basis, strain).swapaxes(0, 1)).swapaxes(0, 1)
     roots = np.sqrt(2.0 * CONTRACTION[:, None, None] * volume_weights(basis)) * deviators
     return _assembled(basis, roots, basis, roots)
-
-
-def volumetric_stiffness(basis: Any) -> sparse.csc_matrix:
-    """``int div u div v``, the stiffness of unit bulk modulus."""
-    dilatations = _of_shapes(basis, dilatation)
-    return _assembled(basis, volume_weights(basis) * dilatations, basis, dilatations)
 
 
 def divergence(basis: Any, pressure_basis: Any) -> sparse.csc_matrix:

@@ -3,12 +3,10 @@
 Surface quantities point *downwards*: force positive where the indenter presses, displacement positive where
 the surface sinks. Everything here is for unit shear modulus; a solid of shear modulus ``G`` and
 ``ratio = G/K`` displaces ``1/G`` times as much, so with a constant Poisson's ratio one factorisation serves
-all times. In unit shear modulus the mixed system is
+all times. In unit shear modulus the system of displacement and pressure is
 
     ``[ A   -B^T ] [u]   [f]``
     ``[-B  -ratio M] [p] = [0]``
-
-and the displacement system ``A + V/ratio``.
 
 On the far boundary the Boussinesq displacement of the load is prescribed (below). A nodal force
 ``f_i`` enters its amplitude with the weight ``v_i = c_i/c_0``, where ``c_i`` is the displacement of node i
@@ -87,27 +85,21 @@ class HalfSpace:
     mesh : object
         With ``points`` (2, n), ``triangles`` (3, m) and ``boundaries`` "surface", "axis", "far" as (2, k)
         vertex pairs.
-    mixed : bool
-        Displacement and pressure (right for every Poisson's ratio) or displacement alone.
     far_field : bool
         Prescribe the displacement of the total force on the far boundary; otherwise zero.
     sliding : bool
         Hold the lowest nodes of the far boundary, which are those of a base, vertically alone.
     """
 
-    def __init__(self, mesh: Any, mixed: bool = True, far_field: bool = True, sliding: bool = False) -> None:
-        self.mixed, self.far_field = mixed, far_field
+    def __init__(self, mesh: Any, far_field: bool = True, sliding: bool = False) -> None:
+        self.far_field = far_field
         self.mesh = MeshTri(np.ascontiguousarray(mesh.points), np.ascontiguousarray(mesh.triangles))
         self.basis = Basis(self.mesh, ElementVector(ElementTriP2()), intorder=_QUADRATURE_ORDER)
         self.deviatoric = forms.deviatoric_stiffness(self.basis)
-        self.unknowns = self.basis.N
-        if mixed:
-            self.pressure_basis = Basis(self.mesh, ElementTriP1(), quadrature=self.basis.quadrature)
-            self.divergence = forms.divergence(self.basis, self.pressure_basis)
-            self.mass = forms.pressure_mass(self.pressure_basis)
-            self.unknowns += self.pressure_basis.N
-        else:
-            self.volumetric = forms.volumetric_stiffness(self.basis)
+        self.pressure_basis = Basis(self.mesh, ElementTriP1(), quadrature=self.basis.quadrature)
+        self.divergence = forms.divergence(self.basis, self.pressure_basis)
+        self.mass = forms.pressure_mass(self.pressure_basis)
+        self.unknowns = self.basis.N + self.pressure_basis.N
         facets = {name: self._facets(pairs) for name, pairs in mesh.boundaries.items()}
         self._order_surface(facets["surface"])
         self._constrain(facets["axis"], facets["far"], far_field, sliding)
@@ -151,8 +143,6 @@ class HalfSpace:
 
     def matrix(self, ratio: float) -> sparse.csc_matrix:
         """The whole system for unit shear modulus and ``ratio = G/K`` (zero if incompressible)."""
-        if not self.mixed:
-            return (self.deviatoric + self.volumetric / ratio).tocsc()
         return sparse.bmat(
             [[self.deviatoric, -self.divergence.T], [-self.divergence, -ratio * self.mass]], format="csc"
         )
@@ -179,11 +169,10 @@ class HalfSpace:
         rank[nodes] = splu(graph, **SYMMETRIC).perm_c
         ranks = np.zeros(self.unknowns, dtype=np.int64)
         ranks[self.basis.nodal_dofs], ranks[self.basis.facet_dofs] = rank[:vertices], rank[vertices:]
-        if self.mixed:
-            latest = rank[:vertices].copy()
-            for ends in self.mesh.facets:
-                np.maximum.at(latest, ends, rank[vertices:])
-            ranks[self.basis.N + self.pressure_basis.nodal_dofs[0]] = latest
+        latest = rank[:vertices].copy()
+        for ends in self.mesh.facets:
+            np.maximum.at(latest, ends, rank[vertices:])
+        ranks[self.basis.N + self.pressure_basis.nodal_dofs[0]] = latest
         return ranks
 
 
@@ -227,10 +216,6 @@ class Factorisation:
         result[self.order] = self.factor.solve(load[self.order] + far @ self.lifted)
         return result
 
-    def surface_response(self) -> tuple[Array, Array]:
-        """Displacements of the surface nodes for unit shear modulus."""
-        return self._condensed(), self._far_response()
-
     def far_weights(self, count: int) -> Array:
         """Weights of nodal forces in the far amplitude with which the compliance is symmetric."""
         far = self.solve(np.zeros(self.space.unknowns), self.far_mix)
@@ -239,12 +224,7 @@ class Factorisation:
     def _weights_of(self, far: Array) -> Array:
         return far / far[0] if self.space.far_field else np.zeros(len(far))
 
-    def _far_response(self) -> Array:
-        """Displacement of the surface per amplitude of the Boussinesq field of an elastic solid."""
-        self.solves += 1
-        return -self.factor.solve(self.far_mix @ self.lifted)[-self.count :]
-
-    def _condensed(self) -> Array:
+    def condensed(self) -> Array:
         """Displacements of the surface nodes per force on them, with the far boundary held."""
         last = self.factor.perm_c[-self.count :]
         lower = np.asfortranarray(self.factor.L[last][:, last].toarray())
@@ -257,11 +237,12 @@ class Factorisation:
             whole[:begin, part] = whole[part, :begin].T
         return whole
 
-    def compliance(self, weights: Array | None = None) -> tuple[Array, Array]:
+    def compliance(self) -> tuple[Array, Array]:
         """Surface compliance with the far field of the load, and the weights of that far field."""
-        whole, far = self.surface_response()
-        if weights is None:
-            weights = self._weights_of(far)
+        whole, self.solves = self.condensed(), self.solves + 1
+        # displacement of the surface per amplitude of the Boussinesq field of an elastic solid
+        far = -self.factor.solve(self.far_mix @ self.lifted)[-self.count :]
+        weights = self._weights_of(far)
         for begin in range(0, self.count, _BLOCK):
             part = slice(begin, begin + _BLOCK)
             whole[:, part] += 0.5 * (np.outer(far, weights[part]) + np.outer(weights, far[part]))

@@ -1,8 +1,16 @@
-"""The surface with the mesh at one of its places, in the scales of three closed forms of the half-space.
+"""The surface with the mesh at one of its places: a triangular compliance, in scales of closed forms.
 
-Elements are wide away from the strip. A strip of 1e-4 of the contact radius does not change that: contact is
-some 5e-5 stiffer than that of the nodes' radius, as if every radius were so much larger. Contact radii are
-those of the flat punch as stiff (see ``surface``); heights and the closure integral follow them.
+The compliance of the surface nodes, ordered by radius, is factorised once, ``C = L L^T``. Contact of the
+nodes ``0..m`` at prescribed displacement ``b`` asks for ``C_mm f = b``. With ``y = L^-1 b``, one triangular
+solve for *all* m at once, the nodal forces are ``f = L_mm^-T y_m``, of which those near the edge need a small
+trailing block of ``L`` only; the displacement outside is ``L_om y_m``, the total force ``sum_i e_i y_i`` with
+``e = L^-1 1``. ``L^-1`` is what the Abel transform is to the continuous half-space: ``y_i/e_i`` is the
+penetration of the flat punch reaching to node i that would leave there the same stress singularity.
+
+A set of nodes has no radius of its own. It is assigned that of the flat punch of the same stiffness,
+``F = 2 E* A D``, i.e. ``A_m = sum_(i<=m) e_i^2/(2 E*)``, which exceeds the radius of the last node by about a
+tenth of an element. Elements are wide away from the strip, which makes contact some 5e-5 stiffer, as if every
+radius were so much larger; heights and the closure integral follow these radii:
 
 - Heights are taken at radii at which a paraboloid's contact has Hertz's force.
 - The closure integral of a flat punch is ``E* D^2/(2 pi a)`` where its zone is short. On the mesh it depends
@@ -21,14 +29,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.linalg.blas import dtrmv
-from scipy.linalg.lapack import dtrtrs
+from scipy.linalg.lapack import dpotrf, dtrtrs
 
 from contact_scene import Scene
 from fem_solver.closure import ZoneShift
-from fem_solver.edge_geometry import SURFACE_MARGIN, EdgeGeometry, surface_margin
+from fem_solver.edge_path import SURFACE_MARGIN, EdgeGeometry, surface_margin
 from fem_solver.halfspace import HalfSpace
 from fem_solver.layer import LayerDifference
-from fem_solver.surface import SurfaceOperator
+from fem_solver.moduli import Moduli
 
 Array = NDArray[np.float64]
 
@@ -53,8 +61,16 @@ def punch_closure(radius: float, zone: float) -> float:
     return float(2.0 * (weights @ integrand) / (np.pi**2 * zone))
 
 
+def triangular(compliance: Array) -> Array:
+    """``L`` of a compliance at unit shear modulus, which it overwrites if that is in Fortran's order."""
+    root, failed = dpotrf(compliance, lower=1, clean=1, overwrite_a=1)
+    if failed:
+        raise ArithmeticError("the compliance of the surface is not positive definite")
+    return np.asfortranarray(root)
+
+
 def closure_scales(
-    operator: SurfaceOperator, radii: Array, effective: Array, strip: tuple[float, float], modulus: float
+    root: Array, unit: Array, radii: Array, effective: Array, strip: tuple[float, float], modulus: float
 ) -> Array:
     """Closure integral of a flat punch on the mesh over that of the punch as stiff, by its last node.
 
@@ -65,16 +81,16 @@ def closure_scales(
     nodes = np.flatnonzero((radii >= first) & (radii <= strip[1] - _ZONE))
     if nodes.size == 0:
         return np.ones(len(radii))
-    found = [_closure(operator, shift, int(m)) / punch_closure(effective[m], _ZONE) for m in nodes]
+
+    def closure(last: int) -> float:
+        """At unit shear modulus and unit penetration, pulled, of contact up to a node."""
+        first, end = shift.nodes(last, last)
+        inside = slice(first, last + 1)
+        forces = dtrtrs(root[inside, inside], unit[inside], lower=1, trans=1)[0]
+        return float(shift.closure(first, -forces, 1.0 - root[last:end, : last + 1] @ unit[: last + 1]))
+
+    found = [closure(int(m)) / punch_closure(effective[m], _ZONE) for m in nodes]
     return np.asarray(np.interp(np.arange(len(radii)), nodes, np.array(found) / modulus))
-
-
-def _closure(operator: SurfaceOperator, shift: ZoneShift, last: int) -> float:
-    """Closure integral at unit shear modulus and unit penetration, pulled, of contact up to a node."""
-    first, end = shift.nodes(last, last)
-    y = operator.unit[: last + 1]
-    gap = 1.0 - operator.displacement_beyond(y, end)
-    return float(shift.closure(first, -operator.last_forces(y, first), gap))
 
 
 def height_stretch(radii: Array, effective: Array, positions: Array, strip: tuple[float, float]) -> float:
@@ -93,8 +109,8 @@ def height_stretch(radii: Array, effective: Array, positions: Array, strip: tupl
     return float(np.sqrt(((outer - inner) @ by_hertz) / ((outer - inner) @ borne)))
 
 
-_PLACES, _LAYER_PLACES = 32, 8
-"""Places whose surface is kept; the least recently used one is dropped. On a layer each has its own ``L``."""
+_PLACES = 8
+"""Places whose surface is kept; the least recently used one is dropped."""
 
 
 @dataclass(frozen=True)
@@ -150,12 +166,12 @@ class UnscaledSurface:
         part = slice(count - 1 + count % 2)
         root = self.root[part, part]
         compliance = root @ root.T + scale * layer.compliance(stretch * self.radii[part])
-        operator = SurfaceOperator(np.asfortranarray(compliance))
+        root = triangular(np.asfortranarray(compliance))
         return replace(
             self,
             radii=self.radii[part],
-            root=np.asfortranarray(operator.root()),
-            unit=operator.unit,
+            root=root,
+            unit=dtrtrs(root, np.ones(len(root)), lower=1)[0],
             effective=self.effective[part],
             positions=self.positions[part],
             closure_scale=self.closure_scale[part],
@@ -261,19 +277,14 @@ class Surfaces:
         ``layer_below(level, thickness)`` and ``among_fewer(place)``, and places that have a ``level``. The
         one at the axis is not scaled but by the length that an edge keeps from the ends of the fine strip:
         the process zone, or less.
-    ratio : float
-        ``G/K``.
-    plane_modulus : float
-        ``E*`` at unit shear modulus.
-    form, far_field
-        As of :class:`~fem_solver.options.Options`.
+    material : Moduli
+    far_field
+        As of :class:`~fem_solver.setup.Options`.
     """
 
-    def __init__(
-        self, scene: Scene, meshes: Any, ratio: float, plane_modulus: float, form: str, far_field: bool
-    ) -> None:
-        self._scene, self._meshes, self.ratio = scene, meshes, ratio
-        self._plane_modulus, self._form, self._far_field = plane_modulus, form, far_field
+    def __init__(self, scene: Scene, meshes: Any, material: Moduli, far_field: bool) -> None:
+        self._scene, self._meshes, self._far_field = scene, meshes, far_field
+        self._ratio, self._plane_modulus = material.instantaneous_ratio, material.unit_plane_modulus
         self._levels: dict[int, UnscaledSurface] = {}
         self._placements: OrderedDict[Any, Placement] = OrderedDict()
         adhesion = scene.adhesion if scene.is_adhesive else None
@@ -287,7 +298,9 @@ class Surfaces:
         self._layer: LayerDifference | None = None
         if scene.body is not None:
             reach = surface_margin(self._stress) * self.largest + (self.zone or 0.0)
-            self._layer = LayerDifference(meshes.layer(reach / scene.body.thickness), scene.body.base, ratio)
+            self._layer = LayerDifference(
+                meshes.layer(reach / scene.body.thickness), scene.body.base, self._ratio
+            )
 
     @property
     def factorisations(self) -> int:
@@ -303,7 +316,7 @@ class Surfaces:
         """The surface with the mesh at a place."""
         if place not in self._placements:
             self._placements[place] = self._place(place)
-            while len(self._placements) > (_PLACES if self._layer is None else _LAYER_PLACES):
+            while len(self._placements) > _PLACES:
                 self._placements.popitem(last=False)
         self._placements.move_to_end(place)
         return self._placements[place]
@@ -355,7 +368,7 @@ class Surfaces:
         here = self.at(place)
         mesh = self._meshes.layer_below(place.level, layer.thickness / (here.scale * here.stretch))
         sliding = layer.base == "frictionless"
-        return HalfSpace(mesh, self._form == "mixed", False, sliding), len(here.radii)
+        return HalfSpace(mesh, False, sliding), len(here.radii)
 
     def for_history(self, place: Any) -> Any:
         """The place where losses are summed up: on a layer, where each has its own volume, one of fewer."""
@@ -368,7 +381,7 @@ class Surfaces:
     def _half_space(self, level: int) -> tuple[HalfSpace, int]:
         """The half-space on the mesh of a level, not scaled, and the number of surface nodes that count."""
         mesh = self._meshes.mesh(level)
-        space = HalfSpace(mesh, self._form == "mixed", self._far_field)
+        space = HalfSpace(mesh, self._far_field)
         # a mesh is scaled down to half at most
         reach = 2.0 * surface_margin(self._stress) * self.largest / self._unit
         count = int(np.searchsorted(space.radii, max(reach, SURFACE_MARGIN * mesh.parameters.fine_to)))
@@ -376,18 +389,21 @@ class Surfaces:
 
     def _factorised(self, level: int) -> UnscaledSurface:
         space, count = self._half_space(level)
-        operator = SurfaceOperator(space.factorise(self.ratio, count).compliance()[0])
-        fine, radii = self._meshes.mesh(level).parameters, space.radii[:count]
+        root, radii = triangular(space.factorise(self._ratio, count).compliance()[0]), space.radii[:count]
+        fine = self._meshes.mesh(level).parameters
         strip = float(fine.fine_from), float(fine.fine_to)
-        effective = operator.effective_radii(self._plane_modulus)
-        positions = operator.transform_radii(radii)
+        unit = dtrtrs(root, np.ones(count), lower=1)[0]
+        effective = np.cumsum(unit**2) / (2.0 * self._plane_modulus)
+        # a punch of height r^2 has the transform 2 x^2; elements of 1e-9 of the radius leave within rounding
+        depths = dtrtrs(root, radii**2, lower=1)[0] / unit
+        positions = np.sort(np.sqrt(np.maximum(0.5 * depths, 0.0)))
         return UnscaledSurface(
             radii=radii,
-            root=np.asfortranarray(operator.root()),
-            unit=operator.unit,
+            root=root,
+            unit=unit,
             effective=effective,
             positions=positions,
-            closure_scale=closure_scales(operator, radii, effective, strip, self._plane_modulus),
+            closure_scale=closure_scales(root, unit, radii, effective, strip, self._plane_modulus),
             height_stretch=height_stretch(radii, effective, positions, strip),
             strip=strip,
         )

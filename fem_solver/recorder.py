@@ -22,7 +22,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import COLUMNS, Counters, Event, Outcome, SurfaceProfile, Trace
+from contact_scene import COLUMNS, Adhesion, Counters, Event, Outcome, SurfaceProfile, Trace
+from fem_solver.placement import Placement
+from fem_solver.setup import Setup
+from fem_solver.state import ComponentState
 
 Array = NDArray[np.float64]
 
@@ -45,21 +48,19 @@ class SurfaceState:
         Nodal forces, compressive positive, and nodal displacements, positive downwards.
     stored, interface : float
         Energy of the half-space, and of the parts of the node next to the edge beyond that of their mean.
-    branch_dissipation : float
-        Energy dissipated in the branches so far.
+    branch_dissipation, received : float
+        Energy dissipated in the branches, and work done on the surface, so far.
     zone : float
         Length of the process zone; 0 without adhesion.
-    closure, spent, rate, duration : float
-        Closure integral at the edge, energy that the interface has taken up, mean rate of the radius over the
-        last step and its length: where adhesion is irreversible.
-    received : float
-        Work done on the surface so far.
+    singular_force : float
+        Force of the flat punch, as large as the contact, that leaves the same edge singularity.
     smooth : bool
         Whether the rates of the step before go on into the one that ends here.
     bent : float
         Work since the last state beyond its trapezoid, where a load jump tells it.
-    singular_force : float
-        Force of the flat punch, as large as the contact, that leaves the same edge singularity.
+    closure, spent, rate : float
+        Closure integral at the edge, energy that the interface has taken up and mean rate of the radius over
+        the last step, where adhesion is irreversible.
     """
 
     time: float
@@ -72,15 +73,14 @@ class SurfaceState:
     stored: float
     interface: float
     branch_dissipation: float
-    zone: float = 0.0
+    received: float
+    zone: float
+    singular_force: float
+    smooth: bool
+    bent: float
     closure: float = 0.0
     spent: float = 0.0
     rate: float = 0.0
-    duration: float = 0.0
-    received: float = 0.0
-    smooth: bool = False
-    bent: float = 0.0
-    singular_force: float = 0.0
 
 
 def work_of_bends(rises: tuple[float, float], bends: tuple[float, float]) -> float:
@@ -88,30 +88,25 @@ def work_of_bends(rises: tuple[float, float], bends: tuple[float, float]) -> flo
     return (bends[0] * rises[1] - bends[1] * rises[0]) / 6.0
 
 
-@dataclass
-class RecorderContent:
-    """Content of a recorder: rows, events, profiles and the work between the rows."""
+@dataclass(frozen=True)
+class Totals:
+    """Work up to the last row, and the extremes of all rows."""
 
-    rows: list[tuple[float, ...]] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
-    profiles: list[SurfaceProfile] = field(default_factory=list)
+    last: SurfaceState | None = None
     external_work: float = 0.0
     surface_work: float = 0.0
     largest_force: float = 0.0
     largest_tension: float = 0.0
-    last: SurfaceState | None = None
-    first: SurfaceState | None = None
+    depths: tuple[float, float] = math.inf, -math.inf
 
 
 @dataclass(frozen=True)
-class RowBefore:
-    """The content of a recorder before its last row: the state then, the work and the largest forces."""
+class SurfaceStep:
+    """Length of a step, and the surface at its begin and end, on the mesh of the step."""
 
-    state: SurfaceState
-    external_work: float
-    surface_work: float
-    largest_force: float
-    largest_tension: float
+    dt: float
+    begin: ComponentState
+    end: ComponentState
 
 
 @dataclass
@@ -120,66 +115,71 @@ class SurfaceRecorder:
 
     Parameters
     ----------
-    work_of_adhesion : float
-    reversible : bool
-        Whether what the interface takes up follows from the contact area.
-    surfaces : list of SurfaceState, optional
-        If a list, every accepted state is appended to it.
-    content : RecorderContent
+    adhesion : Adhesion, optional
+    keeps : bool
+        Whether every surface is kept, and the step that led to it.
     """
 
-    work_of_adhesion: float
-    reversible: bool = True
-    surfaces: list[SurfaceState] | None = None
-    content: RecorderContent = field(default_factory=RecorderContent)
+    adhesion: Adhesion | None
+    keeps: bool = False
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    profiles: list[SurfaceProfile] = field(default_factory=list)
+    surfaces: list[SurfaceState] = field(default_factory=list)
+    steps: list[SurfaceStep] = field(default_factory=list)
+    first: SurfaceState | None = None
+    totals: Totals = field(default_factory=Totals)
 
     @property
     def last(self) -> SurfaceState:
         """The last accepted state."""
-        if self.content.last is None:
-            raise AssertionError("the run has not started")
-        return self.content.last
+        assert self.totals.last is not None, "the run has not started"
+        return self.totals.last
 
     def add(self, state: SurfaceState) -> None:
         """Append an accepted state."""
-        content = self.content
-        if content.last is not None:
-            mean = 0.5 * (state.force + content.last.force)
-            bent = self._work_of_bend(state)
-            content.external_work += mean * (state.penetration - content.last.penetration) + bent
-            content.surface_work += state.received - content.last.received
-            if self.work_of_adhesion == 0.0:  # otherwise forces at the edge open it, on straight lines
-                content.surface_work += state.bent
+        totals, last = self.totals, self.totals.last
+        external, surface = totals.external_work, totals.surface_work
+        if last is not None:
+            mean = 0.5 * (state.force + last.force)
+            external += mean * (state.penetration - last.penetration) + self._work_of_bend(state)
+            surface += state.received - last.received
+            if self.adhesion is None:  # otherwise forces at the edge open it, on straight lines
+                surface += state.bent
+        first = self.first = self.first or state
+        stored, interface = state.stored - first.stored, state.interface - first.interface
+        if self.adhesion is None:
+            adhesion = 0.0
+        elif self.adhesion.reversible:
+            adhesion = self.adhesion.work * math.pi * (state.radius**2 - first.radius**2)
         else:
-            content.first = state
-        first = content.first or state
-        stored = state.stored - first.stored
-        interface = state.interface - first.interface
-        adhesion = self.work_of_adhesion * math.pi * (state.radius**2 - first.radius**2)
-        if not self.reversible:
             adhesion = -state.spent
-        loss = content.external_work + adhesion - stored - interface
-        residual = content.surface_work - stored - state.branch_dissipation
-        content.rows.append(
+        loss = external + adhesion - stored - interface
+        self.rows.append(
             (
                 state.time,
                 state.penetration,
                 state.force,
                 state.radius,
                 state.stored + state.interface,
-                content.external_work,
+                external,
                 loss,
                 state.branch_dissipation,
                 state.branch_dissipation - loss,
-                residual,
+                surface - stored - state.branch_dissipation,
                 -adhesion,
             )
         )
-        content.last = state
-        if self.surfaces is not None:
+        if self.keeps:
             self.surfaces.append(state)
-        content.largest_force = max(content.largest_force, abs(state.force))
-        content.largest_tension = max(content.largest_tension, -state.force)
+        self.totals = Totals(
+            state,
+            external,
+            surface,
+            max(totals.largest_force, abs(state.force)),
+            max(totals.largest_tension, -state.force),
+            (min(totals.depths[0], state.penetration), max(totals.depths[1], state.penetration)),
+        )
 
     def _work_of_bend(self, state: SurfaceState) -> float:
         """Work since the last row beyond its trapezoid, ``int F dD`` along parabolas through one row more.
@@ -187,9 +187,9 @@ class SurfaceRecorder:
         A dozen rows are a whole swing where the edge rests, and the polygon through them loses 5 % of it; it
         misses a ten-thousandth of a smooth press, which may be all that an almost elastic contact loses.
         """
-        if not state.smooth or len(self.content.rows) < 2:
+        if not state.smooth or len(self.rows) < 2:
             return state.bent
-        (t0, depth0, force0), (t1, depth1, force1) = (row[:3] for row in self.content.rows[-2:])
+        (t0, depth0, force0), (t1, depth1, force1) = (row[:3] for row in self.rows[-2:])
         before, now = t1 - t0, state.time - t1
         if min(before, now) <= 0.0:
             return 0.0
@@ -203,26 +203,11 @@ class SurfaceRecorder:
         force, force_bend = path(force0, force1, state.force)
         return work_of_bends((depth, force), (depth_bend, force_bend))
 
-    def mark(self) -> RowBefore:
-        """What is needed to take the next row back."""
-        content = self.content
-        return RowBefore(
-            self.last,
-            content.external_work,
-            content.surface_work,
-            content.largest_force,
-            content.largest_tension,
-        )
-
-    def take_back(self, before: RowBefore) -> None:
-        """Drop the last row, which brought no event."""
-        content = self.content
-        content.rows.pop()
-        if self.surfaces is not None:
-            self.surfaces.pop()
-        content.last = before.state
-        content.external_work, content.surface_work = before.external_work, before.surface_work
-        content.largest_force, content.largest_tension = before.largest_force, before.largest_tension
+    def take_back(self, before: Totals) -> None:
+        """Drop the last row, which brought no event, with the totals before it."""
+        self.totals = before
+        for kept in (self.rows, self.surfaces, self.steps):
+            del kept[-1:]
 
     def event(self, kind: str, way: float = 0.0) -> None:
         """An instability that starts from the last row, or after a further ``way`` of the edge at most.
@@ -230,25 +215,23 @@ class SurfaceRecorder:
         Towards a limit point the load is flat: its ripple, 1e-7 of it from node to node, moves the last
         equilibrium by a share of an element.
         """
-        rows = self.content.rows[-2:]
+        rows = self.rows[-2:]
         if not rows:
             return
         time, penetration, force, radius = rows[-1][:4]
         moved = np.abs(np.subtract(rows[-1][:4], rows[0][:4]))
         uncertainty = (way / moved[3] * moved).tolist() if way * moved[3] > 0.0 else ()
-        self.content.events.append(Event(kind, time, penetration, force, radius, tuple(uncertainty)))
+        self.events.append(Event(kind, time, penetration, force, radius, tuple(uncertainty)))
 
     def depth_scale(self) -> float:
-        """Range of the penetrations so far, at least a hundredth of the largest (of about 64 rows)."""
-        rows = self.content.rows
-        depths = [row[1] for row in rows[:: max(1, len(rows) // 64)]]
-        return max(max(depths) - min(depths), 1e-2 * max(abs(d) for d in depths))
+        """Range of the penetrations so far, at least a hundredth of the largest."""
+        least, most = self.totals.depths
+        return max(most - least, 1e-2 * max(abs(least), abs(most)))
 
     def trace(self, outcome: Outcome, counters: Counters, wall_seconds: float) -> Trace:
         """All that was recorded."""
-        rows = self.content.rows
         names = (*COLUMNS, *EXTRA)
-        table = np.array(rows, float).reshape(len(rows), len(names))
+        table = np.array(self.rows, float).reshape(len(self.rows), len(names))
         columns = dict(zip(names, table.T.copy(), strict=True))
         return Trace(
             solver=SOLVER,
@@ -262,10 +245,33 @@ class SurfaceRecorder:
             outcome=outcome,
             counters=counters,
             extra={name: columns[name] for name in EXTRA},
-            events=tuple(self.content.events),
-            profiles=tuple(self.content.profiles),
+            events=tuple(self.events),
+            profiles=tuple(self.profiles),
             wall_seconds=wall_seconds,
         )
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Content of a recorded run.
+
+    Parameters
+    ----------
+    setup : Setup
+    trace : Trace
+    rows : dict of float to int
+        Row of the trace at each requested time; where the load jumps, the one before.
+    surfaces : list of SurfaceState
+        By row; empty if nothing was to be recorded.
+    steps : list of SurfaceStep
+        That end at each row; empty if nothing was to be recorded.
+    """
+
+    setup: Setup
+    trace: Trace
+    rows: dict[float, int]
+    surfaces: list[SurfaceState]
+    steps: list[SurfaceStep]
 
 
 def tributary_areas(radii: Array) -> Array:
@@ -279,17 +285,18 @@ def tributary_areas(radii: Array) -> Array:
     return areas
 
 
-def profile(state: SurfaceState, radii: Array, height: Array, stretch: float = 1.0) -> SurfaceProfile:
-    """Pressure, displacement and gap at the surface nodes.
+def profile(state: SurfaceState, here: Placement) -> SurfaceProfile:
+    """Pressure, displacement and gap at the surface nodes of the place of a state.
 
     The pressure is the nodal force over the node's area; the axis takes that of its neighbour, and the
     partly released node at the edge is left out.
     """
+    radii = here.radii
     areas = tributary_areas(radii)
     pressure = np.divide(state.forces, areas, out=np.zeros_like(areas), where=areas > 0.0)
     pressure[0] = pressure[1]
     full = int(np.floor(state.edge))
-    gap = height - state.penetration + state.displacement
+    gap = here.height - state.penetration + state.displacement
     gap[: full + 1] = 0.0
     shown = np.ones(len(radii), bool)
     if full + 1 < len(radii) and state.edge > full:
@@ -299,7 +306,7 @@ def profile(state: SurfaceState, radii: Array, height: Array, stretch: float = 1
         state.penetration,
         state.force,
         state.radius,
-        stretch * radii[shown],
+        here.stretch * radii[shown],
         pressure[shown],
         state.displacement[shown],
         gap[shown],

@@ -1,4 +1,4 @@
-"""Discrete problem of a scene on meshes that follow the contact edge."""
+"""A scene, discretised: its surfaces, the accepted state on them, and what limits the steps."""
 
 from __future__ import annotations
 
@@ -9,28 +9,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Adhesion, Layer, Scene, UnsupportedScene
+from contact_scene import Scene
+from contact_scene.run_control import MAX_STEPS, moments, whole_number
+from contact_scene.value_checks import number
 from fem_solver.components import Components
-from fem_solver.edge import AdhesiveEdge, PressedEdge, edge_law
-from fem_solver.edge_geometry import EdgeGeometry
-from fem_solver.moduli import Moduli, moduli
-from fem_solver.options import DEFAULT_TOLERANCE, Options
-from fem_solver.placement import Surfaces
-from fem_solver.state import SurfaceHistory
+from fem_solver.edge import AdhesiveEdge, edge_law
+from fem_solver.edge_path import EdgeGeometry
+from fem_solver.moduli import moduli
+from fem_solver.placement import Placement, Surfaces
+from fem_solver.state import ComponentState, interface_energy, transferred, undeformed
 
 Array = NDArray[np.float64]
 
+DEFAULT_TOLERANCE = 1e-3
+"""Relative accuracy of the force in time at the usual number of elements."""
 _TRAVEL = 0.03
 """Edge travel allowed per step, relative to the contact radius: on that scale the field away from the edge
 changes, and with it what drives the edge."""
-_JUMP_TOLERANCE = 0.1
-"""Deviation from a linear response over a part of a load jump, per tolerance of the steps: a jump passes over
-many zones, and its work is that of its chords, whose errors all have one sign."""
-_DIVISIONS = 10.0
-"""Elements per process zone to which the usual tolerance of the steps belongs; it goes with their square, so
-that steps and mesh are refined together."""
-_PRESSED_DIVISIONS = 4.0
-"""The same without adhesion, per twentieth of the largest contact radius."""
+_DIVISIONS, _PRESSED_DIVISIONS = 10.0, 4.0
+"""Elements per process zone, or without adhesion per twentieth of the largest contact radius, to which the
+usual tolerance of the steps belongs; it goes with their square: steps and mesh are refined together."""
 _PRESSED_TRAVEL = 0.02, 0.25
 """Edge travel allowed per step without adhesion, relative to the largest contact radius, and the present."""
 _LEAST_RADIUS = 0.1
@@ -38,103 +36,150 @@ _LEAST_RADIUS = 0.1
 
 
 @dataclass(frozen=True)
-class Setup:
-    """Surfaces, the state on them, and what limits the steps.
+class Options:
+    """Numerical choices; the mesh carries the spatial ones.
 
     Parameters
     ----------
-    surfaces : Surfaces
-    history : SurfaceHistory
-    adhesion : Adhesion, optional
-    material : Moduli
-    shortest_time : float
-        Shortest relaxation time; infinite for an elastic solid.
-    tolerance : float
-        Relative accuracy of the force in time where the options ask for none.
-    compliance : float
-        Of the machine; 0 where it is rigid.
-    plane_tip : float
-        Radius of a plane tip without adhesion; 0 of others.
-    body : Layer, optional
-        What it is, unless a half-space.
+    tolerance : float, optional
+        Relative accuracy of the force in time, between 0 and 1; by default 1e-3 at the usual number
+        of elements, and with its square.
+    stop_times : tuple of float
+        Times stepped onto exactly.
+    profile_times : tuple of float
+        Times, stepped onto exactly, at which surface profiles are returned.
+    max_steps : int
+        Trial steps, accepted and rejected together, after which the run ends.
+    far_field : bool
+        Prescribe the displacement of the total force on the far boundary; otherwise hold it.
+    record_times : tuple of float
+        Times, stepped onto exactly, whose rows fields in the body will be asked for.
+    record : bool
+        Record the surface at all rows, which those times alone do as well.
+
+    Raises
+    ------
+    SceneError
+        If an option is out of its range.
     """
 
-    surfaces: Surfaces
-    history: SurfaceHistory
-    adhesion: Adhesion | None
-    material: Moduli
-    shortest_time: float
-    tolerance: float
-    compliance: float = 0.0
-    plane_tip: float = 0.0
-    body: Layer | None = None
-    jump_tolerance = _JUMP_TOLERANCE
+    tolerance: float | None = None
+    stop_times: tuple[float, ...] = ()
+    profile_times: tuple[float, ...] = ()
+    max_steps: int = MAX_STEPS
+    far_field: bool = True
+    record_times: tuple[float, ...] = ()
+    record: bool = False
+
+    def __post_init__(self) -> None:
+        checked = {
+            "stop_times": moments(self.stop_times, "stop_times"),
+            "profile_times": moments(self.profile_times, "profile_times"),
+            "record_times": moments(self.record_times, "record_times"),
+            "max_steps": whole_number(self.max_steps, "max_steps", 1),
+        }
+        if self.tolerance is not None:
+            allowed = "a number between 0 and 1"
+            number(self.tolerance, "tolerance", allowed, low=0.0, high=1.0, open=True)
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def records(self) -> bool:
+        """Whether the surface is recorded."""
+        return self.record or bool(self.record_times)
+
+    @property
+    def requested_times(self) -> frozenset[float]:
+        """All times that are stepped onto."""
+        return frozenset((*self.stop_times, *self.profile_times, *self.record_times))
+
+
+class Setup:
+    """Surfaces of a scene and the accepted state on them.
+
+    Parameters
+    ----------
+    scene : Scene
+    meshes : object
+        As of :func:`~fem_solver.solver.solve`.
+    options : Options
+
+    Attributes
+    ----------
+    state : ComponentState
+        Accepted last.
+    begin : ComponentState
+        The state at the begin of the step that led there, on the mesh of that step.
+    tolerance : float
+        Relative accuracy of the force in time.
+    """
+
+    def __init__(self, scene: Scene, meshes: Any, options: Options) -> None:
+        self.options, self.relaxed_modulus = options, scene.material.relaxed_plane_modulus
+        self.adhesion = scene.adhesion if scene.is_adhesive else None
+        self.compliance, self.plane_tip, self.body = (
+            scene.loading.compliance,
+            scene.bare_plane_tip,
+            scene.body,
+        )
+        self.material = moduli(scene.material)
+        self.solid = Components(self.material.surface)
+        self.surfaces = Surfaces(scene, meshes, self.material, options.far_field)
+        times, usual = self.solid.modulus.times, _DIVISIONS if self.adhesion else _PRESSED_DIVISIONS
+        self.shortest_time, self.has_history = float(times.min(initial=math.inf)), times.size > 0
+        self.tolerance = options.tolerance or DEFAULT_TOLERANCE * (usual / meshes.divisions) ** 2
+        self.state = self.begin = undeformed(self.surfaces.around(self.surfaces.largest), len(times))
+        self._moved = self.state, self.state
+
+    @property
+    def placement(self) -> Placement:
+        """The surface at the place of the accepted state."""
+        return self.surfaces.at(self.state.place)
 
     @property
     def geometry(self) -> EdgeGeometry:
-        """Edge positions."""
-        return self.history.placement.geometry
+        """Edge positions there."""
+        return self.placement.geometry
 
     @property
     def law(self) -> AdhesiveEdge:
         """Edge law; it may go anywhere."""
-        if self.adhesion is None:
-            return PressedEdge(self.geometry, self.plane_tip)
-        return edge_law(self.geometry, self.adhesion)
-
-    @property
-    def radii(self) -> Array:
-        """Radii of the surface nodes; shape (n,)."""
-        return self.history.placement.radii
-
-    @property
-    def height(self) -> Array:
-        """Height of the indenter at the nodes; shape (n,)."""
-        return self.history.placement.height
-
-    @property
-    def stretch(self) -> float:
-        """Contact radius of an edge in the fine strip over the radius of its node."""
-        return self.history.placement.stretch
+        return edge_law(self.geometry, self.adhesion, self.plane_tip)
 
     @property
     def travel(self) -> float:
         """Edge travel allowed per step."""
-        radius = self.history.state.radius
         if self.adhesion is None:
-            return max(_PRESSED_TRAVEL[0] * self.surfaces.largest, _PRESSED_TRAVEL[1] * radius)
-        return _TRAVEL * radius
+            return max(_PRESSED_TRAVEL[0] * self.surfaces.largest, _PRESSED_TRAVEL[1] * self.state.radius)
+        return _TRAVEL * self.state.radius
 
     def radius_scale(self, radius: float) -> float:
         """Radius to which errors of a radius are relative; without adhesion contact begins in a point."""
         return radius if self.adhesion is not None else max(radius, _LEAST_RADIUS * self.surfaces.largest)
 
+    def at(self, placement: Placement) -> ComponentState:
+        """The accepted state with the mesh at another place."""
+        accepted, moved = self._moved
+        if accepted is not self.state or moved.place != placement.place:
+            moved = transferred(self.state, self.placement, placement, self.solid)
+            self._moved = self.state, moved
+        return moved
+
     @property
-    def has_history(self) -> bool:
-        """Whether the solid relaxes."""
-        return math.isfinite(self.shortest_time)
+    def displacement(self) -> Array:
+        """Surface displacement, downwards; shape (n,)."""
+        return self.placement.displacement(self.state.components)
 
+    @property
+    def stored_energy(self) -> float:
+        """Energy of the springs."""
+        state = self.state
+        held = float(np.sum(self.solid.stored(state.components, state.branches)))
+        finer = float(np.sum(state.unresolved) + np.sum(state.uneven))
+        return held + finer + state.borders.stored(self.solid)
 
-def set_up(scene: Scene, meshes: Any, options: Options) -> Setup:
-    """Make the surfaces and the undeformed state."""
-    material = moduli(scene.material)
-    if options.form != "mixed" and material.bulk is None:
-        raise UnsupportedScene(
-            "material.poisson", "the displacement form needs compressibility", "form mixed"
-        )
-    unit = material.instantaneous_ratio, material.unit_plane_modulus
-    surfaces = Surfaces(scene, meshes, *unit, options.form, options.far_field)
-    modulus = material.surface
-    history = SurfaceHistory(surfaces, Components(modulus))
-    times, usual = modulus.times, _DIVISIONS if scene.is_adhesive else _PRESSED_DIVISIONS
-    return Setup(
-        surfaces=surfaces,
-        history=history,
-        adhesion=scene.adhesion if scene.is_adhesive else None,
-        material=material,
-        shortest_time=float(times.min()) if times.size else math.inf,
-        tolerance=DEFAULT_TOLERANCE * (usual / meshes.divisions) ** 2,
-        compliance=scene.loading.compliance,
-        plane_tip=scene.bare_plane_tip,
-        body=scene.body,
-    )
+    @property
+    def interface_energy(self) -> float:
+        """Energy of the partly released node beyond that of its mean."""
+        return interface_energy(self.state, self.placement, self.solid)

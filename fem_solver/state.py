@@ -9,16 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.components import Components
-from fem_solver.edge_geometry import NO_CONTACT, EdgeOrigin
-from fem_solver.node_parts import LeftStrips, NodeBorders, NodeParts, NodeStrips
-from fem_solver.path import Row
-from fem_solver.placement import Placement, Surfaces
+from fem_solver.edge_path import NO_CONTACT, EdgeOrigin, Row
+from fem_solver.nodes import NodeBorders, NodeParts, NodeStrips
+from fem_solver.placement import Placement
 from fem_solver.surface_record import SurfaceRecord, averaged, interpolated
 
 Array = NDArray[np.float64]
-
-EARLIER_ROWS = 2
-"""Earlier rows through which the path of the edge goes: its order is their number and one."""
 
 
 @dataclass(frozen=True)
@@ -37,8 +33,9 @@ class ComponentState:
         The last two are the contact radius and the edge position in nodes; ``edge = -1`` without contact.
     strips : NodeStrips, optional
         Of that node.
-    left : LeftStrips
-        Of nodes that the edge has left, as far out as the closure looks.
+    left : dict of int to NodeStrips
+        Of nodes within which the edge has begun to recede, and that it has left, as far out as the closure
+        looks: it sees of a node the radii within its zone, and where the edge turned they jump.
     at_edge : ndarray, shape (branches,)
         Branch variables of a component at the edge, over ``e``, without adhesion: nothing jumps there.
     before : tuple of Row
@@ -65,7 +62,7 @@ class ComponentState:
     branches: Array
     held: Array
     strips: NodeStrips | None = None
-    left: LeftStrips = field(default_factory=lambda: LeftStrips.none(0))
+    left: dict[int, NodeStrips] = field(default_factory=dict)
     at_edge: Array = field(default_factory=lambda: np.zeros(0))
     penetration: float = 0.0
     radius: float = 0.0
@@ -90,8 +87,8 @@ class ComponentState:
         return EdgeOrigin(self.edge, self.radius, (self.radius - radius) / duration, duration)
 
     def rows_and_this(self, dt: float) -> tuple[Row, ...]:
-        """The rows before the end of a step from here, through which the path of the next one goes."""
-        earlier = tuple((age + dt, radius) for age, radius in self.before[: EARLIER_ROWS - 1])
+        """The two rows before the end of a step from here, through which the path of the next one goes."""
+        earlier = tuple((age + dt, radius) for age, radius in self.before[:1])
         return (dt, self.radius), *earlier
 
 
@@ -103,7 +100,6 @@ def undeformed(placement: Placement, branches: int) -> ComponentState:
         components=np.zeros(nodes),
         branches=np.zeros((branches, nodes)),
         held=np.zeros(branches),
-        left=LeftStrips.none(branches),
         at_edge=np.zeros(branches),
         unresolved=np.zeros(branches),
         uneven=np.zeros(branches),
@@ -143,7 +139,7 @@ def transferred(state: ComponentState, old: Placement, new: Placement, solid: Co
         branches=np.hstack([within[:, :-1], between, beyond[:, 1:]]) * new.unit,
         held=within[:, -1] * new.unit[top],
         strips=None,
-        left=LeftStrips.none(len(state.branches)),
+        left={},
         edge=edge,
         uneven=uneven,
     )
@@ -205,65 +201,3 @@ def interface_energy(state: ComponentState, placement: Placement, solid: Compone
     mean = state.components[node : node + 1], state.branches[:, node : node + 1]
     contact = np.array([imposed]), state.held[:, None]
     return NodeParts(solid, state.edge - np.floor(state.edge), mean, contact).energy_beyond_mean
-
-
-class SurfaceHistory:
-    """The accepted state, and what a run asks of it.
-
-    Parameters
-    ----------
-    surfaces : Surfaces
-    solid : Components
-    """
-
-    def __init__(self, surfaces: Surfaces, solid: Components) -> None:
-        self.surfaces, self.solid = surfaces, solid
-        start = surfaces.around(surfaces.largest)
-        self.state = undeformed(start, len(solid.modulus.times))
-        self.begin = self.state
-        """The state at the begin of the last step, on the mesh of that step."""
-        self.volume_solves = 0
-        self._moved: tuple[ComponentState, ComponentState] | None = None
-
-    @property
-    def factorisations(self) -> int:
-        """Meshes factorised so far."""
-        return self.surfaces.factorisations
-
-    @property
-    def placement(self) -> Placement:
-        """The surface at the place of the accepted state."""
-        return self.surfaces.at(self.state.place)
-
-    def at(self, placement: Placement) -> ComponentState:
-        """The accepted state with the mesh at another place."""
-        if self._moved is None or self._moved[0] is not self.state or self._moved[1].place != placement.place:
-            moved = transferred(self.state, self.placement, placement, self.solid)
-            self._moved = self.state, moved
-        return self._moved[1]
-
-    @property
-    def displacement(self) -> Array:
-        """Surface displacement, downwards; shape (n,)."""
-        return self.placement.displacement(self.state.components)
-
-    @property
-    def stored_energy(self) -> float:
-        """Energy of the springs."""
-        state = self.state
-        held = float(np.sum(self.solid.stored(state.components, state.branches)))
-        finer = float(np.sum(state.unresolved) + np.sum(state.uneven))
-        return held + finer + state.borders.stored(self.solid)
-
-    @property
-    def interface_energy(self) -> float:
-        """Energy of the partly released node beyond that of its mean."""
-        return interface_energy(self.state, self.placement, self.solid)
-
-    def accept(self, begin: ComponentState, state: ComponentState) -> None:
-        """Go on from the end of a step, which began with a state on its own mesh."""
-        self.begin, self.state = begin, state
-
-    def take_back(self, state: ComponentState) -> None:
-        """Return to the state before the last step."""
-        self.state = state

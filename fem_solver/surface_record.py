@@ -29,28 +29,6 @@ _WORTHWHILE = 0.1
 
 
 @dataclass(frozen=True)
-class EdgePassage:
-    """How the edge goes over the surface in a step.
-
-    Parameters
-    ----------
-    dt : float
-        Time; 0 for a glassy response.
-    penetrations : tuple of float
-        At the begin and at the end.
-    edge : float
-        Where the edge is at the end.
-    moments : callable(ndarray) -> ndarray
-        Shares of the step at which it is at radii between.
-    """
-
-    dt: float
-    penetrations: tuple[float, float]
-    edge: float
-    moments: Callable[[Array], Array]
-
-
-@dataclass(frozen=True)
 class SurfaceRecord:
     """Intensities of the branch variables at radii.
 
@@ -84,28 +62,39 @@ class SurfaceRecord:
         right = right._at(mirrored[::-1])
         return replace(left._followed_by(right), edge=len(left.positions))
 
-    def after(self, solid: Components, step: EdgePassage, nodes: SurfaceRecord) -> SurfaceRecord:
+    def after(
+        self,
+        solid: Components,
+        dt: float,
+        penetrations: tuple[float, float],
+        edge: float,
+        moments: Callable[[Array], Array],
+        nodes: SurfaceRecord,
+    ) -> SurfaceRecord:
         """The record after a step, every point released or covered in its own time, exactly.
+
+        The penetrations are those at its begin and end; ``edge`` is where the edge is at the end, and
+        ``moments`` tells shares of the step at which it is at radii between.
 
         A node of a wide element stands for the radii between two positions of the edge, and not evenly: its
         mean is that of another radius, to one side at vertices and to the other between them. Left behind as
         points, nodes would make the surface uneven for an edge that comes back.
         """
-        known = self._with_points(nodes, step.edge)
+        known = self._with_points(nodes, edge)
         x, b, profile = known.positions, known.intensity, known.profile
-        first, last = (penetration - profile for penetration in step.penetrations)
-        before, after = known.edge, int(np.searchsorted(x, step.edge))
+        first, last = (penetration - profile for penetration in penetrations)
+        before, after = known.edge, int(np.searchsorted(x, edge))
         low, high = sorted((before, after))
-        held = solid.linear(first[:low], b[:, :low], step.dt, last[:low])
-        free = solid.recovered(b[:, high:], step.dt)[1]
-        share, at_pass = step.moments(x[low:high]), slice(low, high)
-        passed, left = first[at_pass] + share * (last - first)[at_pass], (1.0 - share) * step.dt
+        held = solid.linear(first[:low], b[:, :low], dt, last[:low])
+        free = solid.recovered(b[:, high:], dt)[1]
+        share, at_pass = moments(x[low:high]), slice(low, high)
+        passed, left = first[at_pass] + share * (last - first)[at_pass], (1.0 - share) * dt
         if after < before:
-            until = solid.linear(first[at_pass], b[:, at_pass], share * step.dt, passed)
+            until = solid.linear(first[at_pass], b[:, at_pass], share * dt, passed)
             released = solid.linear(passed, until, 0.0, solid.relieved(passed, until, 0.0))
             changed = solid.recovered(released, left)[1]
         else:
-            v, until = solid.recovered(b[:, at_pass], share * step.dt)
+            v, until = solid.recovered(b[:, at_pass], share * dt)
             changed = solid.linear(passed, solid.linear(v, until, 0.0, passed), left, last[at_pass])
         return SurfaceRecord(x, np.hstack([held, changed, free]), profile, after)
 

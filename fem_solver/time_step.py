@@ -2,25 +2,42 @@
 
 A trial returns a candidate within the travel of the edge, with its error, and changes nothing. Steps are
 dyadic divisions of an interval between two stops (``step_control``); one that reaches the level of a trigger
-ends there.
+ends there. A state becomes part of the run here, one row each, and may end it. Penetration is positive
+downwards, force positive in compression.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import NoReturn
 
+import numpy as np
 from scipy.optimize import brentq
 
-from contact_scene import Segment, Trigger
+from contact_scene import Counters, LoadingCursor, Outcome, OutcomeKind, RunMonitor, Segment, Trigger
 from contact_scene.loading import Control
-from fem_solver.accepted_states import AcceptedStates, StepBefore, StepCandidate, TensionPeak
+from contact_scene.run_control import below_zone_outcome, budget_outcome, outgrown_outcome
 from fem_solver.contact_problem import ContactCandidate
-from fem_solver.edge_geometry import EdgeMotion
-from fem_solver.events import edge_jump
-from fem_solver.recorder import SurfaceState
-from fem_solver.step_control import DyadicInterval, deviation_from_tangent, missed_peak
+from fem_solver.edge import energy_spent
+from fem_solver.edge_path import EdgeMotion
+from fem_solver.edge_search import ContactSolver
+from fem_solver.recorder import SurfaceRecorder, SurfaceState, SurfaceStep, Totals, profile
+from fem_solver.setup import Setup
+from fem_solver.state import ComponentState
+from fem_solver.step_control import (
+    DyadicInterval,
+    SlopeErrorEstimator,
+    deviation_from_tangent,
+    missed_peak,
+)
 
+_ELASTIC_TOLERANCE = 0.04
+"""Allowed error of the rows of an elastic solid per that of others: steps are few, and of its work a small
+difference, the hysteresis of the jumps, is what counts."""
+_ELASTIC_TRAVEL = 4.0
+"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
 _ZONE_END_SHARE = 1e-4
 """Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
 _DEVIATION_PER_TOLERANCE = 10.0
@@ -31,25 +48,236 @@ _MISSED_RADIUS = 0.1
 """Distance by which the edge may miss the extrapolation of its path, per allowed error of the force, relative
 to the sizes of radius and force. It is less than one: an edge that is too far inside recedes faster from
 then on, so that what it misses grows towards the pull-off."""
-_ELASTIC_TRAVEL = 4.0
-"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
-_ELASTIC_SHARE = 0.1
-"""Edge travel per step of an elastic solid, relative to the contact radius, where that is more."""
+_REJECT = 2.0
+"""A step is rejected if its estimated error exceeds this multiple of the allowed one."""
+_MISSED_TENSION = 0.1
+"""Tension that rows may miss of its largest value, relative to the allowed error of the force."""
+_EVENT_TRAVEL = 4.0
+"""An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
 
 
-class TriedSteps(AcceptedStates):
-    """A run that can try a step of any length from the last accepted state."""
+class RunEnded(Exception):
+    """The run ends before its loading does."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__(outcome.reason)
+        self.outcome = outcome
+
+
+@dataclass(frozen=True)
+class StepCandidate:
+    """Result of a trial step; ``error`` is relative to the allowed one, infinite without equilibrium."""
+
+    contact: ContactCandidate
+    slopes: dict[str, float]
+    error: float
+
+
+@dataclass(frozen=True)
+class StepBefore:
+    """What it needs to take the last step back, which lies in the present interval and brought no event.
+
+    Time and position within the interval at its begin, slopes of the step before it, and what stood then.
+    """
+
+    time: float
+    position: int
+    slopes: dict[str, float]
+    totals: Totals
+    state: ComponentState
+
+
+@dataclass(frozen=True)
+class TensionPeak:
+    """Rates at which the tension rises to the last row and falls behind it, and what rows may miss of it."""
+
+    rise: float
+    fall: float
+    allowed: float
+
+
+class SteppedStates:
+    """A run that goes from one accepted state to the next within an interval between two stops."""
+
+    def __init__(
+        self, setup: Setup, monitor: RunMonitor | None, progress: Callable[[float], None] | None
+    ) -> None:
+        self.setup, self.options, self.monitor, self.progress = setup, setup.options, monitor, progress
+        self.recorder = SurfaceRecorder(setup.adhesion, self.options.records)
+        tolerance = setup.tolerance * (1.0 if setup.has_history else _ELASTIC_TOLERANCE)
+        self.estimator = SlopeErrorEstimator(tolerance)
+        self.cursor, self.counters = LoadingCursor(), Counters()
+        self.solver = ContactSolver(setup, self.counters)
+        self.time = 0.0
+        self.rows_at: dict[float, int] = {}
+        self.interval: DyadicInterval | None = None
+        self.step: float | None = None
+        self.before: StepBefore | None = None
+
+    @property
+    def state(self) -> SurfaceState:
+        """The last accepted state."""
+        return self.recorder.last
+
+    @property
+    def _has_rate(self) -> bool:
+        """Whether the energy that an opening edge takes up follows its speed."""
+        return self.setup.adhesion is not None and self.setup.adhesion.rate is not None
+
+    def force_scale(self, force: float, singular: float, radius: float) -> float:
+        """Force to which errors of the force are relative.
+
+        What a relaxing contact bears when it is pulled follows from the steps before, and after a hard press
+        it is far less than the largest force of the run. There errors are relative to the larger of the
+        present force and its part due to adhesion, that of the flat punch with the same edge singularity.
+        Without adhesion, or without a history, the largest force serves. The scale is at least the pull-off
+        force of a relaxed punch of the contact radius that adheres, ``F = sqrt(8 pi E* a^3 w)`` (Kendall,
+        J. Phys. D 4 (1971)).
+        """
+        scale, adhesion = self.recorder.totals.largest_force, self.setup.adhesion
+        if adhesion is None:
+            return scale
+        if self.setup.has_history:
+            scale = min(max(abs(force), abs(singular)), scale)
+        return max(scale, math.sqrt(8.0 * math.pi * self.setup.relaxed_modulus * radius**3 * adhesion.work))
+
+    # Accepting states
+
+    def _commit(self, candidate: ContactCandidate, contact: bool = True, bent: float = 0.0) -> None:
+        """Accept a state, in contact or free: history, row, counters; ``bent`` as of a surface state."""
+        problem, s, setup, last = candidate.problem, candidate.edge.s, self.setup, self.recorder.totals.last
+        forces = problem.forces(s)
+        penetration, force, radius = candidate.penetration, candidate.force, candidate.radius
+        if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
+            self._end(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
+        setup.begin, setup.state = problem.state, problem.accepted(s)
+        if self.options.records:
+            ends = (replace(at, record=None, before=()) for at in (setup.begin, setup.state))
+            self.recorder.steps.append(SurfaceStep(problem.dt, *ends))
+        self.counters.steps += last is not None
+        self.recorder.add(
+            SurfaceState(
+                time=self.time,
+                penetration=penetration,
+                force=force,
+                radius=radius,
+                edge=s,
+                forces=forces,
+                displacement=setup.displacement,
+                stored=setup.stored_energy,
+                interface=setup.interface_energy,
+                branch_dissipation=setup.state.dissipated,
+                received=setup.state.received,
+                zone=problem.zone(s),
+                singular_force=problem.singular_force(s),
+                smooth="force" in self.estimator.slopes,
+                bent=bent,
+                **self._interface(candidate, last),
+            )
+        )
+        if contact and setup.geometry.stress is not None and self.state.zone >= radius:
+            self._end_below_zone()
+
+    def _interface(self, candidate: ContactCandidate, last: SurfaceState | None) -> dict[str, float]:
+        """Closure, energy spent and rate of the edge, where they do not follow from the contact radius."""
+        adhesion, radius, dt = self.setup.adhesion, candidate.radius, candidate.problem.dt
+        if adhesion is None or adhesion.reversible:
+            return {}
+        closure = candidate.problem.closure(candidate.edge.s) if radius > 0.0 else 0.0
+        if last is None:
+            return {"closure": closure}
+        spent = energy_spent(adhesion, (last.radius, radius), (last.closure, closure))
+        rate = (radius - last.radius) / dt if dt > 0.0 else 0.0
+        return {"closure": closure, "spent": last.spent + spent, "rate": rate}
+
+    def _on_stop(self) -> None:
+        """Profiles and rows that are asked for at the present time."""
+        if self.time in self.options.profile_times:
+            self.recorder.profiles.append(profile(self.state, self.setup.placement))
+        if self.time in self.options.record_times:
+            self.rows_at[self.time] = len(self.recorder.rows) - 1
+
+    # Ends of a run
+
+    def _end(self, kind: OutcomeKind, reason: str) -> NoReturn:
+        raise RunEnded(Outcome(kind, reason, self.time))
+
+    def _end_below_zone(self) -> NoReturn:
+        raise RunEnded(below_zone_outcome([row[2] for row in self.recorder.rows], self.time))
+
+    def _check_budget(self) -> None:
+        outcome = budget_outcome(self.counters, self.options.max_steps, self.time)
+        outcome = outcome or outgrown_outcome(self.setup.body, self.state.radius, self.time)
+        if outcome is not None:
+            raise RunEnded(outcome)
+
+    def _contact_lost(self, candidate: ContactCandidate) -> NoReturn:
+        """No equilibrium: the contact outgrows the mesh, or is lost."""
+        problem = candidate.problem
+        if candidate.edge.motion is EdgeMotion.ADVANCING:
+            reason = f"the contact grows beyond the radius {candidate.radius:.6g} the mesh is made for"
+            self._end(OutcomeKind.OUT_OF_RANGE, reason)
+        if self.setup.adhesion is None:
+            self._last_touch(problem.dt, problem.control, problem.value)
+        self._pulled_off(problem.control)
+
+    def _last_touch(self, dt: float, control: Control, value: float) -> None:
+        """The row of the last touch without adhesion: a point, or a plane tip.
+
+        A blunt profile keeps a radius within the shortest step of that.
+        """
+        value = 0.0 if control == "force" else value
+        self.time += dt
+        plane = self.solver.plane_contact(dt, "force", 0.0)  # bears nothing as it is let go
+        self._commit(plane or self.solver.held(dt, control, value, 0.0))
+
+    def _pulled_off(self, control: Control) -> NoReturn:
+        setup = self.setup
+        self.recorder.event("pull-off", 0.5 * setup.geometry.spacing if setup.adhesion else 0.0)
+        reason = f"contact lost at penetration {self.state.penetration:.6g}"
+        # the spring takes the indenter to where the stage is; a given force takes the stage along
+        if setup.compliance > 0.0 and control != "force":
+            stage = self.state.penetration + setup.compliance * self.state.force
+            self._commit(self.solver.held(0.0, "stage", stage, 0.0), contact=False)
+        self._end(OutcomeKind.DETACHED, reason)
+
+    def _below_zone(self, candidate: ContactCandidate) -> bool:
+        adhesion = self.setup.adhesion
+        return adhesion is not None and candidate.radius < adhesion.zone
+
+    def _end_at_zone(self, load: Callable[[float], tuple[float, Control, float]]) -> NoReturn:
+        """End with the row in a step or part of a jump at which the contact is as short as its process zone.
+
+        ``load`` gives length of the step, control and value at a share of it. An edge may leap past.
+        """
+        assert self.setup.adhesion is not None
+        zone = self.setup.adhesion.zone
+
+        def excess(share: float) -> float:
+            held = self.solver.held(*load(share), zone)
+            problem, s = held.problem, held.edge.s
+            self.counters.closure_evaluations += 1
+            return max(problem.closure(s) / self.setup.law.taken(problem, s), 0.0) - 1.0
+
+        if not excess(0.0) < 0.0 <= excess(1.0):
+            self._pulled_off(load(0.0)[1])
+        reached = self.solver.held(*load(float(brentq(excess, 0.0, 1.0))), zone)
+        self.time += reached.problem.dt
+        self._commit(reached)
+        self._end_below_zone()
+
+    # Trials
 
     def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
         """A step with its edge within one step's travel."""
         now = self.state
-        contact = self.solver.trial(dt, segment.control, segment.value(end), now.edge, self._reach(now))
+        contact = self.solver.trial(dt, segment.control, segment.value(end), self._reach(now))
         if not contact.in_equilibrium:
             return StepCandidate(contact, {}, math.inf)
-        radius = self.solver.radius(contact)
-        force = contact.force
+        radius, force = contact.radius, contact.force
+        singular = contact.problem.singular_force(contact.edge.s)
         quantities = {
-            "force": (force, now.force, self.force_scale(force, contact.singular_force, radius)),
+            "force": (force, now.force, self.force_scale(force, singular, radius)),
             "radius": (radius, now.radius, _RADIUS_SCALE * self.setup.radius_scale(radius)),
         }
         if segment.control != "penetration":
@@ -80,7 +308,7 @@ class TriedSteps(AcceptedStates):
         travel, interval = self.setup.travel, self.interval
         if self.setup.has_history or interval is None or interval.shortest:
             return travel
-        return max(_ELASTIC_TRAVEL * travel, _ELASTIC_SHARE * self.state.radius)
+        return _ELASTIC_TRAVEL * travel
 
     def _reach(self, now: SurfaceState) -> tuple[float, float]:
         """Edge positions within one step's travel, at least one node either way."""
@@ -99,53 +327,9 @@ class TriedSteps(AcceptedStates):
         """Whether a zone of fixed stress fills its contact, which is followed no farther."""
         if self.setup.geometry.stress is None or not contact.in_equilibrium:
             return False
-        return contact.problem.zone(contact.edge.s) >= self.solver.radius(contact)
+        return contact.problem.zone(contact.edge.s) >= contact.radius
 
-
-_LENGTH_TOLERANCE = 1e-14
-"""Accuracy of the length of the step, relative to it: close to rounding."""
-
-
-class _NoEquilibrium(Exception):
-    """A shorter step does not end in equilibrium."""
-
-
-def step_to_level(
-    run: TriedSteps, segment: Segment, trigger: Trigger, dt: float, contact: ContactCandidate
-) -> ContactCandidate | None:
-    """The state at the level; ``None`` if the step does not pass it, or passes it in a jump of the edge."""
-    now = run.state
-    before = trigger.excess(now.penetration, now.force, now.radius)
-
-    def excess_of(candidate: ContactCandidate) -> float:
-        if not candidate.in_equilibrium:
-            raise _NoEquilibrium
-        return trigger.excess(candidate.penetration, candidate.force, run.solver.radius(candidate))
-
-    def excess(length: float) -> float:
-        if length == 0.0:
-            return before
-        return excess_of(run.trial_step(segment, length, run.time + length).contact)
-
-    try:
-        if before * excess_of(contact) > 0.0:
-            return None
-        length = float(brentq(excess, 0.0, dt, xtol=_LENGTH_TOLERANCE * dt, rtol=1e-15))
-        return run.trial_step(segment, length, run.time + length).contact
-    except _NoEquilibrium:
-        return None
-
-
-_REJECT = 2.0
-"""A step is rejected if its estimated error exceeds this multiple of the allowed one."""
-_MISSED_TENSION = 0.1
-"""Tension that rows may miss of its largest value, relative to the allowed error of the force."""
-_EVENT_TRAVEL = 4.0
-"""An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
-
-
-class SteppedStates(TriedSteps):
-    """A run that goes from one accepted state to the next within an interval between two stops."""
+    # Steps
 
     def _advance(self, segment: Segment, interval: DyadicInterval, span: float) -> None:
         """One accepted step, after as many trials as it takes."""
@@ -154,7 +338,7 @@ class SteppedStates(TriedSteps):
         if segment.trigger is not None:
             at_level = step_to_level(self, segment, segment.trigger, interval.dt, contact)
             if at_level is not None:
-                self.time += at_level.dt
+                self.time += at_level.problem.dt
                 self._commit(at_level)
                 self.cursor.level_reached()
                 return
@@ -163,13 +347,8 @@ class SteppedStates(TriedSteps):
             contact, slopes, error = self._edge_jump(contact, segment, interval.dt), {}, 0.0
         elif self._below_zone(contact):
             self._end_in_step(segment, interval.dt)
-        before = StepBefore(
-            self.time,
-            interval.position,
-            self.estimator.slopes,
-            self.recorder.mark(),
-            self.setup.history.state,
-        )
+        slopes_before, totals = self.estimator.slopes, self.recorder.totals
+        before = StepBefore(self.time, interval.position, slopes_before, totals, self.setup.state)
         self.time = interval.next_time
         interval.advance()
         self._commit(contact)
@@ -224,7 +403,7 @@ class SteppedStates(TriedSteps):
         tension = -self.state.force
         rise, fall = -self.estimator.slopes.get("force", 0.0), candidate.slopes.get("force", math.inf)
         allowed = _MISSED_TENSION * self.estimator.tolerance * self._present_force_scale()
-        turns = rise > 0.0 and fall > 0.0 and tension + allowed > self.recorder.content.largest_tension
+        turns = rise > 0.0 and fall > 0.0 and tension + allowed > self.recorder.totals.largest_tension
         return TensionPeak(rise, fall, allowed) if turns else None
 
     def _divide_last_step(self, peak: TensionPeak, interval: DyadicInterval) -> bool:
@@ -260,9 +439,8 @@ class SteppedStates(TriedSteps):
         """Return to the begin of the last step, to take it in parts."""
         self.time = before.time
         self.estimator.accept(before.slopes)
-        self.recorder.take_back(before.row)
-        self.setup.history.take_back(before.history)
-        self.on_take_back()
+        self.recorder.take_back(before.totals)
+        self.setup.state = before.state
         self.counters.steps -= 1
         self.counters.rejected_steps += 1
         self.before = None
@@ -273,12 +451,12 @@ class SteppedStates(TriedSteps):
 
         Where the energy follows the speed, an edge that a short step takes beyond the zone has passed it.
         """
-        landed = edge_jump(self.solver, candidate)
+        landed = self.solver.extended(candidate)
         if not landed.in_equilibrium or self._below_zone(landed) or self._zone_fills_contact(landed):
             if self._has_rate and landed.edge.motion is not EdgeMotion.ADVANCING:
                 self._end_in_step(segment, dt)
             self._contact_lost(landed)
-        if abs(self.solver.radius(landed) - self.state.radius) > _EVENT_TRAVEL * self.setup.travel:
+        if abs(landed.radius - self.state.radius) > _EVENT_TRAVEL * self.setup.travel:
             advancing = candidate.edge.motion is EdgeMotion.ADVANCING
             self.recorder.event("snap-in" if advancing else "pull-off")
         return landed
@@ -291,3 +469,30 @@ class SteppedStates(TriedSteps):
             return share * dt, segment.control, segment.value(start + share * dt)
 
         self._end_at_zone(load)
+
+
+class _NoEquilibrium(Exception):
+    """A shorter step does not end in equilibrium."""
+
+
+def step_to_level(
+    run: SteppedStates, segment: Segment, trigger: Trigger, dt: float, contact: ContactCandidate
+) -> ContactCandidate | None:
+    """The state at the level; ``None`` if the step does not pass it, or passes it in a jump of the edge."""
+    now = run.state
+    before = trigger.excess(now.penetration, now.force, now.radius)
+
+    def excess_of(candidate: ContactCandidate) -> float:
+        if not candidate.in_equilibrium:
+            raise _NoEquilibrium
+        return trigger.excess(candidate.penetration, candidate.force, candidate.radius)
+
+    def tried(share: float) -> ContactCandidate:
+        return run.trial_step(segment, share * dt, run.time + share * dt).contact
+
+    try:
+        if before * excess_of(contact) > 0.0:
+            return None
+        return tried(float(brentq(lambda share: excess_of(tried(share)) if share else before, 0.0, 1.0)))
+    except _NoEquilibrium:
+        return None

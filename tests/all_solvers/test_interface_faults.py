@@ -54,12 +54,12 @@ FAULTS += table("bem", "bem_solver", [
     (TWICE, "creep:Chain.__init__", timed(2.0), STEADY_STRESS),
 ])  # fmt: skip
 FAULTS += table("fem", "fem_solver", [
-    (SPEED, "edge_geometry:EdgeOrigin.opening_speed", times(2.0), RATED),
-    (f"{SPEED}, steadily", "edge_geometry:EdgeOrigin.opening_speed", times(2.0), STEADY_RATE),
+    (SPEED, "edge_path:EdgeOrigin.opening_speed", times(2.0), RATED),
+    (f"{SPEED}, steadily", "edge_path:EdgeOrigin.opening_speed", times(2.0), STEADY_RATE),
     ("energy spent too large", "edge:energy_spent", times(1.1), HYSTERESIS),
     ("zone twice too long", "closure:zone_length", longer_by(2.0), STRESS),
-    (AT_REST, "contact_problem:zone_at",
-     lambda true: lambda placement, *given: placement.geometry.zone, STEADY_STRESS),
+    (AT_REST, "contact_problem:ContactProblem.zone", lambda true: lambda self, s: self.geometry.zone,
+     STEADY_STRESS),
     (FORGOTTEN, "setup:moduli", timed(1e-4), STEADY_RATE),
     (TWICE, "setup:moduli", timed(2.0), STEADY_STRESS),
 ])  # fmt: skip

@@ -15,7 +15,7 @@ from support.faults.injection import seeded, stale
 from support.faults.path_order import FAULTS
 
 from bem_solver.motion import BentPath
-from fem_solver.path import EdgePolynomial
+from fem_solver.edge_path import EdgePolynomial
 from fem_solver.state import ComponentState
 from validation.reference.path import numerics
 from validation.reference.path.path import Rows

@@ -32,7 +32,7 @@ from contact_scene import (
     Sphere,
     Trace,
 )
-from fem_solver.stepping import NodeReleaseRun
+from fem_solver.run import NodeReleaseRun
 from validation import solvers
 from validation.reference import path as reference
 from validation.reference.path.continuation import Continuation

@@ -14,9 +14,8 @@ from support.paper_scenes import ONE, SPHERE, WORK
 from contact_scene import Adhesion, Loading, PowerLaw, Ramp, Scene, Sphere
 from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
-from fem_solver.moduli import moduli
+from fem_solver.moduli import Prony, moduli
 from fem_solver.placement import Placement, Surfaces, punch_closure
-from fem_solver.prony import Prony
 from fem_solver.state import undeformed
 from validation.solvers.finite_elements import FiniteElements
 
@@ -29,10 +28,7 @@ RADIUS, MOVED = 0.1, 6e-4
 
 @cache
 def surfaces(indenter: Sphere | PowerLaw = SPHERE) -> Surfaces:
-    ratio = moduli(ONE).instantaneous_ratio
-    return Surfaces(
-        replace(SCENE, indenter=indenter), FiniteElements().mesh(SCENE, 5), ratio, UNIT, "mixed", True
-    )
+    return Surfaces(replace(SCENE, indenter=indenter), FiniteElements().mesh(SCENE, 5), moduli(ONE), True)
 
 
 def punch(placement: Placement) -> ContactProblem:

@@ -25,14 +25,14 @@ from contact_scene import (
     Sphere,
     Trace,
 )
-from fem_solver import state
+from fem_solver import setup
 from fem_solver.closure import ZoneShift
 from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
-from fem_solver.node_parts import NodeBorders, NodeParts
-from fem_solver.passage import NodePassage, PartlyReleased
-from fem_solver.path import EdgePolynomial, missed_by_extrapolation
-from fem_solver.prony import Prony, phi
+from fem_solver.edge_path import EdgePolynomial, missed_by_extrapolation
+from fem_solver.moduli import Prony, phi
+from fem_solver.nodes import NodeBorders, NodeParts, NodePassage, PartlyReleased
+from fem_solver.state import ComponentState
 from meshes import EdgeMeshes
 from validation.cases import load
 from validation.measure.observables import observe
@@ -407,15 +407,16 @@ def test_an_edge_that_creeps_under_a_dead_load_detaches_in_time(monkeypatch):
     early = replace(scene, loading=replace(loading, steps=(Force(-0.006, 20.0),)))
     true = pytest.approx(np.interp(20.0, trace.time, trace.penetration), rel=2.0 * COARSE)
     assert FiniteElements().solve(early, 4).penetration[-1] == true
-    monkeypatch.setattr(state, "transferred", forgetful(state.transferred))
+    monkeypatch.setattr(setup, "transferred", forgetful(setup.transferred))
     assert FiniteElements().solve(early, 4).penetration[-1] != true
 
 
 @pytest.mark.exhaustive
-@pytest.mark.parametrize("rows", [state.EARLIER_ROWS, 1])
+@pytest.mark.parametrize("rows", [2, 1])
 def test_a_dead_load_on_a_micrometre_contact_detaches_in_time(rows, monkeypatch):
     """Zone 6e-4 of the contact radius; a path one order lower is seen in the time to detachment."""
-    monkeypatch.setattr(state, "EARLIER_ROWS", rows)
+    true = ComponentState.rows_and_this
+    monkeypatch.setattr(ComponentState, "rows_and_this", lambda *given: true(*given)[:rows])
     found = FiniteElements().solve(load("pdms-dead-load-100nm").scene)
     accurate = rows == 2
     assert (abs(found.outcome.time / SLOWLY_LOST - 1.0) < 0.4 * COARSE) == accurate

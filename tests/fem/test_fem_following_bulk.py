@@ -14,8 +14,8 @@ from support.paper_scenes import WORK
 
 import fem_solver
 from contact_scene import Adhesion, Branch, BulkRelaxation, Loading, Material, Ramp, Scene, Sphere
-from fem_solver.moduli import OneModulus, moduli
-from fem_solver.prony import Prony, RelaxingField
+from fem_solver.moduli import OneModulus, Prony, moduli
+from fem_solver.volume import RelaxingField
 from validation.solvers.finite_elements import FiniteElements
 from validation.solvers.front_tracking import FrontTracking
 

@@ -30,7 +30,7 @@ from contact_scene import (
 from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
 from fem_solver.edge_search import ContactSolver
-from fem_solver.prony import Prony
+from fem_solver.moduli import Prony
 from fem_solver.state import interface_energy, transferred
 from validation.measure.observables import observe
 from validation.solvers.finite_elements import FiniteElements
@@ -84,7 +84,7 @@ def moved_on():
 
 @pytest.mark.slow
 def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
-    history = moved_on().history
+    history = moved_on()
     state, solid = history.state, history.solid
     here, there = history.placement, moved_on().surfaces.around(state.radius - 8.0 * ZONE)
     problem = ContactProblem(here, solid, state, 0.1, "stage", 0.015, 2.0)
@@ -113,7 +113,7 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
 
 @pytest.mark.slow
 def test_the_path_of_an_edge_is_judged_over_elements_not_over_the_nodes_it_passes():
-    state, solver = moved_on().history.state, ContactSolver(moved_on(), Counters())
+    state, solver = moved_on().state, ContactSolver(moved_on(), Counters())
     dt, element = 0.5 * state.before[0][0], 0.25 * ZONE
 
     def missed(travel):
@@ -135,7 +135,7 @@ def test_a_surface_without_force_keeps_no_energy_of_the_contact_that_it_left():
 def test_force_and_energy_stay_where_a_jump_left_behind_lies_in_a_wide_element():
     """A fast approach has passed the edge of the relaxed contact, where the branch variable jumps."""
     scene = replace(SHORT, loading=Loading("relaxed", 0.002, (Ramp(0.05, 0.5),)))
-    history = fem_solver.record(scene, FiniteElements().mesh(scene, 4)).setup.history
+    history = fem_solver.record(scene, FiniteElements().mesh(scene, 4)).setup
     state, here, solid, surfaces = history.state, history.placement, history.solid, history.surfaces
 
     def force(one, placement):

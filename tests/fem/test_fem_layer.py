@@ -35,9 +35,8 @@ def half_space(nu: float) -> tuple[UnscaledSurface, float]:
     """The surface of a mesh in process zones, and the plane modulus."""
     material = Material(0.75, nu)
     scene = Scene(material, SPHERE, Loading("jump-in", 0.1, (Ramp(-0.5, 0.02),)), ADHESION)
-    unit = moduli(material).unit_plane_modulus
-    surfaces = Surfaces(scene, EdgeMeshes(0.013, 5, 0.5, 0.14), ratio(nu), unit, "mixed", True)
-    return surfaces._level(1), unit
+    surfaces = Surfaces(scene, EdgeMeshes(0.013, 5, 0.5, 0.14), moduli(material), True)
+    return surfaces._level(1), moduli(material).unit_plane_modulus
 
 
 @pytest.mark.parametrize("radius", [0.0, 0.4, 2.0])
@@ -95,8 +94,7 @@ def test_elements_grow_less_where_a_layer_is_thin():
     """Otherwise the stiffness is off by 4e-3: what the half-space errs by is much of a small difference."""
     scene, elastic = pressed(0.02, 0.0135)
     material = moduli(ONE)
-    unit = material.instantaneous_ratio, material.unit_plane_modulus
-    surface = Surfaces(scene, FiniteElements().mesh(scene), *unit, "mixed", True).around(0.2)
+    surface = Surfaces(scene, FiniteElements().mesh(scene), material, True).around(0.2)
     node = int(surface.geometry.position(0.2))
     radius = surface.geometry.effective[node]
     stiffness = np.sum(surface.unit[: node + 1] ** 2) / material.unit_plane_modulus

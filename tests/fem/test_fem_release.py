@@ -9,7 +9,7 @@ from contact_scene import Adhesion, FlatPunch, Loading, Material, Scene, Sphere
 from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
 from fem_solver.edge import AdhesiveEdge
-from fem_solver.edge_geometry import EdgeMotion, EdgePosition
+from fem_solver.edge_path import EdgeMotion, EdgePosition
 from fem_solver.moduli import moduli
 from fem_solver.placement import Surfaces
 from fem_solver.state import undeformed
@@ -27,11 +27,7 @@ def placement(divisions, sphere=True, zone=ZONE, unit=ZONE):
     """Zones may be longer than the unit in which the mesh has its divisions."""
     indenter = Sphere(1.0) if sphere else FlatPunch(1.0)
     scene = Scene(SOLID, indenter, Loading("relaxed", 0.0, ()), Adhesion(1e-4, zone))
-    material = moduli(SOLID)
-    made = EdgeMeshes(unit, divisions, 0.3, 0.15)
-    return Surfaces(
-        scene, made, material.instantaneous_ratio, material.unit_plane_modulus, "mixed", True
-    ).around(0.2)
+    return Surfaces(scene, EdgeMeshes(unit, divisions, 0.3, 0.15), moduli(SOLID), True).around(0.2)
 
 
 def problem(divisions, value, control="penetration", **more):

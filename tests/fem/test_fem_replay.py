@@ -10,7 +10,7 @@ import pytest
 from contact_scene import Branch, BulkRelaxation, SceneError
 from fem_solver import Options, record
 from fem_solver.components import Components
-from fem_solver.replay import replayed
+from fem_solver.volume import replayed
 from validation.cases import load
 from validation.solvers.finite_elements import FiniteElements
 

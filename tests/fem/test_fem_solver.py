@@ -374,7 +374,7 @@ def test_progress_and_recorded_states():
 
 
 def test_options_are_checked():
-    for wrong in ({"tolerance": 2.0}, {"max_steps": 0}, {"form": "mixd"}):
+    for wrong in ({"tolerance": 2.0}, {"max_steps": 0}):
         with pytest.raises(SceneError, match=next(iter(wrong))):
             Options(**wrong)
 

@@ -24,7 +24,7 @@ from contact_scene import (
     Sphere,
 )
 from fem_solver import Options, field_states, record
-from fem_solver.replay import volume
+from fem_solver.volume import volume
 from validation.fields.moments import balance
 from validation.reference import subsurface
 from validation.solvers.finite_elements import FiniteElements
@@ -35,16 +35,14 @@ TURN, END = 0.1, 0.72
 
 
 @cache
-def recorded(poisson=0.3, form="mixed"):
+def recorded(poisson=0.3):
     scene = Scene(Material(0.75, poisson, TWO), Sphere(1.0), Loading("jump-in", 0.015, STEPS), ADHESION)
-    return record(
-        scene, FiniteElements().mesh(scene, 4), Options(tolerance=1.5e-3, form=form, record_times=(TURN, END))
-    )
+    return record(scene, FiniteElements().mesh(scene, 4), Options(tolerance=1.5e-3, record_times=(TURN, END)))
 
 
 @cache
-def states(poisson=0.3, form="mixed"):
-    recording = recorded(poisson, form)
+def states(poisson=0.3):
+    recording = recorded(poisson)
     return list(field_states(recording, {recording.rows[time]: f"t = {time}" for time in (TURN, END)}))
 
 
@@ -76,22 +74,19 @@ def test_displacement_and_strain_belong_to_the_stress():
 
 
 @pytest.mark.parametrize(
-    ("poisson", "bulk", "form"),
+    ("poisson", "bulk"),
     [
-        (0.5, None, "mixed"),
-        (0.3, BulkRelaxation(2.0, (Branch(5.0, 0.1),)), "mixed"),
-        pytest.param(0.3, None, "mixed", marks=pytest.mark.slow),
-        pytest.param(0.3, None, "displacement", marks=pytest.mark.slow),
+        (0.5, None),
+        (0.3, BulkRelaxation(2.0, (Branch(5.0, 0.1),))),
+        pytest.param(0.3, None, marks=pytest.mark.slow),
     ],
-    ids=["incompressible", "apart", "alike", "displacement"],
+    ids=["incompressible", "apart", "alike"],
 )
-def test_back_substitution_gives_what_internal_variables_in_the_body_give(poisson, bulk, form):
+def test_back_substitution_gives_what_internal_variables_in_the_body_give(poisson, bulk):
     """The edge rests, and forces are straight from row to row; of bulk apart the meshes know two solids."""
     loading = Loading("relaxed", 0.01, (Ramp(0.02, 0.05), Ramp(0.01, 0.05)))
     scene = Scene(Material(0.75, poisson, TWO, bulk=bulk), FlatPunch(0.2), loading)
-    recording = record(
-        scene, FiniteElements().mesh(scene, 2), Options(form=form, record=True, tolerance=1e-2)
-    )
+    recording = record(scene, FiniteElements().mesh(scene, 2), Options(record=True, tolerance=1e-2))
     history, scale = volume(recording), 0.0
     for step, row in zip(recording.steps, recording.surfaces, strict=True):
         scale = recording.setup.surfaces.at(step.end.place).scale

@@ -28,8 +28,8 @@ from contact_scene import (
 from crosscontact.cli import main
 from crosscontact.commands import fields
 from fem_solver import Options, field_states, record
-from fem_solver.fields.recovery import Recovery
 from fem_solver.halfspace import HalfSpace
+from fem_solver.recovery import Recovery
 from meshes.around_edge import EdgeMeshes, Place
 from validation.fields.moments import FieldRequest, balance, record_fields
 from validation.solvers.finite_elements import FiniteElements

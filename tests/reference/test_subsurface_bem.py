@@ -21,7 +21,7 @@ from contact_scene import (
     Scene,
     Sphere,
 )
-from fem_solver.fields.states import field_states
+from fem_solver.fields import field_states
 from fem_solver.solver import record
 from validation import cases
 from validation.reference import subsurface

@@ -29,12 +29,12 @@ FAULTS = table("bem", "bem_solver", [
     ("points passed a tenth too early", "motion:BentPath.left", times(1.1)),
 ])  # fmt: skip
 FAULTS += table("fem", "fem_solver", [
-    ("straight path", "path:EdgePolynomial.through", takes(before=lambda _: ())),
-    (ONE_LESS, "path:EdgePolynomial.through", takes(before=lambda rows: rows[:1])),
+    ("straight path", "edge_path:EdgePolynomial.through", takes(before=lambda _: ())),
+    (ONE_LESS, "edge_path:EdgePolynomial.through", takes(before=lambda rows: rows[:1])),
     (ONE_KEPT, "state:ComponentState.rows_and_this", gives(lambda rows: rows[:1])),
-    ("nodes passed at the end of the step", "path:EdgePolynomial.passed",
+    ("nodes passed at the end of the step", "edge_path:EdgePolynomial.passed",
      gives(lambda share: np.where(share > 0.0, 1.0, 0.0))),
-    ("nodes passed 1 % too early", "path:EdgePolynomial.passed", times(0.99)),
+    ("nodes passed 1 % too early", "edge_path:EdgePolynomial.passed", times(0.99)),
 ])  # fmt: skip
 FAULTS += table("reference", "validation.reference.path", [
     ("points passed 1 % too early", "numerics:inverse", times(0.99)),

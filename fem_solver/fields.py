@@ -16,13 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import SurfaceProfile
-from fem_solver.fields.body import Body, Springs
-from fem_solver.fields.loss import Losses
-from fem_solver.fields.recording import Recording
-from fem_solver.fields.recovery import Recovery
-from fem_solver.recorder import profile
-from fem_solver.setup import Setup
+from fem_solver.recorder import Recording, profile
+from fem_solver.recovery import Recovery
 from fem_solver.state import ComponentState, transferred
+from fem_solver.strained_body import Losses, Springs, StrainedBody
 
 Array = NDArray[np.float64]
 
@@ -155,17 +152,16 @@ def field_states(recording: Recording, labels: Mapping[int, str]) -> Iterator[Fi
 class _Bodies:
     """The body at rows in rising order, each on the mesh where that row has it.
 
-    Stress, strain and what is stored need the surface components of the row (see ``body``); what the branches
-    have lost, all steps up to it (see ``loss``). What the surface holds within an element is in no density.
+    Stress, strain and what is stored need the surface components of the row, what the branches have lost all
+    steps up to it (see ``strained_body``). What the surface holds within an element is in no density.
     """
 
     def __init__(self, recording: Recording) -> None:
-        assert isinstance(recording.setup, Setup)
         self._recording, self._surfaces = recording, recording.setup.surfaces
         self._springs = Springs(recording.setup.material)
-        self._volumes: dict[Any, tuple[Body, Recovery]] = {}
+        self._volumes: dict[Any, tuple[StrainedBody, Recovery]] = {}
         self._dropped = np.zeros(3, int)
-        self._solid = recording.setup.history.solid
+        self._solid = recording.setup.solid
         self._next, self._place = 0, self._surfaces.for_history(recording.steps[0].end.place)
         self._here = Losses(self._springs)
         self._lost = np.zeros((len(self._springs.names), self._volume(self._place)[0].points))
@@ -204,7 +200,7 @@ class _Bodies:
             stored_energy_density=recovery.densities(fields.stored[None])[0],
             dissipation_rate=recovery.densities(fields.rates),
             dissipated=recovery.densities(self._lost),
-            surface=profile(self._recording.surfaces[row], here.radii, here.height, here.stretch),
+            surface=profile(self._recording.surfaces[row], here),
             element_volumes=here.scale**3 * recovery.volumes,
             element_stored=recovery.means(fields.stored[None])[0],
             element_rate=recovery.means(fields.rates),
@@ -232,17 +228,17 @@ class _Bodies:
         self._lost = self._lost + self._here.density(self._volume(self._place)[0], here)
         self._here = Losses(self._springs)
 
-    def _volume(self, place: Any) -> tuple[Body, Recovery]:
+    def _volume(self, place: Any) -> tuple[StrainedBody, Recovery]:
         """The volume below a place and its projection; those that were needed last are kept."""
         key = self._surfaces.volume_of(place)
         if key not in self._volumes:
             space, count = self._surfaces.volume(place)
-            self._volumes[key] = Body(space, count, self._springs), Recovery(space.basis)
+            self._volumes[key] = StrainedBody(space, count, self._springs), Recovery(space.basis)
             if len(self._volumes) > _VOLUMES:
                 self._dropped += _work(*self._volumes.pop(next(iter(self._volumes))))
         return self._volumes[key]
 
 
-def _work(body: Body, recovery: Recovery) -> NDArray[np.int_]:
+def _work(body: StrainedBody, recovery: Recovery) -> NDArray[np.int_]:
     """Factorisations, back-substitutions in the body and projections onto the nodes."""
     return np.array([body.factorisations + 1, body.solves, recovery.solves])

@@ -1,13 +1,12 @@
 """The loop over load steps, their jumps and the intervals between their stops.
 
 Stops and kinks of the loading are stepped onto exactly; between them the steps are dyadic (``time_step``).
-States are accepted here, at the start and in load jumps, and in ``time_step``, nowhere else. Penetration is
-positive downwards, force positive in compression.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NoReturn
 
 from scipy.optimize import brentq
@@ -15,12 +14,12 @@ from scipy.optimize import brentq
 from contact_scene import Loading, Outcome, OutcomeKind, Segment
 from contact_scene.loading import Control
 from contact_scene.run_control import Stop, interruption, stops_within
-from fem_solver.accepted_states import RunEnded
-from fem_solver.edge_geometry import EdgeMotion
-from fem_solver.edge_search import EdgeNotFound
-from fem_solver.events import LoadJump
+from fem_solver.contact_problem import ContactCandidate
+from fem_solver.edge_path import EdgeMotion
+from fem_solver.edge_search import ContactSolver, EdgeNotFound
+from fem_solver.recorder import SurfaceState, work_of_bends
 from fem_solver.step_control import DyadicInterval, swing
-from fem_solver.time_step import SteppedStates
+from fem_solver.time_step import RunEnded, SteppedStates
 
 _SHORTEST = 1e-8
 """Shortest step, relative to the shortest relaxation time or the interval: below it the edge is unstable. Its
@@ -36,9 +35,13 @@ _FIRST = 1.0 / 64.0
 _LONGEST = 0.125
 """Longest step of a load step that does work on a relaxing solid, relative to the load step: in one much
 shorter than all relaxation, force over penetration is straight but for what a cycle loses."""
-ELASTIC_TOLERANCE = 0.04
-"""Allowed error of the rows of an elastic solid per that of others: steps are few, and of its work a small
-difference, the hysteresis of the jumps, is what counts."""
+_JUMP_TOLERANCE = 0.1
+"""Deviation from a linear response over a part of a load jump, per tolerance of the steps: a jump passes over
+many zones, and its work is that of its chords, whose errors all have one sign."""
+_SHORTEST_PART = 2.0**-10
+"""Least part of a load jump where the response is curved, relative to the jump."""
+_LAST_PART = 2.0**-24
+"""Least part of a load jump before contact counts as lost, relative to the jump."""
 
 
 class NodeReleaseRun(SteppedStates):
@@ -58,7 +61,7 @@ class NodeReleaseRun(SteppedStates):
             return ended.outcome
         except EdgeNotFound as failure:
             return Outcome(OutcomeKind.STEP_UNDERFLOW, str(failure), self.time)
-        self.on_stop(self.time)
+        self._on_stop()
         return None
 
     def carry_out(self, loading: Loading) -> Outcome:
@@ -86,7 +89,7 @@ class NodeReleaseRun(SteppedStates):
         self._check_clock(segment)
         span = swing(segment)
         start = segment.start
-        for stop in stops_within(segment, self.requested):
+        for stop in stops_within(segment, self.options.requested_times):
             if stop.time > start:
                 self._carry_out_interval(loading, segment, start, stop, span)
             if self._triggered(segment):
@@ -128,7 +131,7 @@ class NodeReleaseRun(SteppedStates):
             self.step = None
             self._carry_out_interval(loading, segment, interval.end, stop, span)
             return
-        self.on_stop(stop.time)
+        self._on_stop()
         if stop.kink:
             self.estimator.reset(self._continuous_rates())
         self.step = None if stop.kink else interval.dt
@@ -136,7 +139,7 @@ class NodeReleaseRun(SteppedStates):
     @property
     def _hovers(self) -> bool:
         """Whether an indenter without adhesion is not in contact."""
-        return self.setup.geometry.zone is None and self.state.radius == 0.0
+        return self.setup.adhesion is None and self.state.radius == 0.0
 
     def _touches(self, segment: Segment, stop: float) -> bool:
         """Whether an indenter without contact or adhesion touches now, and is pressed on."""
@@ -192,7 +195,7 @@ class NodeReleaseRun(SteppedStates):
             self.estimator.reset(self._continuous_rates())
             return
         self.estimator.reset()
-        tolerance = self.setup.jump_tolerance * self.estimator.tolerance
+        tolerance = _JUMP_TOLERANCE * self.estimator.tolerance
         jump = LoadJump(segment.control, before, target, state)
         while not jump.complete:
             self._check_budget()
@@ -227,3 +230,74 @@ class NodeReleaseRun(SteppedStates):
     def _continuous_rates(self) -> dict[str, float]:
         """Rates that do not jump at a kink of the loading: that of an edge whose energy follows its speed."""
         return {"radius": self.state.rate} if self._has_rate else {}
+
+
+@dataclass
+class LoadJump:
+    """A load that changes instantaneously, taken in parts over which the response is nearly linear.
+
+    The work is then that of an edge that moves with the load, and contact is lost where the edge has no
+    equilibrium, not where the jump began.
+
+    The half-space answers with its glassy modulus. ``first`` and ``last`` are values of the controlled
+    quantity, ``begin`` is the state before the jump, ``done`` and ``part`` are the shares of the jump that
+    are accepted, and of the next part; ``bent`` is the work in the last part beyond its trapezoid, along
+    parabolas through its middle.
+    """
+
+    control: Control
+    first: float
+    last: float
+    begin: SurfaceState
+    done: float = 0.0
+    part: float = 1.0
+    response_scale: float = 0.0
+    bent: float = 0.0
+
+    @property
+    def complete(self) -> bool:
+        """Whether the whole jump is accepted."""
+        return self.done >= 1.0
+
+    def trial(self, solver: ContactSolver, state: SurfaceState, tolerance: float) -> ContactCandidate | None:
+        """The next part; ``None`` if it has to be shorter, without equilibrium where contact is lost."""
+        self.part = min(self.part, 1.0 - self.done)
+        end = self._at(solver, self.done + self.part)
+        if not end.in_equilibrium:
+            return None if self.part > _LAST_PART else end
+        middle = self._at(solver, self.done + 0.5 * self.part)
+        change = abs(end.response - self._response(self.begin))
+        self.response_scale = max(self.response_scale, change)
+        deviation = abs(middle.response - 0.5 * (self._response(state) + end.response))
+        curved = not middle.in_equilibrium or deviation > tolerance * self.response_scale
+        if curved and self.part > _SHORTEST_PART:
+            return None
+        self.bent = _work_of_bend(state, middle, end) if middle.in_equilibrium else 0.0
+        return end
+
+    def halve(self) -> None:
+        """Try again with half the part."""
+        self.part *= 0.5
+
+    def advance(self) -> None:
+        """Accept the part."""
+        self.done += self.part
+        self.part *= 2.0
+
+    def value(self, share: float) -> float:
+        """The controlled quantity at a share of the jump."""
+        return self.last if share == 1.0 else self.first + share * (self.last - self.first)
+
+    def _response(self, state: SurfaceState) -> float:
+        return state.penetration if self.control == "force" else state.force
+
+    def _at(self, solver: ContactSolver, share: float) -> ContactCandidate:
+        return solver.trial(0.0, self.control, self.value(share), (solver.setup.law.lowest, math.inf))
+
+
+def _work_of_bend(first: SurfaceState, middle: ContactCandidate, last: ContactCandidate) -> float:
+    """``int F dD`` beyond the trapezoid, along parabolas through three states."""
+    depth_bend = 2.0 * (first.penetration + last.penetration) - 4.0 * middle.penetration
+    force_bend = 2.0 * (first.force + last.force) - 4.0 * middle.force
+    rises = last.penetration - first.penetration, last.force - first.force
+    return work_of_bends(rises, (depth_bend, force_bend))

@@ -1,13 +1,20 @@
-"""History at quadrature points: shear and bulk may relax apart.
+"""A run once more, by internal variables at the quadrature points of the whole body.
 
-    ``dev s = G * 2 dev e(u)``,   ``-p = K * div u``   (hereditary products, see ``prony``)
+The surface components of a run and the internal variables of the volume follow the same Prony update, the
+former in vectors on the surface, the latter in strains at points:
+
+    ``dev s = G * 2 dev e(u)``,   ``-p = K * div u``   (hereditary products, see ``moduli``).
+
+Here the nodal forces of a run go row by row through the volume, which knows of no contact, of no edge and of
+no component: it answers with the displacement of the surface and with the energies that it has stored and
+lost. Forces are linear neither in time nor in the edge between two rows, and radii within a node are not in
+its force: what is left goes with rows and nodes, refined together.
 
 Each step solves the half-space with the algorithmic moduli ``G_hat, K_hat`` of its size, loaded by the
 stress that the past leaves, ``memory``, and by the forces on its surface. One factorisation serves every
-distinct ratio; with a constant Poisson's ratio there is one only. In the mixed form the volume strain
-``-div u`` lives in the pressure space, as its projection ``(p - p_memory)/K_hat``.
-
-The far field follows its two scalars, ``G * e_1 = F`` and ``(3K + G) * e_2 = 3F``, by the same recursion.
+distinct ratio; with a constant Poisson's ratio there is one only. The volume strain ``-div u`` lives in the
+pressure space, as its projection ``(p - p_memory)/K_hat``. The far field follows its two scalars,
+``G * e_1 = F`` and ``(3K + G) * e_2 = 3F``, by the same recursion.
 
 Energies are volume integrals over springs and dashpots. The half-space outside the mesh holds
 ``-1/2 R . u`` with the reaction ``R`` of its boundary, taken branch by branch; for a constant Poisson's ratio
@@ -16,34 +23,57 @@ this is exact (Clapeyron), otherwise an approximation to a part of relative size
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene import SceneError
 from fem_solver import forms
 from fem_solver.halfspace import Factorisation, HalfSpace
-from fem_solver.prony import Prony, RelaxingField
+from fem_solver.moduli import Prony
+from fem_solver.recorder import Recording
 
 Array = NDArray[np.float64]
 Form = Callable[[Array, Array], float]
 
 
 @dataclass(frozen=True)
-class QuadratureState:
-    """Internal variables in the volume.
+class RelaxingField:
+    """A relaxing modulus with the strain it acts on and its branch variables.
 
     Parameters
     ----------
-    unknowns : ndarray, shape (unknowns,)
-        Displacement and, in the mixed form, pressure.
-    shear, volume : RelaxingField
-    far : tuple of RelaxingField
-        The two amplitudes of the far field.
-    dissipated : float
-        Energy dissipated in the branches so far.
+    modulus : Prony
+    x : ndarray, shape (m,)
+        A strain-like quantity.
+    branches : ndarray, shape (branches, m)
     """
+
+    modulus: Prony
+    x: Array
+    branches: Array
+
+    @classmethod
+    def at_rest(cls, modulus: Prony, size: int) -> RelaxingField:
+        """Undeformed."""
+        return cls(modulus, np.zeros(size), np.zeros((len(modulus.times), size)))
+
+    def memory(self, dt: float) -> Array:
+        """Stress that the past leaves at the end of a step."""
+        return self.modulus.increment(dt).memory(self.branches, self.x)
+
+    def advanced(self, dt: float, x: Array) -> RelaxingField:
+        """State at the end of a step."""
+        return RelaxingField(self.modulus, x, self.modulus.increment(dt).advance(self.branches, x - self.x))
+
+
+@dataclass(frozen=True)
+class QuadratureState:
+    """Nodal unknowns, internal variables in shear and volume and of both amplitudes of the far field, and the
+    energy dissipated in the branches so far."""
 
     unknowns: Array
     shear: RelaxingField
@@ -71,21 +101,21 @@ class QuadratureHistory:
         self.strain = forms.strain_operator(space.basis)
         weights = forms.volume_weights(space.basis)
         self._weights = np.concatenate([factor * weights.ravel() for factor in forms.CONTRACTION])
-        self._points = weights.ravel()
-        volume_size = space.pressure_basis.N if space.mixed else weights.size
         joined = shear if bulk is None else bulk.scaled(3.0).plus(shear)
         self.state = QuadratureState(
             unknowns=np.zeros(space.unknowns),
             shear=RelaxingField.at_rest(shear, self.strain.shape[0] + 2),
             # without compression the pressure is a reaction; it is split like the shear, for the energies
-            volume=RelaxingField.at_rest(bulk or shear, volume_size + 2),
+            volume=RelaxingField.at_rest(bulk or shear, space.pressure_basis.N + 2),
             far=(RelaxingField.at_rest(shear, 1), RelaxingField.at_rest(joined, 1)),
         )
         self._factors: dict[float, Factorisation] = {}
         self._weights_of_far = self._factor(self._ratio(np.inf)).compliance()[1]
         far_strain = [self._deviator(shape[: space.basis.N]) for shape in space.far_shapes]
         self._far_shear = np.stack([0.5 * self._weights * field for field in far_strain])
-        self._far_volume = np.stack([self._volume_force(shape) for shape in space.far_shapes])
+        self._far_volume = np.stack(
+            [-(space.divergence @ shape[: space.basis.N]) for shape in space.far_shapes]
+        )
 
     def commit(self, dt: float, forces: Array) -> None:
         """Accept the step that ends with these surface forces.
@@ -143,10 +173,8 @@ class QuadratureHistory:
         space = self.space
         load = np.zeros(space.unknowns)
         stress = self.state.shear.memory(dt)[:-2]
-        volume = self.state.volume.memory(dt)[:-2]
-        if not space.mixed:
-            stress = stress + np.concatenate([np.tile(volume, 3), np.zeros_like(volume)])
-        elif self.bulk_modulus is not None:
+        if self.bulk_modulus is not None:
+            volume = self.state.volume.memory(dt)[:-2]
             load[space.basis.N :] = -(space.mass @ volume) / self.bulk_modulus.increment(dt).modulus
         load[: space.basis.N] = -(self.strain.T @ (self._weights * stress)) / modulus
         far = [-part.memory(dt)[0] / part.modulus.increment(dt).modulus for part in self.state.far]
@@ -159,21 +187,11 @@ class QuadratureHistory:
         return forms.deviator(strains).ravel()
 
     def _volume_strain(self, dt: float, unknowns: Array, modulus: float) -> Array:
-        """``div u`` at the points; in the mixed form the projection of ``-div u`` onto the pressures."""
-        if not self.space.mixed:
-            strains = (self.strain @ unknowns).reshape(4, -1)
-            return strains[:3].sum(axis=0)
+        """Projection of ``-div u`` onto the pressures."""
         pressure = modulus * unknowns[self.space.basis.N :]
         return (pressure - self.state.volume.memory(dt)[:-2]) / self.state.volume.modulus.increment(
             dt
         ).modulus
-
-    def _volume_force(self, shape: Array) -> Array:
-        """Work of a unit pressure-like field on a far shape, per entry of the volume field."""
-        if self.space.mixed:
-            return -(self.space.divergence @ shape[: self.space.basis.N])
-        strains = (self.strain @ shape).reshape(4, -1)
-        return self._points * strains[:3].sum(axis=0)
 
     def _shear_form(self, a: Array, b: Array) -> float:
         inner = 0.5 * float((self._weights * a[:-2]) @ b[:-2])
@@ -181,11 +199,7 @@ class QuadratureHistory:
         return inner - float(outer)
 
     def _volume_form(self, a: Array, b: Array) -> float:
-        inner = 0.0
-        if not self.space.mixed:
-            inner = float((self._points * a[:-2]) @ b[:-2])
-        elif self.bulk_modulus is not None:
-            inner = float(a[:-2] @ (self.space.mass @ b[:-2]))
+        inner = 0.0 if self.bulk_modulus is None else float(a[:-2] @ (self.space.mass @ b[:-2]))
         outer = b[-2:] @ (self._far_volume @ a[:-2]) + a[-2:] @ (self._far_volume @ b[:-2])
         return inner - 0.5 * float(outer)
 
@@ -203,3 +217,79 @@ class QuadratureHistory:
             forms_ = form(branch, branch) / modulus, form(branch, change), modulus * form(change, change)
             total += float(weights[:, k] @ forms_)
         return total
+
+
+@dataclass(frozen=True)
+class VolumeAnswer:
+    """What the volume answers to the forces of a run, and what the surface has said; by row.
+
+    Parameters
+    ----------
+    time : ndarray, shape (rows,)
+    apart : ndarray, shape (rows,)
+        Largest difference of a node's displacement, over the largest displacement of the run.
+    stored, dissipated : ndarray, shape (2, rows)
+        Energies of the body by the volume, and by the surface.
+    """
+
+    time: Array
+    apart: Array
+    stored: Array
+    dissipated: Array
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Root mean square over the rows, of energies relative to their largest."""
+        found = {"displacement": _rms(self.apart)}
+        for name, (volume, surface) in (("stored", self.stored), ("dissipated", self.dissipated)):
+            largest = float(np.abs(surface).max())
+            found[name] = _rms(volume - surface) / largest if largest > 0.0 else 0.0
+        return found
+
+
+def volume(recording: Recording) -> QuadratureHistory:
+    """The undeformed volume of a run, on its mesh; ``SceneError`` if that moves: variables at points of one
+    mesh are none of another's."""
+    setup, places = recording.setup, {step.end.place for step in recording.steps}
+    if len(places) != 1:
+        raise SceneError("adhesion.zone", "the mesh follows the edge, whose zone is short", "a longer zone")
+    space, count = setup.surfaces.volume(places.pop())
+    return QuadratureHistory(space, setup.material.shear, setup.material.bulk, count)
+
+
+def replayed(recording: Recording) -> VolumeAnswer:
+    """Put the forces of a run through the volume.
+
+    Parameters
+    ----------
+    recording : Recording
+        Of every row, on one mesh that stays.
+
+    Returns
+    -------
+    VolumeAnswer
+
+    Raises
+    ------
+    SceneError
+        As of :func:`volume`.
+    """
+    setup, steps, rows = recording.setup, recording.steps, recording.surfaces
+    history, scale = volume(recording), setup.surfaces.at(steps[0].end.place).scale
+    apart, stored, dissipated = [], [], []
+    for step, row in zip(steps, rows, strict=True):  # forces displace a mesh of unit scale by as much more
+        history.commit(step.dt, row.forces / scale)
+        apart.append(float(np.abs(history.displacement - row.displacement).max()))
+        stored.append((scale * history.stored_energy, row.stored))
+        dissipated.append((scale * history.state.dissipated, row.branch_dissipation))
+    largest = max(float(np.abs(row.displacement).max()) for row in rows)
+    return VolumeAnswer(
+        np.array([row.time for row in rows]),
+        np.array(apart) / largest,
+        np.array(stored).T,
+        np.array(dissipated).T,
+    )
+
+
+def _rms(values: Array) -> float:
+    return math.sqrt(float(np.mean(values**2)))
