@@ -33,7 +33,7 @@ from validation.reference.path.equilibrium import edge_strain, elastic_depths, h
 from validation.reference.path.layer import image
 from validation.reference.path.numerics import gauss
 from validation.reference.path.recorder import Recorder
-from validation.reference.path.rheology import Body, rheology
+from validation.reference.path.rheology import IndentedBody, rheology
 from validation.reference.path.run import PathRun
 from validation.reference.sneddon import transform
 
@@ -52,7 +52,7 @@ def test_elastic_contact_is_that_of_the_integral_equation(base, poisson, ratio):
     for indenter, accuracy in known_to.items():
         known = ElasticLayer(layer, poisson, indenter).response(1.0)
         for reach in (1.01, 1.6) if indenter == Sphere(3.0) else (1.1,):
-            body = Body(rheology(material), transform(indenter), image(layer, poisson, reach))
+            body = IndentedBody(rheology(material), transform(indenter), image(layer, poisson, reach))
             found = *half_force(body, 1.0), *edge_strain(body, 1.0)
             accuracy = max(accuracy, 1e-11 * known.stiffness)  # what is left out of M, as often as it acts
             wanted = 0.5 * known.stiffness, 0.5 * known.profile_force, known.edge, known.profile_edge
@@ -208,7 +208,9 @@ def test_work_is_stored_dissipated_or_released_at_the_tip(name, monkeypatch):
 
 def test_integrals_over_no_contact_are_zero():
     """Of a profile with kinks too, as a contact is lost."""
-    body = Body(rheology(Material(1.0, 0.5)), transform(PROFILE), image(Layer(0.3, "bonded"), 0.5, 2.0))
+    body = IndentedBody(
+        rheology(Material(1.0, 0.5)), transform(PROFILE), image(Layer(0.3, "bonded"), 0.5, 2.0)
+    )
     gram, shape = body.integrals(0.0)
     assert not gram.any()
     assert not shape.any()

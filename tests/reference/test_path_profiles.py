@@ -12,7 +12,7 @@ from validation.reference import subsurface
 from validation.reference.path.equilibrium import start_state
 from validation.reference.path.fields import Passages
 from validation.reference.path.profiles import profile
-from validation.reference.path.rheology import Body, rheology
+from validation.reference.path.rheology import IndentedBody, rheology
 from validation.reference.path.solver import Options, solve
 from validation.reference.sneddon import transform
 
@@ -32,7 +32,7 @@ def test_elastic_contact_has_the_closed_form(indenter):
 
 def test_a_contact_of_two_ages_is_two_punches():
     """Branch forces that jump within the contact: each age adds a flat punch of its own radius."""
-    body = Body(rheology(Material(1.0, 0.3, (Branch(2.0, 1.0),))), transform(FlatPunch(1.0)))
+    body = IndentedBody(rheology(Material(1.0, 0.3, (Branch(2.0, 1.0),))), transform(FlatPunch(1.0)))
     inner, outer = 0.6, 1.0
     left = np.zeros((2, 6, 2))
     left[:, 0, 1] = held = np.array([0.5, -0.2])

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact_scene import Indenter, Layer
 from validation.reference import sneddon
-from validation.reference.jkr import JKR, State
+from validation.reference.jkr import JKR, ElasticContact
 
 Array = NDArray[np.float64]
 LARGEST_WAVE = 22.0
@@ -126,13 +126,13 @@ class ElasticLayer:
             contact_radius, *(float(one) for pair in zip(force, edge, strict=True) for one in pair)
         )
 
-    def state(self, contact_radius: float, work: float = 0.0) -> State:
+    def state(self, contact_radius: float, work: float = 0.0) -> ElasticContact:
         """JKR equilibrium, stable or not, with the force over ``E*``; ``work`` is ``dg/E*``, 0: pressed."""
         found = self.response(contact_radius)
         depth = found.penetration(math.sqrt(2.0 * math.pi * contact_radius * work))
-        return State(contact_radius, depth, found.force(depth))
+        return ElasticContact(contact_radius, depth, found.force(depth))
 
-    def pull_off(self, work: float, of: Literal["force", "penetration"]) -> State:
+    def pull_off(self, work: float, of: Literal["force", "penetration"]) -> ElasticContact:
         """The state where the force, or the penetration, is least: pull-off by a dead load, or a rigid grip.
 
         Raises

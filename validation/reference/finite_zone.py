@@ -22,7 +22,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import roots_jacobi
 
 from contact_scene import Sphere
-from validation.reference.jkr import JKR, NoEquilibrium, State
+from validation.reference.jkr import JKR, ElasticContact, NoEquilibrium
 
 _NODES, _WEIGHTS = roots_jacobi(24, 0.5, -0.5)  # weight (1 - x)^(1/2) (1 + x)^(-1/2)
 
@@ -69,19 +69,19 @@ class FiniteZone:
             high *= 2.0
         return float(brentq(excess, 0.0, high, xtol=1e-300, rtol=1e-14))
 
-    def state(self, contact_radius: float) -> State:
+    def state(self, contact_radius: float) -> ElasticContact:
         """Equilibrium at a given contact radius, stable or not."""
         a = contact_radius
         penetration = a**2 / self.radius - self.stretch(a)
         force = 2.0 * self.plane_modulus * (a * penetration - a**3 / (3.0 * self.radius))
-        return State(a, penetration, force)
+        return ElasticContact(a, penetration, force)
 
     def energy_release_rate(self, contact_radius: float) -> float:
         """``K^2/(2 E*)`` at equilibrium; over ``dg``, the elastic bias of the finite zone."""
         stretch = self.stretch(contact_radius)
         return self.plane_modulus * stretch**2 / (2.0 * np.pi * contact_radius)
 
-    def at_penetration(self, penetration: float) -> State:
+    def at_penetration(self, penetration: float) -> ElasticContact:
         """The stable state at a given penetration.
 
         Raises
@@ -104,11 +104,11 @@ class FiniteZone:
         )
         return self.state(float(root))
 
-    def pull_off_force_control(self) -> State:
+    def pull_off_force_control(self) -> ElasticContact:
         """The state of largest tension."""
         return self._least(lambda a: self.state(a).force, self._vanishing.pull_off_force_control())
 
-    def pull_off_penetration_control(self) -> State:
+    def pull_off_penetration_control(self) -> ElasticContact:
         """The state of least penetration."""
         return self._least(
             lambda a: self.state(a).penetration, self._vanishing.pull_off_penetration_control()
@@ -123,7 +123,7 @@ class FiniteZone:
     def _vanishing(self) -> JKR:
         return JKR(Sphere(self.radius), self.plane_modulus, self.work)
 
-    def _least(self, curve: Callable[[float], float], near: State) -> State:
+    def _least(self, curve: Callable[[float], float], near: ElasticContact) -> ElasticContact:
         low = max(0.25 * near.contact_radius, 1.001 * self.zone)
         bounds = (low, max(4.0 * near.contact_radius, 4.0 * low))
         least = minimize_scalar(curve, bounds=bounds, method="bounded", options={"xatol": 1e-12 * bounds[1]})

@@ -26,7 +26,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from contact_scene import FlatPunch, Indenter, Material, TabulatedProfile
 from validation.reference import sneddon
-from validation.reference.jkr import JKR, NoEquilibrium, State
+from validation.reference.jkr import JKR, ElasticContact, NoEquilibrium
 
 Array = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class FrozenRetraction:
     start: float
 
     @cached_property
-    def relaxed(self) -> State:
+    def relaxed(self) -> ElasticContact:
         """``a_B``, ``D_B``, ``F_B``.
 
         Raises
@@ -63,7 +63,7 @@ class FrozenRetraction:
             return law.at_penetration(self.start)
         radius = self.indenter.radius if isinstance(self.indenter, FlatPunch) else self._outermost(law)
         force = self.material.relaxed_plane_modulus * sneddon.unit_force(self.indenter, radius, self.start)
-        return State(radius, self.start, float(force))
+        return ElasticContact(radius, self.start, float(force))
 
     def force_while_frozen(self, penetration: ArrayLike) -> Array:
         """``F_B - 2 a_B Einf* (D_B - D)``; same shape as ``penetration``."""
@@ -83,12 +83,12 @@ class FrozenRetraction:
         pressed = sneddon.force(self.indenter, a, self.material.relaxed_plane_modulus)
         return pressed - np.sqrt(8.0 * np.pi * a**3 * self._glassy * self.work)
 
-    def release(self) -> State:
+    def release(self) -> ElasticContact:
         """Where the edge starts to recede: ``K^2 = 2 Einf* dg`` at ``a_B``."""
         a = self.relaxed.contact_radius
-        return State(a, float(self.penetration(a)), float(self.force(a)))
+        return ElasticContact(a, float(self.penetration(a)), float(self.force(a)))
 
-    def pull_off(self) -> State:
+    def pull_off(self) -> ElasticContact:
         """The state of largest tension; its force is negative."""
         radius = self.relaxed.contact_radius
         if self.indenter.power is not None:
@@ -103,7 +103,7 @@ class FrozenRetraction:
                 bracket = (grid[k - 1], grid[k + 1])
                 near = {"method": "bounded", "options": {"xatol": 1e-9 * best}}
                 best = float(minimize_scalar(self.force, bounds=bracket, **near).x)
-        return State(best, float(self.penetration(best)), float(self.force(best)))
+        return ElasticContact(best, float(self.penetration(best)), float(self.force(best)))
 
     @property
     def _glassy(self) -> float:

@@ -31,7 +31,7 @@ class NoEquilibrium(ValueError):
 
 
 @dataclass(frozen=True)
-class State:
+class ElasticContact:
     """A contact: ``contact_radius``, ``penetration``, ``force``."""
 
     contact_radius: float
@@ -86,20 +86,20 @@ class JKR:
         singular = self.plane_modulus * stretch / (np.pi * np.sqrt(a**2 - r**2))
         return sneddon.pressure(self.indenter, r, a, self.plane_modulus) - singular
 
-    def state(self, contact_radius: float) -> State:
+    def state(self, contact_radius: float) -> ElasticContact:
         """Equilibrium at a given contact radius, stable or not."""
         a = float(contact_radius)
-        return State(a, float(self.penetration(a)), float(self.force(a)))
+        return ElasticContact(a, float(self.penetration(a)), float(self.force(a)))
 
-    def pull_off_force_control(self) -> State:
+    def pull_off_force_control(self) -> ElasticContact:
         """The state of largest tension: ``F = -2 E* s a^(3/2) (2n-1)/(2n+2)``; sphere ``-(3/2) pi R dg``."""
         return self.state(self._limit(1.5))
 
-    def pull_off_penetration_control(self) -> State:
+    def pull_off_penetration_control(self) -> ElasticContact:
         """The state of least penetration; sphere: ``F = -(5/6) pi R dg``."""
         return self.state(self._limit(0.5))
 
-    def at_penetration(self, penetration: float) -> State:
+    def at_penetration(self, penetration: float) -> ElasticContact:
         """The stable state (largest radius) at a given penetration.
 
         Raises
@@ -109,7 +109,7 @@ class JKR:
         """
         return self.state(self._largest(self.penetration, penetration, self._limit(0.5)))
 
-    def at_force(self, force: float) -> State:
+    def at_force(self, force: float) -> ElasticContact:
         """The state stable under a dead load (largest radius).
 
         Raises

@@ -26,7 +26,7 @@ from scipy.optimize import brentq, minimize_scalar
 from contact_scene import Indenter, Sphere
 from validation.reference import sneddon
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.jkr import JKR, NoEquilibrium, State
+from validation.reference.jkr import JKR, ElasticContact, NoEquilibrium
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,11 @@ class SpringContact:
     law: JKR | FiniteZone
     stiffness: float
 
-    def stage(self, state: State) -> float:
+    def stage(self, state: ElasticContact) -> float:
         """``X = D + F/k``."""
         return state.penetration + state.force / self.stiffness
 
-    def pull_off(self) -> State:
+    def pull_off(self) -> ElasticContact:
         """The state of the least stage position, at which contact is lost."""
         law = self.law
         low = law.pull_off_penetration_control().contact_radius
@@ -49,11 +49,11 @@ class SpringContact:
             return law.state(float(brentq(self._slope, low, high, xtol=1e-300, rtol=1e-14)))
         return law.state(least(lambda a: self.stage(law.state(a)), low, high))
 
-    def largest_tension(self) -> State:
+    def largest_tension(self) -> ElasticContact:
         """The state of largest tension of a slow retraction; before the pull-off, or at it."""
         return self.law.pull_off_force_control()
 
-    def at_stage(self, stage: float) -> State:
+    def at_stage(self, stage: float) -> ElasticContact:
         """The stable state (largest radius) at a position of the stage.
 
         Raises
@@ -75,7 +75,7 @@ class SpringContact:
         limit = self.pull_off()
         return self.energy(limit) - np.pi * limit.contact_radius**2 * self.law.work
 
-    def energy(self, state: State) -> float:
+    def energy(self, state: ElasticContact) -> float:
         """Elastic energy of half-space and spring."""
         indenter: Indenter = self.law.indenter if isinstance(self.law, JKR) else Sphere(self.law.radius)
         held = state.contact_radius, state.penetration

@@ -21,7 +21,7 @@ from validation.measure.difference import of_curves, of_numbers, relative
 from validation.reference import prony_integrals, punch_oscillation
 from validation.reference.elastic_layer import ElasticLayer
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.jkr import State
+from validation.reference.jkr import ElasticContact
 from validation.reference.spring import SpringContact
 from validation.reference.ting import Ting
 from validation.runs.run import Run
@@ -190,11 +190,11 @@ def elastic_cycle(
     return ClosedForm(tuple(values[name] for name in names), source or f"{SOURCE}, {which}", ends)
 
 
-def _state(when: str, state: State, scale: float | None = None) -> tuple[Value, Value]:
+def _state(when: str, state: ElasticContact, scale: float | None = None) -> tuple[Value, Value]:
     return Value(f"{when}_force", state.force, scale), Value(f"{when}_radius", state.contact_radius)
 
 
-def _zone_loss(law: FiniteZone, low: State, high: State) -> float:
+def _zone_loss(law: FiniteZone, low: ElasticContact, high: ElasticContact) -> float:
     """``int (G - dg) dA`` over the contact radii between two equilibria."""
 
     def excess(radius: float) -> float:
@@ -235,7 +235,7 @@ def held(scene: Scene, tension: float) -> ClosedForm:
     return ClosedForm((*_state("final", state), depth), f"{SOURCE}, E0")
 
 
-def limit_point(spring: SpringContact, lost: State, stage: float, way: float) -> ClosedForm:
+def limit_point(spring: SpringContact, lost: ElasticContact, stage: float, way: float) -> ClosedForm:
     """A spring's contact is ``lost`` at the least ``stage``, so ``way`` from the start."""
     values = (
         Value("pull_off_force", -spring.largest_tension().force),

@@ -14,13 +14,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from validation.reference.jkr import NoEquilibrium, State
+from validation.reference.jkr import ElasticContact, NoEquilibrium
 
 
 class EquilibriumBranch(Protocol):
     """Equilibria of an elastic contact at one work of adhesion, as :class:`~validation.reference.jkr.JKR`."""
 
-    def at_penetration(self, penetration: float) -> State:
+    def at_penetration(self, penetration: float) -> ElasticContact:
         """The stable state at a given penetration."""
         ...
 
@@ -33,14 +33,14 @@ class AdhesionHysteresis:
     closing: EquilibriumBranch
     plane_modulus: float
 
-    def path(self, penetrations: Sequence[float]) -> list[State]:
+    def path(self, penetrations: Sequence[float]) -> list[ElasticContact]:
         """States at penetrations that are passed one after the other, from a contact that has closed."""
         states = [self.closing.at_penetration(penetrations[0])]
         for penetration in penetrations[1:]:
             states.append(self._next(states[-1], penetration))
         return states
 
-    def _next(self, state: State, penetration: float) -> State:
+    def _next(self, state: ElasticContact, penetration: float) -> ElasticContact:
         if penetration > state.penetration:
             moved = self._branch(self.closing, penetration)
             if moved is not None and moved.contact_radius > state.contact_radius:
@@ -52,10 +52,10 @@ class AdhesionHysteresis:
         force = state.force + 2.0 * self.plane_modulus * state.contact_radius * (
             penetration - state.penetration
         )
-        return State(state.contact_radius, penetration, force)
+        return ElasticContact(state.contact_radius, penetration, force)
 
     @staticmethod
-    def _branch(branch: EquilibriumBranch, penetration: float) -> State | None:
+    def _branch(branch: EquilibriumBranch, penetration: float) -> ElasticContact | None:
         """The stable state of a branch; ``None`` where it has none and the edge is pinned all the same."""
         try:
             return branch.at_penetration(penetration)

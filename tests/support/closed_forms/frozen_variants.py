@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from contact_scene import Material
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.frozen import FrozenRetraction
-from validation.reference.jkr import State
+from validation.reference.jkr import ElasticContact
 from validation.reference.spring import least
 
 
@@ -27,7 +27,7 @@ class FrozenZone:
     start: float
 
     @property
-    def relaxed(self) -> State:
+    def relaxed(self) -> ElasticContact:
         """``a_B``, ``D_B``, ``F_B``."""
         plane = self.material.relaxed_plane_modulus
         return FiniteZone(self.radius, plane, self.work, self.zone).at_penetration(self.start)
@@ -55,21 +55,21 @@ class FrozenSpring:
     retraction: FrozenRetraction
     stiffness: float
 
-    def stage(self, state: State) -> float:
+    def stage(self, state: ElasticContact) -> float:
         """``X = D + F/k``."""
         return state.penetration + state.force / self.stiffness
 
-    def pull_off(self) -> State:
+    def pull_off(self) -> ElasticContact:
         """The state in which contact is lost: where the stage is least on the release branch."""
         start = self.retraction.relaxed.contact_radius
 
-        def state(radius: float) -> State:
+        def state(radius: float) -> ElasticContact:
             law = self.retraction
-            return State(radius, float(law.penetration(radius)), float(law.force(radius)))
+            return ElasticContact(radius, float(law.penetration(radius)), float(law.force(radius)))
 
         return state(least(lambda a: self.stage(state(a)), 0.0, start))
 
-    def largest_tension(self) -> State:
+    def largest_tension(self) -> ElasticContact:
         """The state of largest tension, which a stiff machine passes before contact is lost."""
         best, lost = self.retraction.pull_off(), self.pull_off()
         return best if best.contact_radius >= lost.contact_radius else lost

@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 from contact_scene import Material
 from validation.reference import prony_integrals
 from validation.reference.elastic_layer import ElasticLayer
-from validation.reference.jkr import State
+from validation.reference.jkr import ElasticContact
 
 
 def growing_force(material: Material, layer: ElasticLayer, rate: float, time: float) -> float:
@@ -52,7 +52,7 @@ class FrozenLayer:
     start: float
 
     @property
-    def relaxed(self) -> State:
+    def relaxed(self) -> ElasticContact:
         """The outermost equilibrium at the start."""
         modulus = self.material.relaxed_plane_modulus
 
@@ -64,9 +64,9 @@ class FrozenLayer:
         while excess(high) < 0.0:
             high *= 1.2
         found = self.layer.state(float(brentq(excess, low, high, xtol=1e-15)), self.work / modulus)
-        return State(found.contact_radius, found.penetration, modulus * found.force)
+        return ElasticContact(found.contact_radius, found.penetration, modulus * found.force)
 
-    def release(self, radius: float) -> State:
+    def release(self, radius: float) -> ElasticContact:
         """Where the edge is at a radius that is at most that of the relaxed contact."""
         soft, stiff = self.material.relaxed_plane_modulus, self.material.glassy_plane_modulus
         found = self.layer.response(radius)
@@ -74,7 +74,7 @@ class FrozenLayer:
         relaxed = soft * (self.start * found.edge - found.profile_edge)
         depth = self.start - (relaxed + pull) / (stiff * found.edge)
         force = soft * found.force(self.start) + stiff * found.stiffness * (depth - self.start)
-        return State(radius, depth, force)
+        return ElasticContact(radius, depth, force)
 
 
 def thin_punch(ratio: float, poisson: float, base: str) -> float:

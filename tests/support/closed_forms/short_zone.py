@@ -38,7 +38,7 @@ from support.closed_forms.short_zone_integration import (
 )
 
 from contact_scene import Sphere
-from validation.reference.jkr import JKR, State
+from validation.reference.jkr import JKR, ElasticContact
 from validation.reference.prony_integrals import plane_spectrum
 
 Array = NDArray[np.float64]
@@ -107,13 +107,13 @@ class ShortZone(ShortZoneEdge):
 
         return self._opened(_Ramp(0.0, start, -rate), state, edge_loads)
 
-    def approach(self, start: float, deepest: float, rate: float) -> State:
+    def approach(self, start: float, deepest: float, rate: float) -> ElasticContact:
         """Where the glassy equilibrium at ``start`` has come to when it reaches ``deepest`` at a speed."""
         pressed = _Ramp(0.0, start, rate)
         radius, *loads, _ = self._closed(pressed, (deepest - start) / rate, self._glassy_state(start)).y[
             :, -1
         ]
-        return State(float(radius), deepest, float(sum(loads)))
+        return ElasticContact(float(radius), deepest, float(sum(loads)))
 
     def cycle(self, start: float, deepest: float, approach: float, retraction: float) -> ShortZoneRun:
         """From the glassy equilibrium at ``start`` to ``deepest``, and back until contact is lost."""

@@ -38,7 +38,7 @@ from validation.reference.path.equilibrium import (
 )
 from validation.reference.path.numerics import DEGREE, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
-from validation.reference.path.rheology import Body
+from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State, faded
 from validation.reference.path.trial import Arrival, Trial
 
@@ -171,7 +171,7 @@ class Continuation:
     over the load parameter and the radius, as last seen; they save evaluations.
     """
 
-    body: Body
+    body: IndentedBody
     law: EdgeLaw
     state: State
     tolerance: float

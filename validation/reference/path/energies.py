@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.memory import COLLOCATION, FAST, through_nodes
 from validation.reference.path.numerics import derivative, gauss, horner, powers
-from validation.reference.path.rheology import Body
+from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
 
@@ -41,7 +41,7 @@ _SMOOTH = slice(FORCE, WORK)
 _SIZE = 2 * COLLOCATION + 1
 
 
-def stored_energy(body: Body, state: State) -> float:
+def stored_energy(body: IndentedBody, state: State) -> float:
     """``U``, both sides of the edge."""
     rheology = body.rheology
     elastic = rheology.relaxed * body.strain_squared(state.depths, state.radius)
@@ -51,7 +51,7 @@ def stored_energy(body: Body, state: State) -> float:
     return image - rheology.relaxed * strain - float((branches / rheology.moduli).sum())
 
 
-def _coupled(body: Body, state: State) -> tuple[float, Array]:
+def _coupled(body: IndentedBody, state: State) -> tuple[float, Array]:
     """``int int f M f`` of the image and of each of its branches (n,)."""
     if not body.image.is_layer:
         return 0.0, 0.0 * state.held_squares
@@ -62,7 +62,7 @@ def _coupled(body: Body, state: State) -> tuple[float, Array]:
     return float(strain @ coupling @ strain), (branches * (coupling @ branches)).sum(axis=0)
 
 
-def stored_when_free(body: Body, state: State) -> float:
+def stored_when_free(body: IndentedBody, state: State) -> float:
     """``U`` right after all contact is lost: the whole contact released at once."""
     edges = state.edges_between(-state.radius, 0.0)
     breaks = np.unique(np.concatenate((-state.radius * _QUARTERS, edges)))
@@ -153,7 +153,9 @@ def _parabola(first: Array, end: Array, before: tuple[float, Array] | None) -> A
     return np.array([chord - bend, chord + bend])
 
 
-def _slopes(body: Body, law: EdgeLaw, state: State, q: float, rates: list[Array]) -> tuple[float, ...]:
+def _slopes(
+    body: IndentedBody, law: EdgeLaw, state: State, q: float, rates: list[Array]
+) -> tuple[float, ...]:
     """Slopes of force, stored, tip and separation energy from those of time, penetrations and radius."""
     t, D, a = float(rates[0]), rates[1], float(rates[2])
     rheology, gram = body.rheology, body.integrals(state.radius)[0]

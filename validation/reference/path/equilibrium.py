@@ -24,7 +24,7 @@ from validation.reference.path.closure import BASE, LONGEST, closure, zone_lengt
 from validation.reference.path.fields import untouched
 from validation.reference.path.layer import image
 from validation.reference.path.numerics import bracketed, dip
-from validation.reference.path.rheology import Body, rheology
+from validation.reference.path.rheology import IndentedBody, rheology
 from validation.reference.path.state import State
 from validation.reference.sneddon import transform
 
@@ -46,7 +46,7 @@ LEAST_DIP = 1e-8
 """Width of a dip of the residual, in the radius, between the two radii of a contact about to be lost."""
 
 
-def elastic_start(scene: Scene, body: Body) -> State | None:
+def elastic_start(scene: Scene, body: IndentedBody) -> State | None:
     """The contact a scene starts from; ``None`` if the indenter does not hold one.
 
     Raises
@@ -141,7 +141,7 @@ def elastic_start(scene: Scene, body: Body) -> State | None:
     return start(radius)
 
 
-def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:
+def start_state(body: IndentedBody, depth: float, radius: float, glassy: bool) -> State:
     """The elastic contact of that radius on a surface never touched before, glassy or relaxed."""
     rheology = body.rheology
     moduli = rheology.moduli if glassy else 0.0 * rheology.moduli
@@ -163,38 +163,38 @@ def start_state(body: Body, depth: float, radius: float, glassy: bool) -> State:
     )
 
 
-def elastic_depths(body: Body, depth: float, radius: float) -> Array:
+def elastic_depths(body: IndentedBody, depth: float, radius: float) -> Array:
     """``(D, C)``."""
     unit, rest = body.elastic(radius)
     return depth * unit - rest
 
 
-def edge_strain(body: Body, radius: float) -> tuple[float, float]:
+def edge_strain(body: IndentedBody, radius: float) -> tuple[float, float]:
     """``w^(a)``: the first times ``D``, less the second."""
     unit, rest = body.elastic(radius)
     phi = body.image.functions(np.array([radius]))[0]
     return float(phi @ unit), body.shape(radius) + float(phi @ rest)
 
 
-def half_force(body: Body, radius: float) -> tuple[float, float]:
+def half_force(body: IndentedBody, radius: float) -> tuple[float, float]:
     """``int_0^a w^``: the first times ``D``, less the second."""
     (unit, rest), (gram, shape) = body.elastic(radius), body.integrals(radius)
     return float(gram[0] @ unit), float(shape[0] + gram[0] @ rest)
 
 
-def pressed_depth(body: Body, radius: float) -> float:
+def pressed_depth(body: IndentedBody, radius: float) -> float:
     """Penetration of the adhesionless elastic contact, ``w^(a) = 0``."""
     slope, lack = edge_strain(body, radius)
     return lack / slope
 
 
-def pressed_force(body: Body, radius: float) -> float:
+def pressed_force(body: IndentedBody, radius: float) -> float:
     """Its force, in ``2 E*``."""
     slope, lack = half_force(body, radius)
     return pressed_depth(body, radius) * slope - lack
 
 
-def touching_radius(body: Body, depth: float, rim: float, compliance: float = 0.0) -> float:
+def touching_radius(body: IndentedBody, depth: float, rim: float, compliance: float = 0.0) -> float:
     """Radius of the adhesionless relaxed contact, that of the rim at most; ``compliance``: of a stage."""
     soft = 2.0 * body.rheology.relaxed * compliance
 
@@ -204,7 +204,7 @@ def touching_radius(body: Body, depth: float, rim: float, compliance: float = 0.
     return _rising(excess, min(rim, body.image.reach))
 
 
-def pressed_radius(body: Body, force: float, rim: float) -> float:
+def pressed_radius(body: IndentedBody, force: float, rim: float) -> float:
     """Radius of the adhesionless relaxed contact under a force."""
     twice = 2.0 * body.rheology.relaxed
     return _rising(lambda a: twice * pressed_force(body, a) - force, min(rim, body.image.reach))
@@ -255,9 +255,9 @@ def _outermost(residual: Callable[[float], float], radii: list[float]) -> float 
 # what a scene asks for ---
 
 
-def indented(scene: Scene, least_reach: float = 0.0) -> Body:
+def indented(scene: Scene, least_reach: float = 0.0) -> IndentedBody:
     """Material, layer and indenter of a scene; the functions of a layer reach beyond its largest contact."""
-    bare = Body(rheology(scene.material), transform(scene.indenter))
+    bare = IndentedBody(rheology(scene.material), transform(scene.indenter))
     layer, zone = scene.body, scene.adhesion.zone if scene.is_adhesive and scene.adhesion else 0.0
     if layer is None:
         return bare
@@ -281,7 +281,7 @@ def farthest_reach(scene: Scene) -> float:
     return REACH * scene.body.largest_contact + BEYOND * zone if scene.body is not None else 0.0
 
 
-def largest_radius(scene: Scene, body: Body, reach: float) -> float:
+def largest_radius(scene: Scene, body: IndentedBody, reach: float) -> float:
     """A bound of the radius: that of the relaxed contact, pulled at its edge, under the largest loads."""
     edge, modulus = scene.indenter.edge, body.rheology.relaxed
     adhesion = scene.adhesion if scene.is_adhesive else None
@@ -312,7 +312,7 @@ class Scales:
     force: float
 
 
-def scales(scene: Scene, body: Body, start: State) -> Scales:
+def scales(scene: Scene, body: IndentedBody, start: State) -> Scales:
     """As if the contact were relaxed and without adhesion, or as it begins, whichever is larger.
 
     Where nothing is ever touched any length is one.
@@ -328,7 +328,7 @@ def scales(scene: Scene, body: Body, start: State) -> Scales:
     return Scales(radius, depth, max(abs(start.force), weight, hardest))
 
 
-def _largest_load(scene: Scene, body: Body) -> tuple[float, float]:
+def _largest_load(scene: Scene, body: IndentedBody) -> tuple[float, float]:
     """Largest penetration and largest force that the loading prescribes.
 
     A stage presses with the relaxed contact under it; a level that ends a load step bounds it.
@@ -358,7 +358,7 @@ def _largest_load(scene: Scene, body: Body) -> tuple[float, float]:
     return deepest, hardest
 
 
-def _depth_under(body: Body, force: float, edge: float) -> float:
+def _depth_under(body: IndentedBody, force: float, edge: float) -> float:
     """Penetration of the adhesionless relaxed contact under a force."""
     radius = pressed_radius(body, force, edge)
     if radius == 0.0:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from contact_scene import Indenter, SurfaceProfile
 from validation.reference.path.numerics import gauss, powers
-from validation.reference.path.rheology import Body, total
+from validation.reference.path.rheology import IndentedBody, total
 from validation.reference.path.state import State
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ _ORDERS = np.arange(len(NODES))
 _TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
 
 
-def profile(body: Body, indenter: Indenter, state: State) -> SurfaceProfile:
+def profile(body: IndentedBody, indenter: Indenter, state: State) -> SurfaceProfile:
     """State of the surface, at points crowded towards the edge but not on it."""
     a, edges = state.radius, state.surface.edges
     far = min(1.5 * (a + max(float(edges[-1]) if edges.size else 0.0, 0.0)) or 1.0, body.image.reach)
@@ -57,7 +57,7 @@ def profile(body: Body, indenter: Indenter, state: State) -> SurfaceProfile:
     )
 
 
-def pressure(body: Body, state: State, radius: Array) -> Array:
+def pressure(body: IndentedBody, state: State, radius: Array) -> Array:
     """``p(r)`` for ``0 <= r < a``, shape (m,); positive in compression."""
     a = state.radius
     breaks = _breaks(body, state, 0.0, a)
@@ -80,7 +80,7 @@ def pressure(body: Body, state: State, radius: Array) -> Array:
     return np.array([at(r) for r in np.maximum(radius, AXIS * a).tolist()])
 
 
-def gap(body: Body, state: State, radius: Array) -> Array:
+def gap(body: IndentedBody, state: State, radius: Array) -> Array:
     """``g(r)`` for ``r >= a``, shape (m,)."""
     a, far = state.radius, float(radius.max())
     breaks = _breaks(body, state, a, far)
@@ -115,7 +115,7 @@ def _values(coefficients: Array, share: Array) -> Array:
     return value
 
 
-def _breaks(body: Body, state: State, low: float, high: float) -> Array:
+def _breaks(body: IndentedBody, state: State, low: float, high: float) -> Array:
     """Radii between which the fields are smooth, with the ends."""
     knots = body.transform.knots
     marks = np.append(knots[(knots > low) & (knots < high)], (low, state.radius))[:, None]

@@ -42,7 +42,7 @@ from validation.reference.path.energies import (
 from validation.reference.path.equilibrium import Scales
 from validation.reference.path.memory import COLLOCATION
 from validation.reference.path.numerics import bracketed, derivative, horner, inverse, powers
-from validation.reference.path.rheology import Body
+from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
 
@@ -88,7 +88,7 @@ class Recorder:
     ``stops``: times that get a row; of the ``wanted`` among them the state is handed to ``seen``.
     """
 
-    body: Body
+    body: IndentedBody
     law: EdgeLaw
     scales: Scales
     allowed: float

@@ -68,7 +68,7 @@ class Rheology:
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class IndentedBody:
     """Material, layer and indenter in Abel space, constant during a run."""
 
     rheology: Rheology

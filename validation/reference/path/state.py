@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from validation.reference.path.closure import BASE
 from validation.reference.path.fields import NODES, TO_POWERS, Passages, along
 from validation.reference.path.numerics import powers
-from validation.reference.path.rheology import Body, total
+from validation.reference.path.rheology import IndentedBody, total
 
 Array = NDArray[np.float64]
 GRADING = 8.0
@@ -66,7 +66,7 @@ class State:
         """The same with the indenter elsewhere, where it touches nothing."""
         return replace(self, depths=np.append(depth, self.depths[1:]))
 
-    def carried(self, body: Body, x: Array) -> tuple[Array, Array, Array]:
+    def carried(self, body: IndentedBody, x: Array) -> tuple[Array, Array, Array]:
         """``phi`` (m, K + 1), ``G`` at distances from the edge; branch forces or unit strains (m, n)."""
         rheology, at = body.rheology, np.maximum(self.radius + x, 0.0)
         phi, G = body.image.functions(at), body.transform(at)
@@ -74,7 +74,7 @@ class State:
         carried += np.where(held[:, None], phi @ (rheology.moduli * self.memory), 0.0)
         return phi, G, carried
 
-    def in_contact(self, body: Body, x: Array) -> tuple[Array, Array]:
+    def in_contact(self, body: IndentedBody, x: Array) -> tuple[Array, Array]:
         """Branch forces (m, n) and strain (m,) at distances from the edge, in contact."""
         phi, G, branches = self.carried(body, x)
         return branches, phi @ self.depths - G
@@ -118,7 +118,7 @@ class State:
         return np.concatenate((both, zone - depth, both[1] - depth))
 
 
-def faded(state: State, body: Body, zone: float, tolerance: float) -> State:
+def faded(state: State, body: IndentedBody, zone: float, tolerance: float) -> State:
     """The state with entries joined that have come to agree."""
     if state.radius == 0.0 or len(state.surface.held) < 2:
         return state
@@ -133,7 +133,7 @@ def faded(state: State, body: Body, zone: float, tolerance: float) -> State:
 
 
 def _joined(
-    surface: Passages, body: Body, radius: float, first: int, size: float, allowed: Array
+    surface: Passages, body: IndentedBody, radius: float, first: int, size: float, allowed: Array
 ) -> Passages:
     """The table with every other pair of entries joined where that changes less than ``allowed``.
 

@@ -28,7 +28,7 @@ from validation.reference.path.memory import (
 )
 from validation.reference.path.numerics import ORDERS, inverse, powers
 from validation.reference.path.path import Leg, PathSegment
-from validation.reference.path.rheology import Body, total
+from validation.reference.path.rheology import IndentedBody, total
 from validation.reference.path.state import GRADING, State
 
 Array = NDArray[np.float64]
@@ -46,7 +46,13 @@ class Trial:
     """
 
     def __init__(
-        self, body: Body, law: EdgeLaw, state: State, leg: Leg, segment: PathSegment, closed: bool = True
+        self,
+        body: IndentedBody,
+        law: EdgeLaw,
+        state: State,
+        leg: Leg,
+        segment: PathSegment,
+        closed: bool = True,
     ) -> None:
         self.body, self.law, self.state, self.leg, self.segment = body, law, state, leg, segment
         self.closed, self.travel = closed, segment.travel
