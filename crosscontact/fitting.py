@@ -18,11 +18,9 @@ from contact_scene.value_checks import as_tuple, function_or_none, of_class
 from crosscontact import arguments
 from crosscontact.arguments import case_of, checked_path
 from crosscontact.result import html_table
-from validation.fits.fit import EachFit, dataset, fit_curves
-from validation.fits.fit import fit_each as fit_curves_each
-from validation.fits.page import draw_curves, lead, statements, table, write_each, write_fit
+from validation.fits import fit as fits
+from validation.fits import page, readers
 from validation.fits.problem import FitSettings, question
-from validation.fits.readers import KNOWN, choose, read_file, write_afm
 from validation.fits.record import Given, MeasuredCurve
 from validation.fits.result import Estimate, FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic
@@ -83,7 +81,7 @@ class Fit:
     @property
     def statements(self) -> list[str]:
         """What to know before using a number."""
-        return statements(self.result)
+        return page.statements(self.result)
 
     def __getitem__(self, name: str) -> Estimate:
         """A parameter by name: ``value``, ``deviation``, ``low`` and ``high`` of its 95 % interval.
@@ -99,20 +97,20 @@ class Fit:
 
     def figure(self) -> Figure:
         """Data, fit and residuals."""
-        return draw_curves(self.result)
+        return page.draw_curves(self.result)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Write ``index.html``, ``fit.json``, ``scene.toml``, ``fit.png`` and ``fit.svg``."""
-        write_fit(self.result, output_folder(checked_path(folder), "folder"))
+        page.write_fit(self.result, output_folder(checked_path(folder), "folder"))
 
     def __repr__(self) -> str:
-        rows = aligned(table(self.result).texts)
-        return "\n".join([lead(self.result).text, *rows, *(f"  {one}" for one in self.statements)])
+        rows = aligned(page.table(self.result).texts)
+        return "\n".join([page.lead(self.result).text, *rows, *(f"  {one}" for one in self.statements)])
 
     def _repr_html_(self) -> str:
         notes = "".join(f"<li>{escape(one)}</li>" for one in self.statements)
-        rows = html_table(table(self.result).texts)
-        return f"<p><b>{escape(lead(self.result).text)}</b></p>{rows}<ul>{notes}</ul>"
+        rows = html_table(page.table(self.result).texts)
+        return f"<p><b>{escape(page.lead(self.result).text)}</b></p>{rows}<ul>{notes}</ul>"
 
 
 def fit(
@@ -246,7 +244,7 @@ def fit_each(
     asked: dict[str, Any] = {"vary": vary, "starts": 1, "check_solver": None}
     settings = FitSettings(**asked | options)
     measured, guess, folder = _asked(curves, scene, executor, out, progress)
-    return dataset(each_and_write(measured, guess, settings, folder, executor, progress))
+    return fits.dataset(each_and_write(measured, guess, settings, folder, executor, progress))
 
 
 def _asked(
@@ -287,13 +285,13 @@ def fit_and_write(
     """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
     with _stored(folder, "a fit", question(curves, guess, settings), key, fresh) as store:
         try:
-            result = fit_curves(curves, guess, settings, executor, progress, store)
+            result = fits.fit_curves(curves, guess, settings, executor, progress, store)
         except InterruptedFit as interrupted:
             if folder is not None and interrupted.result is not None:
-                write_fit(interrupted.result, folder)
+                page.write_fit(interrupted.result, folder)
             raise
         if folder is not None:
-            write_fit(result, folder)
+            page.write_fit(result, folder)
     return result
 
 
@@ -306,16 +304,16 @@ def each_and_write(
     progress: Callable[[str], None] | None,
     key: str = "out",
     fresh: bool = False,
-) -> list[EachFit]:
+) -> list[fits.EachFit]:
     """Fit each curve; what there is when it ends or is stopped is written."""
-    found: list[EachFit] = []
+    found: list[fits.EachFit] = []
     with _stored(folder, "fits of each curve", question(curves, guess, settings), key, fresh) as store:
         try:
-            found.extend(fit_curves_each(curves, guess, settings, executor, progress, store))
+            found.extend(fits.fit_each(curves, guess, settings, executor, progress, store))
         finally:
             fitted = any(one.result for one in found)
             if folder is not None and fitted:
-                write_each(found, folder)
+                page.write_each(found, folder)
         if not fitted and found[0].refusal is not None:
             raise found[0].refusal
     return found
@@ -341,7 +339,7 @@ def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:
     >>> curve.stage is None
     True
     """
-    return read_file(checked_path(path, "path"))
+    return readers.read_file(checked_path(path, "path"))
 
 
 def read_curve(
@@ -408,7 +406,8 @@ def read_given(path: str | os.PathLike[str], options: Namespace, si: bool) -> li
     something in these."""
     file = checked_path(path, "path")
     given = Given(**{name: getattr(options, name) for name in Given.__dataclass_fields__})
-    return choose(read_file(file, given, si or given != Given()), options.enum, options.segment, file)
+    curves = readers.read_file(file, given, si or given != Given())
+    return readers.choose(curves, options.enum, options.segment, file)
 
 
 def read_all(files: list[str], options: Namespace, si: bool) -> list[list[MeasuredCurve]]:
@@ -435,7 +434,7 @@ def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
     """
     of_class(curve, "curve", MeasuredCurve, "a MeasuredCurve")
     file = as_target(path)
-    if file.suffix.lower() in (*KNOWN, ".zip", ".txt"):
-        write_afm(curve, file)
+    if file.suffix.lower() in (*readers.KNOWN, ".zip", ".txt"):
+        readers.write_afm(curve, file)
     else:
         write_csv(curve, file)

@@ -144,10 +144,6 @@ def _of_record(model: CurveModel) -> Iterator[str]:
         yield f"the force is {factor:.0e} times that of the scene's elastic contact: other units?"
     if seen.noise > LOUD * reach:
         yield f"the noise is {100.0 * seen.noise / reach:.0f} % of the range of the force"
-    shortest = min((branch.time for branch in model.scene.material.branches), default=np.inf)
-    if shortest < curve.sampling:
-        at = f"a relaxation time of {shortest:.3g}, where the fit starts, is shorter"
-        yield f"rows every {curve.sampling:.3g}: {at}"
 
 
 def _of_spring(curve: MeasuredCurve, scene: Scene) -> Iterator[str]:

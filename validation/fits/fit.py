@@ -50,9 +50,8 @@ and over its difference from a run of half the step, for a method of second orde
 SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
 """Bounds of the step of differences, the root of the relative error of a run: the best if the errors of two
 neighbouring runs have nothing in common."""
-SPREAD, DRAWN_BEFORE = np.log(3.0), 4
-"""Starts are drawn within a factor of three about the scene's values (whoever knows less states bounds); of
-so many points the one of least misfit is taken: a point costs no derivatives."""
+SPREAD = np.log(3.0)
+"""Starts are drawn within a factor of three about the scene's values: whoever knows less states bounds."""
 EXPLORING, MOST_EVALUATIONS, PROFILING = 4, 40, 6
 """Evaluations of a start before starts are compared, of the last search, and with one parameter held."""
 SETTLED = 0.01
@@ -85,7 +84,6 @@ def fit_curves(
         return judged(problem, search.x, scene, warnings, question=asked, runs=problem.runs, **how)
 
     try:
-        problem.check_first_guess()
         share = None
         if settings.resolution is None and settings.solver == REFERENCE:
             share = choose_steps(problem)
@@ -179,10 +177,7 @@ class Search:
 
     def carry_out(self) -> None:
         """Find the parameters, from as many starts as it takes."""
-        low, high = self.problem.unknowns.bounds
-        inside = 1e-9 * np.minimum(high - low, 1.0)
-        own = np.clip(self.problem.unknowns.start, low + inside, high - inside)
-        self._stage = "first start"
+        own, self._stage = self.problem.unknowns.start, "first start"
         if not self.problem.derivatives(own).any():
             failures = [f": {one.failure}" for one in self.problem.at(own).predictions if one.failure]
             problem = f"no parameter changes the force at the first guess{''.join(failures[:1])}"
@@ -191,10 +186,9 @@ class Search:
         self.starts.append(followed.chisqr)
         if not goodness(self.problem, self.problem.at(self.x)).explained:
             first = self.least
-            for number, x in enumerate(self._more_starts(own)):
-                if self.problem.derivatives(x).any():  # otherwise there is nowhere to go from here
-                    self._stage = f"start {number + 2} of {self.problem.settings.starts}"
-                    self.starts.append(self._followed(x, EXPLORING).chisqr)
+            for number, x in enumerate(self._more_starts(own), 2):
+                self._stage = f"start {number} of {self.problem.settings.starts}"
+                self.starts.append(self._followed(x, EXPLORING).chisqr)
             if self.least < first:
                 self._stage = "best start"
                 followed = self._followed(self.x, MOST_EVALUATIONS)
@@ -219,18 +213,12 @@ class Search:
             gtol=None,
         )
 
-    def _more_starts(self, own: Array) -> list[Array]:
-        """The best of a few points drawn about the scene's values, for each further start."""
-        settings, (low, high) = self.problem.settings, self.problem.unknowns.bounds
-        free = np.array([one.logarithmic for one in self.problem.unknowns.found])
-        self._stage = "drawing starts"
-        if settings.starts < 2 or not free.any():
-            return []
-        draws = np.random.default_rng(settings.seed)
-        drawn = np.zeros((settings.starts - 1, DRAWN_BEFORE, own.size))
-        drawn[..., free] = SPREAD * (2.0 * draws.random((*drawn.shape[:2], int(free.sum()))) - 1.0)
-        groups = np.clip(own + drawn, low, high)
-        return [min(points, key=lambda x: float(np.sum(self.residuals(x) ** 2))) for points in groups]
+    def _more_starts(self, own: Array) -> Array:
+        """Points drawn about the scene's values, one for each further start."""
+        settings, free = self.problem.settings, [one.logarithmic for one in self.problem.unknowns.found]
+        further = settings.starts - 1 if any(free) else 0
+        drawn = np.random.default_rng(settings.seed).uniform(-SPREAD, SPREAD, (further, own.size))
+        return np.clip(own + drawn * free, *self.problem.unknowns.bounds)
 
     def profiles(self, result: FitResult) -> tuple[LikelihoodProfile, ...]:
         """Profile likelihoods of the parameters that were asked for.
@@ -259,8 +247,6 @@ class Search:
                     x = _point(self._followed(x, PROFILING, held=place).params)
                 increase = (self._weighed(point, x) - least) / result.goodness.variance
                 points[float(x[place])] = max(increase, 0.0)
-                if x[place] in (low, high):
-                    break
         at, increases = np.array(sorted(points.items())).T
         middle = int(np.searchsorted(at, best[place]))
         plain = _crossing(at[middle::-1], increases[middle::-1]), _crossing(at[middle:], increases[middle:])

@@ -54,8 +54,8 @@ approach alone the drag is a level, and the tilt a drift."""
 
 @dataclass(frozen=True)
 class FitRun:
-    """The part of a run that a fit compares: its rows, when contact was ``lost``, why it did not reach its
-    end (``failure``; its rows up to there count), and whether the solver does not take the scene at all."""
+    """The part of a run that a fit compares: its rows, when contact was ``lost``, and why it did not reach
+    its end (``failure``; its rows up to there count)."""
 
     time: Array
     force: Array
@@ -63,7 +63,6 @@ class FitRun:
     penetration: Array
     lost: float | None = None
     failure: str = ""
-    refused: bool = False
 
 
 NO_CONTACT = FitRun(np.array([0.0, 1.0]), *(np.zeros(2),) * 3, lost=0.0)
@@ -82,7 +81,7 @@ def run_of(
     try:
         trace = method.solve(scene, resolution, step_tolerance=tolerance, max_steps=max_steps)
     except SceneError as error:
-        return replace(NO_CONTACT, failure=str(error), refused=True)
+        return replace(NO_CONTACT, failure=str(error))
     except Exception as error:
         if tolerance is not None:  # steps as coarse as a fit can do with may be too coarse for this scene
             return run_of(scene, solver, resolution, None, max_steps)

@@ -56,8 +56,6 @@ REGULARISATION = 0.1
 """Weight of the squared second differences of the logarithms of Prony weights, beside squares of residuals:
 neighbours on the grid may bend by a factor of exp(3) at the cost of one standard deviation."""
 
-KEPT_RUNS = 2000
-"""Runs kept in memory, some kB each: those of the last iterations."""
 SHARE = Range("a share of the range between 0 and 1", 0.0, 1.0, open=True)
 
 
@@ -395,23 +393,12 @@ class FitProblem:
         for (curve, values), (key, begin) in zip(points, asked, strict=True):
             offset = values.get(TIME_OFFSET, 0.0)
             made.append(self.models[curve].prediction(self._kept[key], begin, offset))
-        while len(self._kept) > KEPT_RUNS:
-            del self._kept[next(iter(self._kept))]
         return made
 
     def _keep(self, result: TaskResult) -> None:
         self._kept[result.task.key] = result.value or replace(NO_CONTACT, failure=result.failure)
         self.runs += 1
         self.on_run()
-
-    def check_first_guess(self) -> None:
-        """Raise what the solver refuses of the first guess, from which no search could then set out."""
-        self.at(self.unknowns.start)
-        for run in self._kept.values():
-            if run.refused:
-                reason, _, allowed = run.failure.partition("; allowed: ")
-                problem = f"{self.settings.solver} does not take the first guess: {reason}"
-                raise SceneError("solver", problem, allowed)
 
     def fitted_force(self, index: int, point: Point) -> Array:
         """Force as the instrument would record it, shape (N,)."""
