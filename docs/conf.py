@@ -24,7 +24,7 @@ project = "crosscontact"
 author = "the crosscontact authors"
 copyright = "2026, the crosscontact authors"
 version = release = crosscontact.__version__
-extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc", "sphinx_copybutton", "sphinxcontrib.towncrier"]
 exclude_patterns = [
     "data",
     "**/.ipynb_checkpoints",
@@ -39,6 +39,10 @@ html_js_files = [("report-parts.js", {"defer": "defer"})]
 html_copy_source = False
 html_show_sourcelink = False
 html_math_renderer = "mathml"
+
+towncrier_draft_autoversion_mode = "draft"
+towncrier_draft_include_empty = False
+towncrier_draft_working_directory = HERE.parent
 
 smartquotes = False  # options begin with two hyphens
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist", "attrs_block"]
