@@ -246,14 +246,11 @@ class Features:
             yield name, unit, words, value[unit == "N"] if isinstance(value, tuple) else value
 
 
-def common_wall(seen: Sequence[Features]) -> tuple[float, float] | None:
+def common_wall(seen: Sequence[Features]) -> Any:
     """Length and force of the drag near the wall of a map, one for all, as indenter and speed are: the median
-    of the curves that show one."""
+    of the curves that show one, if any does."""
     shown = [one.background["wall"] for one in seen if "wall" in one.background]
-    if not shown:
-        return None
-    length, near = np.median(shown, axis=0).tolist()
-    return length, near
+    return tuple(np.median(shown, axis=0).tolist()) if shown else None
 
 
 def features(

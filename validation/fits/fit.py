@@ -76,7 +76,16 @@ def fit_curves(
     curves = named_apart(curves)
     asked = question(curves, scene, settings)
     scene = first_guess(curves, scene, settings)
-    problem, warnings = _prepared(curves, scene, settings, executor, store)
+    shortened = [curve.means(MOST_ROWS) for curve in curves]
+    models = [CurveModel.of(curve, scene, settings.within or 0.0) for curve, _ in shortened]
+    varied = unknowns(models, scene, settings)
+    for name in settings.profile:
+        if name not in (*varied.names, "all"):
+            raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(varied.names)}")
+    warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
+    warnings += [text for model in models for text in data_checks.check(model, scene, varied)]
+    warnings += data_checks.thickness_needed(models, scene)
+    problem = FitProblem(models, varied, settings, executor, store or Store())
     search = Search(problem, progress)
 
     def found() -> FitResult:
@@ -102,26 +111,6 @@ def fit_curves(
         raise InterruptedFit(best) from None
     result = replace(result, profiles=profiles, check=check, error_share=share)
     return replace(result, runs=problem.runs, seconds=time.perf_counter() - began)
-
-
-def _prepared(
-    curves: Sequence[MeasuredCurve],
-    scene: Scene,
-    settings: FitSettings,
-    executor: Executor | None,
-    store: Store | None,
-) -> tuple[FitProblem, list[str]]:
-    """The problem to be solved, and warnings about the curves."""
-    shortened = [curve.means(MOST_ROWS) for curve in curves]
-    models = [CurveModel.of(curve, scene, settings.within or 0.0) for curve, _ in shortened]
-    found = unknowns(models, scene, settings)
-    for name in settings.profile:
-        if name not in (*found.names, "all"):
-            raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(found.names)}")
-    warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
-    warnings += [text for model in models for text in data_checks.check(model, scene, found)]
-    warnings += data_checks.thickness_needed(models, scene)
-    return FitProblem(models, found, settings, executor, store or Store()), warnings
 
 
 def choose_steps(problem: FitProblem) -> float:

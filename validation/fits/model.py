@@ -42,9 +42,6 @@ BACKGROUND = {
 """Parts of the background by what is said to be free."""
 PATH_SHARE = 0.3
 """Force that the straight lines may cost, over its noise: both together are 4 % more than the noise."""
-CORNER, ON_TIME = 0.1, 1e-9
-"""Change of the rate over the largest from which curves are not taken as smooth across it; distance of a row
-from the corner it was stepped onto, over the duration, at most: round-off of times."""
 LEAST_RADIUS_NOISE = 1e-4
 """Noise of a measured contact radius over its range, at least."""
 OWN_PART = 1e-3
@@ -94,18 +91,6 @@ def run_of(
     if trace.time.size < 2:
         return replace(NO_CONTACT, failure=failure or "no contact")
     return FitRun(*columns, float(trace.time[-1]) if ended else None, failure)
-
-
-def corners_of(time: Array, position: Array) -> Array:
-    """Times at which the rate of a motion of straight lines changes by much."""
-    rates = np.diff(position) / np.diff(time)
-    return time[1:-1][np.abs(np.diff(rates)) > CORNER * float(np.abs(rates).max())]
-
-
-def sampled(time: Array, value: Array, corners: Array, at: Array) -> Array:
-    """A column of a run at times between its rows, which turns at corners of the loading."""
-    inside = corners[(corners > time[0]) & (corners < time[-1])]
-    return RowCurve(time, value, time[np.searchsorted(time, inside - ON_TIME * time[-1])]).values(at)
 
 
 @dataclass(frozen=True)
@@ -208,12 +193,11 @@ class CurveModel:
         ends = run.lost if run.lost is not None else run.time[-1] if run.failure else np.inf
         touching, inside = (at >= 0.0) & (at < ends), np.clip(at, 0.0, run.time[-1])
         lost = float(curve.time[-1]) if run.lost is None else first + run.lost
-        corners = corners_of(self.knots, self.heights) - begin
         compared = [(run.force, curve.force, self.allowed)]
         if curve.contact_radius is not None and self.radius_noise is not None:
             compared.append((run.contact_radius, curve.contact_radius, self.radius_noise))
         columns = [
-            np.where(touching, sampled(run.time, of_run, corners, inside), 0.0) for of_run, *_ in compared
+            np.where(touching, RowCurve(run.time, of_run).values(inside), 0.0) for of_run, *_ in compared
         ]
         left = [
             (column - measured) / deviation

@@ -41,8 +41,6 @@ SMALLEST = 1e-6
 CORNER_ROWS = 3
 """Rows between two straight stretches, at most, that belong to one corner; and rows inside a stretch, at
 least, from which its direction is known well enough to find its corners."""
-CORNER = 0.02
-"""Change of the rate over the larger rate from which two stretches have a corner to be found."""
 PRIOR = 1e-9
 """Weight of the recorded height at a corner beside that of a row: decides where no row lies between two."""
 MOST_KNOTS = 400
@@ -201,10 +199,8 @@ def _moved_corners(time: Array, position: Array, rows: np.ndarray) -> Array:
     moved = []
     for (_, left, rate, level), (right, _, next_rate, next_level) in pairwise(stretches):
         turn = rate - next_rate
-        if right - left > CORNER_ROWS or abs(turn) < CORNER * max(abs(rate), abs(next_rate)):
-            continue
-        meeting = (next_level - level) / turn
-        if time[left - 1] <= meeting <= time[right + 1]:
+        meeting = (next_level - level) / turn if turn else np.inf
+        if right - left <= CORNER_ROWS and time[left - 1] <= meeting <= time[right + 1]:
             for row in range(left, right + 1):
                 knots.pop(row, None)
             moved.append(meeting)

@@ -11,16 +11,17 @@ from contact_scene import Machine, Scene, SceneError
 from contact_scene.run_control import whole_number
 from contact_scene.value_checks import a_string, finite, not_negative, of_class, one_of, positive
 from validation.fits.contact import Array
-from validation.fits.model import ON_TIME, FitRun, corners_of, run_of, sampled
+from validation.fits.model import FitRun, run_of
 from validation.fits.record import FEWEST_ROWS, MeasuredCurve
+from validation.measure.curves import RowCurve
 from validation.solvers import REFERENCE, SOLVERS
 
 ROWS = 300
 """Rows in contact where no sampling is asked for."""
 BESIDE = 0.15
 """Time recorded before contact and after its loss, over that of contact."""
-LAST = 0.99
-"""Share of the time of contact behind which the rate is read with which the motion goes on."""
+ON_TIME = 1e-9
+"""Distance of two rows, over the duration, at most, that share their time: round-off of times."""
 MOST_ROWS = 1_000_000
 
 
@@ -93,18 +94,15 @@ def synthetic(
     spring, end = scene.loading.compliance, float(run.time[-1])
     lasting = np.append(True, np.diff(run.time) > ON_TIME * end)  # rows of a jump share their time
     moments, driven = run.time[lasting], (run.penetration + spring * run.force)[lasting]
-    corners = corners_of(moments, driven)
     time = _row_times(scene, run, driven, sampling, seed)
     inside = np.clip(time, 0.0, end)
-    force = np.where(time == inside, sampled(run.time, run.force, corners, inside), 0.0)
+    force = np.where(time == inside, RowCurve(run.time, run.force).values(inside), 0.0)
     tension, largest = -float(run.force.min()), float(np.abs(run.force).max())
     size = tension if scene.is_adhesive and tension > 0.0 else largest
     force += noise * size * np.random.default_rng(seed).standard_normal(time.size)
-    position = sampled(moments, driven, corners, np.clip(inside, 0.0, moments[-1])) + contact_point
-    since = max(LAST * end, *corners[-1:].tolist(), 0.0)
-    first = (driven[1] - driven[0]) / (moments[1] - moments[0])
-    last = (driven[-1] - np.interp(since, moments, driven)) / (moments[-1] - since)
-    position += first * np.minimum(time, 0.0) + last * np.maximum(time - end, 0.0)
+    position = RowCurve(moments, driven).values(np.clip(inside, 0.0, moments[-1])) + contact_point
+    rates = np.diff(driven) / np.diff(moments)
+    position += rates[0] * np.minimum(time, 0.0) + rates[-1] * np.maximum(time - end, 0.0)
     return MeasuredCurve(
         time - time[0],
         force + baseline + drift * time,
