@@ -83,6 +83,8 @@ DRAWN = {
     "short-zones:307": (OutcomeKind.DETACHED, 0.001177622501, 0.00706773315, 0.2369970028, 7.68543001e-06),
     # the pull-off is a ten-thousandth of the force at the start
     "usual:679": (OutcomeKind.DETACHED, 0.001347929578, 5.825900951, 0.0006621861703, -0.000544867142),
+    # the load has its maximum where the zone leaves the rim, a corner of the path
+    "usual:21050": (OutcomeKind.DETACHED, 8.2823164e-4, 0.5074213284, 0.2, -1.41476471e-5),
 }
 LATER = {
     # the load turns while an edge closes by what no rounding of the closure tells

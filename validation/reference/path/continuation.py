@@ -416,8 +416,11 @@ class Continuation:
         self.rows.order, self.slopes = min(len(self.rows), order), {}
         if self.h < SMALLEST_STEP or self.fails > 40:
             self.fails = 0
-            known = self.tolerance * self.state.radius
-            return Ending.FOLD if self.moving and self._runs_away(known) else Ending.LOST
+            for _ in range(2 if self.moving else 0):  # it may have come back to a corner that it had passed
+                if self._runs_away(self.tolerance * self.state.radius):
+                    return Ending.FOLD
+                self.direction = -self.direction
+            return Ending.LOST
         return Ending.REJECTED
 
     def _correct(self, plan: Plan) -> Correction | None:
