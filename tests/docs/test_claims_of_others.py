@@ -47,6 +47,7 @@ def cycle(page, k, share, speed):
     return solve([scene])[0].pull_off_force * k / (1.5 * math.pi * work)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [0.1, 0.01])
 def test_the_falling_side_does_not_know_the_zone(page, k):
     tangent = math.sqrt(k)

@@ -24,7 +24,7 @@ def test_small_scale_holds_to_two_fifths_of_the_border(page, k, reach):
     assert np.all(np.abs(gone) < (0.01 if reach == 1.0 else 0.052))
 
 
-@pytest.mark.parametrize("cone", [False, True])
+@pytest.mark.parametrize("cone", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_border_at_the_threshold_radius_is_at_one(page, cone):
     for zone in (1e-3, 1e-4):
         low, middle, high = page["share"](0.1, 1.0, zone, np.array([0.7, 1.0, 3.0]), cone)
