@@ -20,7 +20,7 @@ import numpy as np
 from contact_scene import Scene, SceneError
 from validation.fits import data_checks
 from validation.fits.contact import Array
-from validation.fits.model import CurveModel
+from validation.fits.model import CurveModel, first_passing
 from validation.fits.problem import FitProblem, FitSettings, Point, first_guess, question, unknowns
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import (
@@ -238,7 +238,8 @@ class Search:
                 points[float(x[place])] = max(increase, 0.0)
         at, increases = np.array(sorted(points.items())).T
         middle = int(np.searchsorted(at, best[place]))
-        plain = _crossing(at[middle::-1], increases[middle::-1]), _crossing(at[middle:], increases[middle:])
+        sides = slice(middle, None, -1), slice(middle, None)
+        plain = (first_passing(at[s], np.sqrt(increases[s]), np.sqrt(CHI_SQUARED)) for s in sides)
         ends = (None if end is None else one.value(end) for end in plain)
         values = np.array([one.value(value) for value in at.tolist()])
         return LikelihoodProfile(one.name, values, increases, *ends)
@@ -275,15 +276,6 @@ class Search:
 def _point(values: Any) -> Array:
     """The numbers of the search that parameters of lmfit are."""
     return np.array(list(values.valuesdict().values()))
-
-
-def _crossing(at: Array, increase: Array) -> float | None:
-    """Where a profile first passes the limit of its interval, by the root of the increase between points."""
-    above, limit = np.flatnonzero(increase >= CHI_SQUARED), np.sqrt(CHI_SQUARED)
-    if not above.size:
-        return None
-    ends = slice(int(above[0]) - 1, int(above[0]) + 1)
-    return float(np.interp(limit, np.sqrt(increase[ends]), at[ends]))
 
 
 def named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:

@@ -174,13 +174,12 @@ class CurveModel:
         if scene.loading.start == "relaxed" or heights[0] >= first:
             first = float(heights[0])
         else:
-            above = np.flatnonzero(heights >= first)
-            if not above.size:
+            touch = first_passing(self.knots, heights, first)
+            if touch is None:
                 problem = f"never comes to {first:.4g}, where the scene begins contact"
                 allowed = "positions counted from first touch, or contact_point free"
                 raise SceneError(self.curve.driven, problem, allowed)
-            ends = slice(int(above[0]) - 1, int(above[0]) + 1)
-            begin = float(np.interp(first, heights[ends], self.knots[ends]))
+            begin = touch
         later = self.knots > begin
         table = Table((begin, *self.knots[later].tolist()), (first, *heights[later].tolist()))
         return replace(scene, loading=replace(scene.loading, penetration=first, steps=(table,))), begin
@@ -234,6 +233,13 @@ class CurveModel:
             if name in asked and np.linalg.norm(left) > OWN_PART * np.linalg.norm(column):
                 found[name] = column
         return found
+
+
+def first_passing(x: Array, y: Array, level: float) -> float | None:
+    """Where straight lines first come from below to a level, if they do."""
+    above = np.flatnonzero(y >= level)
+    ends = slice(int(above[0]) - 1, int(above[0]) + 1) if above.size else None
+    return None if ends is None else float(np.interp(level, y[ends], x[ends]))
 
 
 def least_squares(columns: Array, values: Array) -> Array:

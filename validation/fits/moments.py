@@ -41,8 +41,6 @@ SMALLEST = 1e-6
 CORNER_ROWS = 3
 """Rows between two straight stretches, at most, that belong to one corner; and rows inside a stretch, at
 least, from which its direction is known well enough to find its corners."""
-PRIOR = 1e-9
-"""Weight of the recorded height at a corner beside that of a row: decides where no row lies between two."""
 MOST_KNOTS = 400
 """Lines of a path; a motion that needs more is not resolved by its rows, or is all noise."""
 
@@ -210,7 +208,6 @@ def _moved_corners(time: Array, position: Array, rows: np.ndarray) -> Array:
 def _heights(time: Array, position: Array, knots: Array) -> Array:
     """Heights at the knots with which the lines miss the rows least; as recorded where no row tells."""
     hats = np.array([np.interp(time, knots, hat) for hat in np.eye(knots.size)])
-    level, recorded = float(position.mean()), np.interp(knots, time, position)
-    matrix = hats @ hats.T + PRIOR * np.eye(knots.size)
-    target = hats @ (position - level) + PRIOR * (recorded - level)
-    return np.asarray(np.linalg.solve(matrix, target) + level, float)
+    recorded = np.interp(knots, time, position)
+    moved = np.linalg.lstsq(hats @ hats.T, hats @ (position - recorded @ hats), rcond=None)[0]
+    return np.asarray(recorded + moved, float)
