@@ -200,6 +200,16 @@ def test_columns_that_were_swapped_are_known_by_the_straight_lines_of_a_drive(st
     assert re.search(said, str(caught.value))
 
 
+def test_the_straight_force_of_a_press_is_not_taken_for_a_motion():
+    """Under a prescribed force the position is what follows; sizes tell that the columns are right."""
+    curve, scene = afm_curve()
+    force = 7.4e-7 * np.maximum(1.0 - np.abs(curve.time - 2.0) / 1.5, 0.0)
+    depth = 3e-6 * (force / 7.4e-7) ** (2.0 / 3.0)
+    depth -= 1e-6 * np.maximum(np.abs(curve.time - 2.0) - 1.5, 0.0)
+    noise = 1e-9 * np.random.default_rng(0).standard_normal(force.size)
+    checked(MeasuredCurve(curve.time, force + noise, depth), scene)
+
+
 @pytest.mark.parametrize("guess", [1e-2, 1.0, 1e2])
 def test_a_force_that_relaxes_at_rest_is_not_taken_for_a_motion(guess):
     """Pressed from the first row on and held: no row is without contact, and the position rests in most."""

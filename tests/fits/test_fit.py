@@ -29,7 +29,7 @@ from contact_scene import (
 from crosscontact.cli import main
 from crosscontact.fitting import each_and_write, fit_and_write
 from validation.fits.fit import fit_curves
-from validation.fits.model import CurveModel
+from validation.fits.model import NO_CONTACT, CurveModel, run_of
 from validation.fits.page import document, draw_curves, statements
 from validation.fits.problem import FitProblem, FitSettings, question, unknowns
 from validation.fits.record import MeasuredCurve
@@ -149,7 +149,8 @@ def test_contact_lost_early_or_never_made_is_a_residual():
     assert np.sqrt(np.mean(problem.residuals(problem.unknowns.start) ** 2)) < 2.0
     never = problem.residuals(np.array([0.5]) / problem.unknowns.found[0].scale)
     [model] = problem.models
-    assert never[: model.kept.sum()] == pytest.approx((-curve.force / model.moments.noise)[model.kept])
+    force = np.where(model.moments.compared, curve.force, 0.0)
+    assert never[: curve.time.size] == pytest.approx(-force / model.moments.noise)
 
 
 def test_rows_in_contact_for_one_side_only_are_masked_and_the_moment_of_the_loss_leads():
@@ -165,6 +166,26 @@ def test_rows_in_contact_for_one_side_only_are_masked_and_the_moment_of_the_loss
         assert not point.residuals[problem.force_rows[0]][masked].any()
         assert sign * point.residuals[-1] > 10.0  # the moment of the loss
         assert problem.jacobian(np.log([factor * 5e-4]))[-1, 0] > 0.0
+
+
+def test_a_smooth_force_that_leaves_a_quiet_baseline_has_no_moment():
+    """It changes by eight deviations from row to row, yet jumps nowhere: a moment would contradict the model."""
+    curve, free = hertz_curve(noise=1e-6, rows=80), ("contact_point",)
+    found = fit_curves([curve], elastic_scene(GUESS), settings_of("material.modulus", free=free, starts=1))
+    assert found.goodness.explained
+
+
+def test_a_solver_that_refuses_one_of_two_curves_is_told_at_once(monkeypatch):
+    """The other curve would be fitted, and what the first has to say would be missing."""
+
+    def refused(scene, *asked):
+        blunt = scene.indenter.radius == 2.0
+        return replace(NO_CONTACT, failure="too blunt") if blunt else run_of(scene, *asked)
+
+    monkeypatch.setattr("validation.fits.problem.run_of", refused)
+    curves = [hertz_curve(name="a"), replace(hertz_curve(name="b"), indenter_radius=2.0)]
+    with pytest.raises(SceneError, match="first guess: too blunt"):
+        fit_curves(curves, elastic_scene(GUESS), settings_of("material.modulus"))
 
 
 def test_a_value_that_no_scene_takes_is_a_residual_too():

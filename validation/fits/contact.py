@@ -53,9 +53,8 @@ _NORMAL_MEDIAN = 0.6744897501960817  # median of the magnitude of a standard nor
 @dataclass(frozen=True)
 class Contact:
     """``place``: of the stage where indenter and surface touch without force; ``stiffness``: K; ``level`` and
-    ``tilt``: of the background, about the stage at ``origin``; ``wave``: length, and amplitudes of cosine and
-    sine; ``wall``: length h0 and force D at the wall; ``snap_in``: force of a jump into contact.
-    """
+    ``tilt``: of the background, about the stage at ``origin``; ``wave``: its length; ``wall``: length h0 and
+    force D at the wall; ``snap_in``: force of a jump into contact."""
 
     place: float
     error: float
@@ -65,7 +64,7 @@ class Contact:
     level: float
     tilt: float
     origin: float
-    wave: tuple[float, float, float] | None = None
+    wave: float | None = None
     wall: tuple[float, float] | None = None
     snap_in: float | None = None
 
@@ -153,7 +152,7 @@ class Scan:
             level=level,
             tilt=tilt / span,
             origin=float(self.stage[0]),
-            wave=(self.wave, rest[-2], rest[-1]) if self.wave else None,
+            wave=self.wave,
             wall=(self.wall, rest[0]) if self.wall else None,
         )
 

@@ -23,6 +23,9 @@ OPPOSED = -0.5
 ABSURD, PLAUSIBLE = 1e4, 1e2
 """Factors by which the largest force may miss that of the scene's elastic contact: above the first it is not
 this contact, below the second it may be, and between them a warning says so."""
+OUTWEIGHS = 3.0
+"""Factor by which a record comes closer to that force than with its columns swapped, from which its size
+tells more than its shape: first guesses are about as good."""
 STRAIGHT = 0.02
 """Share of its range by which a column may miss its straight lines: less than a contact bends."""
 SAME_SPRING = 1e-3
@@ -63,7 +66,7 @@ def _check_columns(model: CurveModel) -> None:
     problem = ""
     if off >= ABSURD:
         problem = f"looks like the force, and the force like it: swapped? ({compared})"
-    elif 2 * of_force <= lines:
+    elif off_swapped < OUTWEIGHS * off and 2 * of_force <= lines:
         problem = f"moves in {lines} straight lines, the force in {of_force}: swapped? ({compared})"
     if problem and off_swapped < PLAUSIBLE:
         raise SceneError(curve.driven, problem, "each in its column")
@@ -132,7 +135,7 @@ def _of_record(model: CurveModel) -> Iterator[str]:
     rows = seen.last - seen.first
     if rows < FEW_ROWS:
         yield f"{rows} rows in contact: the sampling is too coarse for more than one or two parameters"
-    steps = np.abs(np.diff(curve.force))[model.kept[1:] & model.kept[:-1]] / reach
+    steps = np.abs(np.diff(curve.force))[seen.compared[1:] & seen.compared[:-1]] / reach
     if steps.max(initial=0.0) > COARSE:
         yield f"the force changes by {100.0 * steps.max():.0f} % of its range between two rows: too coarse"
     expected = _elastic_force(model.scene, float(np.ptp(curve.motion[inside])))

@@ -272,13 +272,13 @@ def features(
         row, drop = loss_of_contact(stage[back], force[back] - _force_before(cycle, contact), noise)
         lost = None if row is None else int(back[row])
     free = _free(cycle, contact, lost)
-    base = background(cycle, free, contact.wave[0] if contact and contact.wave else None)
+    base = background(cycle, free, contact.wave if contact else None)
     parts: dict[str, Any] = {**base.parts}
     found: dict[str, Any] = {"noise": noise, "rough": base.rough, "force": force - base.force}
     if contact is not None:
         found |= _of_contact(cycle, contact, noise, radius, poisson)
         if contact.wave:
-            parts["wave"] = contact.wave[0], base.wave
+            parts["wave"] = contact.wave, base.wave
         if contact.wall:
             length, near = parts["wall"] = contact.wall
             parts["wall/water"] = length * near / _drag_in_water(cycle, radius) if radius else None
@@ -401,7 +401,7 @@ def _of_retraction(
 ) -> dict[str, Any]:
     """Pull-off, and where contact is lost, with the work until then; ``over``: force over its background."""
     back, stage, found = cycle.retraction, cycle.stage, {}
-    lowest = int(np.argmin(np.convolve(over[back], np.full(3, 1.0 / 3.0), mode="same")[1:-1])) + 1
+    lowest = int(np.argmin(_smooth(over[back], 3)[1:-1])) + 1
     if over[back][lowest] < -PULLED * noise:
         found["pull_off"] = float(over[back][lowest])
     if lost is None:

@@ -98,17 +98,19 @@ def fit_curves(
             share = choose_steps(problem)
         search.carry_out()
         result = found()
-        profiles = search.profiles(result)
+        best, named = search.x.copy(), enumerate(varied.names)
+        places = [place for place, name in named if {"all", name} & set(settings.profile)]
+        profiles = tuple(search.profile(place, best, result) for place in places)
         check = search.by_second_solver(result)
     except KeyboardInterrupt:
         if not np.isfinite(search.least):
             raise InterruptedFit(None) from None
         search.tell("interrupted: the errors of the best so far are worked out (once more ends at once)")
         search.ended = "interrupted"
-        best = None
+        kept = None
         with suppress(KeyboardInterrupt):
-            best = found()
-        raise InterruptedFit(best) from None
+            kept = found()
+        raise InterruptedFit(kept) from None
     result = replace(result, profiles=profiles, check=check, error_share=share)
     return replace(result, runs=problem.runs, seconds=time.perf_counter() - began)
 
@@ -167,9 +169,10 @@ class Search:
     def carry_out(self) -> None:
         """Find the parameters, from as many starts as it takes."""
         own, self._stage = self.problem.unknowns.start, "first start"
-        if not self.problem.derivatives(own).any():
-            failures = [f": {one.failure}" for one in self.problem.at(own).predictions if one.failure]
-            problem = f"no parameter changes the force at the first guess{''.join(failures[:1])}"
+        nowhere = [one for one in self.problem.at(own).predictions if not one.touching.any()]
+        if nowhere or not self.problem.derivatives(own).any():
+            reason = "".join(f": {one.failure}" for one in nowhere[:1])
+            problem = f"no parameter changes the force at the first guess{reason}"
             raise SceneError("vary", problem, "a first guess that comes to contact and can be run")
         followed = self._followed(own, MOST_EVALUATIONS)
         self.starts.append(followed.chisqr)
@@ -209,18 +212,9 @@ class Search:
         drawn = np.random.default_rng(settings.seed).uniform(-SPREAD, SPREAD, (further, own.size))
         return np.clip(own + drawn * free, *self.problem.unknowns.bounds)
 
-    def profiles(self, result: FitResult) -> tuple[LikelihoodProfile, ...]:
-        """Profile likelihoods of the parameters that were asked for.
-
-        Where the least sum of squares has grown by ``3.84``, the 95 % point of chi-squared with one degree of
-        freedom, the interval ends (Venzon and Moolgavkar, Appl. Stat. 37, 87, 1988).
-        """
-        names, asked = self.problem.unknowns.names, result.settings.profile
-        places = [place for place, name in enumerate(names) if "all" in asked or name in asked]
-        best = self.x.copy()
-        return tuple(self._profile(place, best, result) for place in places)
-
-    def _profile(self, place: int, best: Array, result: FitResult) -> LikelihoodProfile:
+    def profile(self, place: int, best: Array, result: FitResult) -> LikelihoodProfile:
+        """Profile likelihood of a parameter, whose interval ends where the least sum of squares has grown by
+        the 95 % point of chi-squared (Venzon and Moolgavkar, Appl. Stat. 37, 87, 1988)."""
         problem, one = self.problem, self.problem.unknowns.found[place]
         low, high = (bounds[place] for bounds in problem.unknowns.bounds)
         point, deviation = problem.at(best), result.estimates[place].deviation
@@ -259,7 +253,7 @@ class Search:
         change = by_other.residuals - point.residuals
         differences: list[dict[str, Any]] = []
         for model, rows, run in zip(problem.models, problem.force_rows, by_other.predictions, strict=True):
-            own = change[rows] * model.allowed / model.moments.noise
+            own = change[rows][point.compared[rows]] * model.allowed / model.moments.noise
             relative = rms(own) * model.moments.noise / rms(model.curve.force)
             one = {"curve": model.curve.name, "root_mean_square": rms(own)}
             one |= {"largest": float(np.abs(own).max()), "relative": relative, "failure": run.failure}

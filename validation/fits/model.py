@@ -97,18 +97,14 @@ def run_of(
 class Prediction:
     """A run beside a curve: the ``force`` at its rows without background, shape (N,); residuals of force,
     radius and moments over their deviations, which of them ``hold``, and which are of rows in contact, shape
-    (R,) each; why it ended early."""
+    (R,) each; why it ended early. A row that comes into contact or loses it on the way to another prediction
+    has a derivative on either side only."""
 
     force: Array
     residuals: Array
     hold: NDArray[np.bool_]
     touching: NDArray[np.bool_]
     failure: str = ""
-
-    def hold_with(self, other: Prediction) -> NDArray[np.bool_]:
-        """Residuals that do not jump on the way to another prediction: a row that comes into contact or loses
-        it has a derivative on either side only."""
-        return self.hold & (self.touching == other.touching)
 
 
 @dataclass(frozen=True)
@@ -151,11 +147,6 @@ class CurveModel:
         return float(np.hypot(self.moments.noise, self.within * np.ptp(self.curve.force)))
 
     @cached_property
-    def kept(self) -> NDArray[np.bool_]:
-        """Which rows are compared, shape (N,)."""
-        return self.moments.compared
-
-    @cached_property
     def radius_noise(self) -> float | None:
         """Standard deviation of the contact radius, where it was measured."""
         radius, seen = self.curve.contact_radius, self.moments
@@ -195,13 +186,8 @@ class CurveModel:
         compared = [(run.force, curve.force, self.allowed)]
         if curve.contact_radius is not None and self.radius_noise is not None:
             compared.append((run.contact_radius, curve.contact_radius, self.radius_noise))
-        columns = [
-            np.where(touching, RowCurve(run.time, of_run).values(inside), 0.0) for of_run, *_ in compared
-        ]
-        left = [
-            (column - measured) / deviation
-            for column, (_, measured, deviation) in zip(columns, compared, strict=True)
-        ]
+        columns = [np.where(touching, RowCurve(run.time, one).values(inside), 0.0) for one, *_ in compared]
+        left = [(one - of) / apart for one, (_, of, apart) in zip(columns, compared, strict=True)]
         duration = float(curve.time[min(seen.last, curve.time.size - 1)] - curve.time[seen.first])
         of_jumps = [
             ((first if begins else lost) - jump.time) / np.hypot(jump.deviation, self.within * duration)
@@ -209,12 +195,12 @@ class CurveModel:
         ]
 
         def of_residuals(rows: NDArray[np.bool_], of_jump: bool) -> NDArray[np.bool_]:
-            return np.pad(np.tile(rows[self.kept], len(left)), (0, len(of_jumps)), constant_values=of_jump)
+            return np.pad(np.tile(rows, len(left)), (0, len(of_jumps)), constant_values=of_jump)
 
         recorded, known = seen.contact
-        hold = of_residuals((recorded == touching) | ~known, True)
-        residuals = np.concatenate([*(one[self.kept] for one in left), of_jumps])
-        return Prediction(columns[0], residuals, hold, of_residuals(touching, False), run.failure)
+        hold = of_residuals(seen.compared & ((recorded == touching) | ~known), True)
+        residuals, in_contact = np.concatenate([*left, of_jumps]), of_residuals(touching, False)
+        return Prediction(columns[0], residuals, hold, in_contact, run.failure)
 
     def background(self, free: Sequence[str]) -> dict[str, Array]:
         """Parts of the background, as far as each is more than the parts before it make up, shape (N,)."""

@@ -327,16 +327,15 @@ class FitProblem:
         ends = np.cumsum([0, *sizes, self._bending(self.unknowns.start).size]).tolist()
         self._rows, self.size = [slice(*both) for both in pairwise(ends[:-1])], ends[-1]
         self.force_rows = [
-            slice(rows.start, rows.start + int(model.kept.sum()))
+            slice(rows.start, rows.start + model.curve.time.size)
             for rows, model in zip(self._rows, self.models, strict=True)
         ]
-        self.background = [model.background(self.settings.free) for model in self.models]
-        self.parts = [(curve, name) for curve, own in enumerate(self.background) for name in own]
+        backgrounds = [model.background(self.settings.free) for model in self.models]
+        self.parts = [(curve, name) for curve, own in enumerate(backgrounds) for name in own]
         self.columns = np.zeros((self.size, len(self.parts)))
         for place, (curve, name) in enumerate(self.parts):
-            model = self.models[curve]
-            values = self.background[curve][name][model.kept] / model.allowed
-            self.columns[self.force_rows[curve], place] = values
+            column = backgrounds[curve][name] / self.models[curve].allowed
+            self.columns[self.force_rows[curve], place] = column
 
     def residuals(self, x: Array) -> Array:
         """Residuals at a point of the search, shape (R,)."""
@@ -366,7 +365,7 @@ class FitProblem:
             others = predicted[count * (place + 1) :]
             for rows, now, other in zip(self._rows, predicted, others, strict=False):
                 change = (other.residuals - now.residuals) / step
-                slopes[rows, place] = np.where(now.hold_with(other), change, 0.0)
+                slopes[rows, place] = np.where(now.hold & (now.touching == other.touching), change, 0.0)
             slopes[self._rows[-1].stop :, place] = (self._bending(point) - self._bending(x)) / step
         return slopes
 
@@ -399,14 +398,6 @@ class FitProblem:
         self._kept[result.task.key] = result.value or replace(NO_CONTACT, failure=result.failure)
         self.runs += 1
         self.on_run()
-
-    def fitted_force(self, index: int, point: Point) -> Array:
-        """Force as the instrument would record it, shape (N,)."""
-        force = point.predictions[index].force.copy()
-        for (curve, part), size in zip(self.parts, point.background, strict=True):
-            if curve == index:
-                force += size * self.background[index][part]
-        return force
 
     def _calls(self, x: Array) -> list[tuple[int, dict[str, float]]]:
         return [(curve, self.unknowns.values(x, curve)) for curve in range(len(self.models))]

@@ -232,7 +232,7 @@ def independent(problem: FitProblem, point: Point, rows_of: Array) -> Array:
     """Rows of a Jacobian, or residuals, over the root of the length over which those of a curve correlate."""
     found = rows_of.copy()
     for rows in problem.force_rows:
-        found[rows] /= np.sqrt(correlation_length(point.residuals[rows]))
+        found[rows] /= np.sqrt(correlation_length(point.residuals[rows][point.compared[rows]]))
     return found
 
 
@@ -276,8 +276,9 @@ def _fitted(problem: FitProblem, index: int, x: Array, point: Point) -> FittedCu
     """A curve beside the fitted force."""
     model = problem.models[index]
     curve, seen = model.curve, model.moments
-    force, kept = problem.fitted_force(index, point), model.kept.copy()
-    kept[kept] = point.compared[problem.force_rows[index]]
+    rows = problem.force_rows[index]
+    background = model.allowed * (problem.columns[rows] @ point.background)
+    force, kept = point.predictions[index].force + background, point.compared[rows]
     left = curve.force - force
     return FittedCurve(
         curve,
