@@ -169,7 +169,7 @@ def test_rows_in_contact_for_one_side_only_are_masked_and_the_moment_of_the_loss
 
 
 def test_a_smooth_force_that_leaves_a_quiet_baseline_has_no_moment():
-    """It changes by eight deviations from row to row, yet jumps nowhere: a moment would contradict the model."""
+    """It changes by eight deviations from row to row, yet jumps nowhere: a moment would mislead the model."""
     curve, free = hertz_curve(noise=1e-6, rows=80), ("contact_point",)
     found = fit_curves([curve], elastic_scene(GUESS), settings_of("material.modulus", free=free, starts=1))
     assert found.goodness.explained
