@@ -5,15 +5,7 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
-from contact_scene import Material, SceneError
-from contact_scene.material_file import (
-    LARGEST_MISFIT,
-    MEASURED,
-    measured_data,
-    no_series_meets,
-    read_material,
-    text_and_format,
-)
+from contact_scene import Material, SceneError, material_file
 from contact_scene.prony import TOLERANCE, DynamicData, PronyFit, RelaxationData, fit_prony, young_over
 from contact_scene.scene import write_material
 from contact_scene.value_checks import positive
@@ -43,19 +35,19 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     """Read a Prony series, or fit one to measured moduli; 1 if none meets the data, or they do not determine
     it."""
     file, poisson, modulus = options.file, options.poisson, options.modulus
-    text, file, kind = text_and_format(file, options.format, "--format")
-    if options.tolerance is not None and kind not in MEASURED:
+    text, file, kind = material_file.text_and_format(file, options.format, "--format")
+    if options.tolerance is not None and kind not in material_file.MEASURED:
         raise SceneError("--tolerance", f"given for a Prony series ({kind})", "with measured data only", file)
     folder = None if options.out is None else output_folder(options.out)
     drawn = (folder or output_folder(".", "--plot")) if options.plot else None
     doubts: list[str] = []
-    if kind in MEASURED:
+    if kind in material_file.MEASURED:
         tolerance = TOLERANCE if options.tolerance is None else options.tolerance
-        fit = _fit(measured_data(text, file, kind), file, poisson, modulus, tolerance)
+        fit = _fit(material_file.measured_data(text, file, kind), file, poisson, modulus, tolerance)
         material = fit.material(poisson) if fit.modulus else None
         lines, doubts, figure = _fit_lines(file, fit), _doubts(fit, tolerance), partial(draw_fit, fit)
     else:
-        material = read_material(file, poisson, modulus, kind)
+        material = material_file.read_material(file, poisson, modulus, kind)
         lines = [f"{file}: Prony series ({kind}) of {len(material.branches)} branches"]
         figure = partial(draw_series, material)
     print("\n".join([*lines, *_series_lines(material)]))
@@ -88,9 +80,9 @@ def _fit(
 def _doubts(fit: PronyFit, tolerance: float) -> list[str]:
     """Why the series is not one of the data, a line each: a misfit above what a scene or the user allows, or
     more numbers than were measured."""
-    largest, found = max(LARGEST_MISFIT, tolerance), []
+    largest, found = max(material_file.LARGEST_MISFIT, tolerance), []
     if fit.misfit > largest:
-        found.append(f"{no_series_meets(fit)}; allowed: a misfit of at most {largest:g}")
+        found.append(f"{material_file.no_series_meets(fit)}; allowed: a misfit of at most {largest:g}")
     if not fit.determined:
         few = f"{fit.residuals.size} measured moduli do not determine {fit.unknowns} numbers of the series"
         found.append(f"{few}; allowed: at least as many moduli, or a coarser --tolerance")

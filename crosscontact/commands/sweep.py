@@ -14,17 +14,8 @@ from validation.report.terminal import aligned
 from validation.runs.folder import claim, in_words, locked_folder
 from validation.runs.pool import own_engine
 from validation.runs.progress import Progress, duration
+from validation.sweeps import dataset
 from validation.sweeps.batch_runs import BATCH
-from validation.sweeps.dataset import (
-    AGAIN,
-    APART,
-    FILE,
-    check_writable,
-    endings,
-    read_dataset,
-    summary_rows,
-    write_results,
-)
 from validation.sweeps.figures import draw
 from validation.sweeps.plan import SweepPlan, plan_names, read_plan
 from validation.sweeps.run_plan import SweepForecast, carry_out, forecast, solved_again, store_of
@@ -76,7 +67,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
 
 
 def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: argparse.Namespace) -> int:
-    check_writable(plan)
+    dataset.check_writable(plan)
     claim(folder, "a sweep", {}, fresh=options.fresh)
     with store_of(folder, options.fresh) as store:
         with Progress(f"sweep {name}") as progress, own_engine(jobs, options.dask) as engine:
@@ -96,19 +87,18 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
                 raise
         with Progress(f"sweep {name}") as progress:
             progress.phase("drawing and writing")
-            data = write_results(plan, runs, folder)
+            data = dataset.write_results(plan, runs, folder)
             draw(data, folder)
         unfinished = sum(not one.finished for one in runs)
     print(f"{plan.title or name}: {plan.count} runs of {plan.scene.name} by {plan.solver}")
-    for line in aligned(summary_rows(data)):
+    for line in aligned(dataset.summary_rows(data)):
         print(line)
-    for outcome, reason, count in endings(data)[:ENDINGS]:
+    for outcome, reason, count in dataset.endings(data)[:ENDINGS]:
         print(f"  {count} {outcome}: {reason}")
-    if AGAIN in data.attrs:
-        print(
-            f"  {data.attrs[AGAIN]} runs solved again by the reference: {data.attrs[APART]:.1e} apart at most"
-        )
-    print(f"written to {folder / FILE}")
+    if dataset.AGAIN in data.attrs:
+        again, apart = data.attrs[dataset.AGAIN], data.attrs[dataset.APART]
+        print(f"  {again} runs solved again by the reference: {apart:.1e} apart at most")
+    print(f"written to {folder / dataset.FILE}")
     if unfinished:
         say(f"{unfinished} of {plan.count} runs did not reach their end")
     return 1 if unfinished else 0
@@ -117,9 +107,9 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
 def _plot(folder: str) -> int:
     """Draw the figures of a folder again."""
     with locked_folder(folder, "--plot") as out:
-        data = read_dataset(out)
+        data = dataset.read_dataset(out)
         drawn = draw(data, out)
-    for line in aligned(summary_rows(data)):
+    for line in aligned(dataset.summary_rows(data)):
         print(line)
     print(f"drawn in {folder}: {', '.join(drawn) or 'nothing: no run has a measure of `drawn`'}")
     return 0

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 from support.wrong_values import WRONG, refusal
 
-from contact_scene import SceneError
+from contact_scene import SceneError, Units
 from contact_scene.checked import fields_of
 from validation.sweeps.dataset import dimension_of
 from validation.sweeps.plan import (
     Coordinate,
     SweepPlan,
-    Units,
     plan_from_dict,
     plan_names,
     read_plan,

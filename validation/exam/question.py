@@ -16,18 +16,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from contact_scene import (
-    Cone,
-    FlatPunch,
-    PowerLaw,
-    Scene,
-    SceneError,
-    Sphere,
-    TabulatedProfile,
-    read_scene,
-    scene_from_dict,
-    write_scene,
-)
+import contact_scene as cs
 from contact_scene.errors import shown
 from contact_scene.files import read_text
 from contact_scene.loading import STEPS
@@ -58,7 +47,7 @@ TAGS = {"force": "force-control", "force-ramp": "force-control", "oscillate": "o
 TAGS |= {"flat-punch": "punch"}
 """Tags of load steps and shapes of indenters; any other kind is its own tag."""
 _ALWAYS_STATED = {"title", "material", "indenter", "loading", "adhesion", "work", "zone"}
-_SHAPES = (Sphere, Cone, FlatPunch, PowerLaw, TabulatedProfile)
+_SHAPES = (cs.Sphere, cs.Cone, cs.FlatPunch, cs.PowerLaw, cs.TabulatedProfile)
 POSSIBLE = {
     *("adhesive", "adhesionless", "elastic", "viscoelastic", "spectrum", "separate-bulk", "relaxed-start"),
     *("spring", "trigger"),
@@ -67,7 +56,7 @@ POSSIBLE = {
 """Tags a scene can have, those for further parts of a scene aside."""
 
 
-def tags(scene: Scene) -> tuple[str, ...]:
+def tags(scene: cs.Scene) -> tuple[str, ...]:
     """All tags of a scene, in alphabetical order."""
     material, loading, adhesive = scene.material, scene.loading, scene.is_adhesive
     stated = scene.stated()
@@ -87,7 +76,7 @@ def tags(scene: Scene) -> tuple[str, ...]:
     return tuple(sorted(tag.replace("_", "-") for tag in found))
 
 
-def expanded(scene: Scene) -> dict[str, Any]:
+def expanded(scene: cs.Scene) -> dict[str, Any]:
     """The scene as in ``scene.json``."""
     data, material = scene_table(scene), scene.material
     data["material"] = {"bulk": None} | data["material"]
@@ -99,11 +88,11 @@ def expanded(scene: Scene) -> dict[str, Any]:
     return {"adhesion": None, "body": None, "machine": None} | data
 
 
-def scene_of(data: Any) -> Scene:
+def scene_of(data: Any) -> cs.Scene:
     """The scene of such data; a ``SceneError`` where they are those of no scene."""
     if not isinstance(data, dict):
-        raise SceneError("scene", f"got {shown(data)}", "an object with the keys of a scene file")
-    return scene_from_dict(_without_null({key: value for key, value in data.items() if key != DERIVED}))
+        raise cs.SceneError("scene", f"got {shown(data)}", "an object with the keys of a scene file")
+    return cs.scene_from_dict(_without_null({key: value for key, value in data.items() if key != DERIVED}))
 
 
 def _without_null(value: Any) -> Any:
@@ -154,7 +143,7 @@ def export_scenes(folder: Path, cases: Sequence[Case]) -> None:
     of_scene = {case.name: tags(case.scene) for case in cases}
     for case in cases:
         (folder / case.name).mkdir(parents=True, exist_ok=True)
-        write_scene(case.scene, folder / case.name / "scene.toml")
+        cs.write_scene(case.scene, folder / case.name / "scene.toml")
         data = {"name": case.name, "tags": of_scene[case.name]} | expanded(case.scene)
         write_whole(folder / case.name / "scene.json", to_json(data | {"columns": COLUMNS}))
         write_whole(folder / case.name / "page.md", page(case))
@@ -170,12 +159,12 @@ def listed_cases(folder: Path) -> tuple[Case, ...]:
         listed = dict.fromkeys(entry["name"] for entry in from_json(text)["scenes"])
     except (ValueError, KeyError, TypeError):
         allowed = "a file written by `crosscontact exam export`"
-        raise SceneError("scenes", "is no list of scenes", allowed, file) from None
+        raise cs.SceneError("scenes", "is no list of scenes", allowed, file) from None
     cases = []
     for name in listed:
         if not isinstance(name, str) or not name or Path(name).name != name:
-            raise SceneError("scenes", f"got {shown(name)}", "names of folders", file)
-        case = Case(name, read_scene(folder / name / "scene.toml"))
+            raise cs.SceneError("scenes", f"got {shown(name)}", "names of folders", file)
+        case = Case(name, cs.read_scene(folder / name / "scene.toml"))
         built_in = load(name) if name in names() else case
         same = expanded(built_in.scene) == expanded(case.scene)
         cases.append(replace(built_in, profile_times=()) if same else case)

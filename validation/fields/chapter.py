@@ -19,16 +19,7 @@ from validation.fields.quantities import QUANTITIES
 from validation.fields.rendering import NoRendering
 from validation.fields.section import looks
 from validation.measure.events import end_of_approach
-from validation.report.document import (
-    DataTable,
-    Figure,
-    Figures,
-    Paragraph,
-    Part,
-    Section,
-    number,
-    with_drawing,
-)
+from validation.report import document as doc
 from validation.report.report import Chapter
 from validation.runs.run import Run
 
@@ -61,35 +52,35 @@ def chapter(runs: Mapping[str, Run], progress: Callable[[float], None] = lambda 
     recorded = record_fields(case.scene, asked, None, lambda done: progress(0.2 * done))
     states, trace = list(recorded.states()), recorded.recording.trace
     progress(0.4)
-    images: list[Figure] = []
-    failure: tuple[Paragraph, ...] = ()
+    images: list[doc.Figure] = []
+    failure: tuple[doc.Paragraph, ...] = ()
     try:
         images += pictures(states, trace, case.scene, lambda done: progress(0.4 + 0.6 * done))
     except NoRendering as error:
-        failure = (Paragraph(f"No pictures of fields: {error}", False),)
+        failure = (doc.Paragraph(f"No pictures of fields: {error}", False),)
     rows = tuple(_energies(state, trace) for state in states if state.label)
-    shown = Figures((surfaces(runs, case), *images))
-    lost = Section(LOST, (DataTable(HEAD, rows),))
-    parts: tuple[Part, ...] = (Paragraph(EXPLAINED), *failure, shown, lost)
-    return Chapter("fields", sections=(Section(TITLE, parts, "fields"),))
+    shown = doc.Figures((surfaces(runs, case), *images))
+    lost = doc.Section(LOST, (doc.DataTable(HEAD, rows),))
+    parts: tuple[doc.Part, ...] = (doc.Paragraph(EXPLAINED), *failure, shown, lost)
+    return Chapter("fields", sections=(doc.Section(TITLE, parts, "fields"),))
 
 
-def surfaces(runs: Mapping[str, Run], case: Case) -> Figure:
+def surfaces(runs: Mapping[str, Run], case: Case) -> doc.Figure:
     """Fig. 3 from boundary and finite elements, or that a run or a surface is missing."""
     traces = [run.trace for name in fig3.TWO_SOLVERS if (run := runs.get(name)) and run.trace is not None]
     found = [sorted(trace.profiles, key=lambda one: one.time) for trace in traces]
-    shown = Figure("fields-fig3", SURFACES, wide=True, missing="No Fig. 3: a run is missing.")
+    shown = doc.Figure("fields-fig3", SURFACES, wide=True, missing="No Fig. 3: a run is missing.")
     if len(traces) != 2 or {len(one) for one in found} != {len(case.profile_times)}:
         return shown
     turn = float(traces[0].time[end_of_approach(traces[0])])
     drawing = fig3.figure(case.scene, found[0], found[1], turn)
-    shown = Figure(shown.name, SURFACES, wide=True, files={"fields-fig3.png": png(drawing)})
-    return with_drawing(shown, drawing)
+    shown = doc.Figure(shown.name, SURFACES, wide=True, files={"fields-fig3.png": png(drawing)})
+    return doc.with_drawing(shown, drawing)
 
 
 def pictures(
     states: Sequence[FieldState], trace: Trace, scene: Scene, progress: Callable[[float], None]
-) -> Iterator[Figure]:
+) -> Iterator[doc.Figure]:
     """The key moments, sections at the largest tension, the body of revolution and the animation."""
     key, drawn = [state for state in states if state.label], [QUANTITIES[name] for name in USUAL]
     for one in drawn:
@@ -108,13 +99,13 @@ def pictures(
     yield _image("cycle.gif", f"The whole cycle: {first.plain}", data)
 
 
-def _image(name: str, caption: str, data: bytes) -> Figure:
+def _image(name: str, caption: str, data: bytes) -> doc.Figure:
     file = f"fields-{name}"
-    return Figure(file.partition(".")[0], caption, data, wide=True, files={file: data})
+    return doc.Figure(file.partition(".")[0], caption, data, wide=True, files={file: data})
 
 
 def _energies(state: FieldState, trace: Trace) -> tuple[str, ...]:
     """Label, time, penetration, force, contact radius; energy lost by the fields and by the trace."""
     sums = balance(state, trace)
     values = (state.time, state.penetration, state.force, state.contact_radius)
-    return (state.label, *map(number, (*values, sums.dissipated, sums.branch_dissipation)))
+    return (state.label, *map(doc.number, (*values, sums.dissipated, sums.branch_dissipation)))

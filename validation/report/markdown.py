@@ -4,19 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from validation.report.document import (
-    Bullets,
-    Cell,
-    DataTable,
-    Document,
-    Figures,
-    Paragraph,
-    Part,
-    VerdictCell,
-)
+from validation.report import document as doc
 
 
-def text(document: Document) -> str:
+def text(document: doc.Document) -> str:
     """The whole document; figures as links to their copies, folded parts in full."""
     lines = [f"# {document.title}", ""]
     for part in (*document.lead, *document.parts):
@@ -24,15 +15,15 @@ def text(document: Document) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _part(part: Part, level: int) -> list[str]:
+def _part(part: doc.Part, level: int) -> list[str]:
     """Lines of one part, an empty one last."""
-    if isinstance(part, Paragraph):
+    if isinstance(part, doc.Paragraph):
         return [f"**{_line(part.text)}**" if part.passed is False else _line(part.text), ""]
-    if isinstance(part, Bullets):
+    if isinstance(part, doc.Bullets):
         return [*(f"- {_line(item)}" for item in part.items), ""]
-    if isinstance(part, DataTable):
+    if isinstance(part, doc.DataTable):
         return _table(part)
-    if isinstance(part, Figures):
+    if isinstance(part, doc.Figures):
         shown = [(one.caption, name) for one in part.figures for name in list(one.files)[:1]]
         return [line for caption, name in shown for line in (f"![{caption}](figures/{name})", "")]
     title = f"{'#' * level} {_line(part.title)}"
@@ -43,7 +34,7 @@ def _part(part: Part, level: int) -> list[str]:
     return lines
 
 
-def _table(table: DataTable) -> list[str]:
+def _table(table: doc.DataTable) -> list[str]:
     if not table.head:
         return []
     rule = ("---:" if kind == "number" else "---" for kind in table.columns)
@@ -56,13 +47,13 @@ def _table(table: DataTable) -> list[str]:
     ]
 
 
-def _row(cells: Iterable[Cell]) -> str:
+def _row(cells: Iterable[doc.Cell]) -> str:
     return f"| {' | '.join(map(_cell, cells))} |"
 
 
-def _cell(cell: Cell) -> str:
+def _cell(cell: doc.Cell) -> str:
     shown = _line(str(cell)).replace("|", "\\|")
-    return f"**{shown}**" if isinstance(cell, VerdictCell) and cell.passed is False else shown
+    return f"**{shown}**" if isinstance(cell, doc.VerdictCell) and cell.passed is False else shown
 
 
 def _line(text: str) -> str:

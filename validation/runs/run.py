@@ -19,21 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import (
-    COLUMNS,
-    Counters,
-    Event,
-    Outcome,
-    OutcomeKind,
-    RunMonitor,
-    Scene,
-    SceneError,
-    Trace,
-    read_columns,
-    read_scene,
-    write_scene,
-    write_trace,
-)
+import contact_scene as cs
 from contact_scene.errors import one_line
 from contact_scene.files import read_text
 from contact_scene.run_control import outcome_of_loss
@@ -63,7 +49,7 @@ class Run:
 
     scene: str
     solver: str
-    trace: Trace | None = None
+    trace: cs.Trace | None = None
     failure: str = ""
     refused: bool = False
     details: str = ""
@@ -76,7 +62,7 @@ class Run:
     peak_memory: int | None = None
 
     @property
-    def curves(self) -> Trace | None:
+    def curves(self) -> cs.Trace | None:
         """The trace, if it has a row: a run without a state to start from has an outcome, but no curve."""
         return self.trace if self.trace is not None and len(self.trace) else None
 
@@ -125,7 +111,7 @@ def run(
     name = solver if isinstance(solver, str) else solver.name
     try:
         found = run_or_raise(case, solver, resolution, progress, estimate, **how)
-    except SceneError as error:
+    except cs.SceneError as error:
         found = Run(case.name, name, failure=str(error), refused=True)
     except Exception as error:
         found = Run(
@@ -146,7 +132,7 @@ def run_or_raise(
     progress: solvers.Progress | None = None,
     estimate: bool = False,
     *,
-    monitor: RunMonitor | None = None,
+    monitor: cs.RunMonitor | None = None,
     stop_times: Collection[float] = (),
     max_steps: int | None = None,
     step_tolerance: float | None = None,
@@ -199,11 +185,11 @@ def fall_error(case: Case, result: Run) -> float:
 
 def _errors(
     case: Case,
-    trace: Trace,
+    trace: cs.Trace,
     measures: dict[str, float | None],
     method: solvers.Solver,
     resolution: int | None,
-    monitor: RunMonitor | None,
+    monitor: cs.RunMonitor | None,
 ) -> dict[str, float]:
     """Error estimates of a finished run; none if the second run ends otherwise."""
     loading = case.scene.loading
@@ -225,7 +211,7 @@ def _errors(
 _NO_MEASURES: dict[str, Any] = {
     "solver": str,
     "scene": str,
-    "outcome": OutcomeKind,
+    "outcome": cs.OutcomeKind,
     "reason": str,
     "finished": bool,
     "past_extremum": bool,
@@ -233,25 +219,25 @@ _NO_MEASURES: dict[str, Any] = {
     "wall_seconds": float,
     "cpu_seconds": float,
     "estimate_seconds": float,
-    "counters": Counters,
+    "counters": cs.Counters,
     "error_estimates": dict[str, float | None],
-    "events": tuple[Event, ...],
-    "located": tuple[Event, ...],
+    "events": tuple[cs.Event, ...],
+    "located": tuple[cs.Event, ...],
 }
 """Keys of the ``summary.json`` of a run with a trace that are no measures, and what each holds."""
 _TIMES = ("wall_seconds", "cpu_seconds", "estimate_seconds")
 
 
-def write_run(folder: Path, scene: Scene, result: Run) -> None:
+def write_run(folder: Path, scene: cs.Scene, result: Run) -> None:
     """Write the three files, ``summary.json`` last: where it exists, the set is complete."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "summary.json").unlink(missing_ok=True)
     for left in folder.glob(".run.*"):  # by a program that was killed
         shutil.rmtree(left, ignore_errors=True)
     with tempfile.TemporaryDirectory(dir=folder, prefix=".run.") as stage:
-        write_scene(scene, Path(stage) / "scene.toml")  # with tables of its own, where it has any
+        cs.write_scene(scene, Path(stage) / "scene.toml")  # with tables of its own, where it has any
         if result.trace is not None:
-            write_trace(result.trace, Path(stage) / "trace.csv")
+            cs.write_trace(result.trace, Path(stage) / "trace.csv")
         else:
             (folder / "trace.csv").unlink(missing_ok=True)
         move_whole(Path(stage), folder)
@@ -279,7 +265,7 @@ def summary(result: Run) -> dict[str, Any]:
     }
 
 
-def read_run(source: Path) -> tuple[Scene, Run]:
+def read_run(source: Path) -> tuple[cs.Scene, Run]:
     """Read a folder back, bit for bit; profiles were not written.
 
     Raises ``SceneError``, one line, if a file is missing or damaged, or the run gave no answer.
@@ -287,8 +273,8 @@ def read_run(source: Path) -> tuple[Scene, Run]:
     for name in ("scene.toml", "summary.json"):
         if not os.path.isfile(source / name):
             allowed = "a folder written by `crosscontact solve --out`"
-            raise SceneError("", f"has no {name}", allowed, str(source))
-    scene = read_scene(source / "scene.toml")
+            raise cs.SceneError("", f"has no {name}", allowed, str(source))
+    scene = cs.read_scene(source / "scene.toml")
     file = str(source / "summary.json")
     try:
         stated = from_json(read_text(Path(file)))
@@ -296,15 +282,15 @@ def read_run(source: Path) -> tuple[Scene, Run]:
             raise ValueError("no object of JSON")
         if stated.get("outcome") in ("failed", "refused"):
             problem = f"{stated.get('solver')} gave no answer: {stated.get('reason')}"
-            raise SceneError("outcome", problem, "a run with a trace")
-        return scene, _run(stated, read_columns(source / "trace.csv"))
-    except SceneError as error:
+            raise cs.SceneError("outcome", problem, "a run with a trace")
+        return scene, _run(stated, cs.read_columns(source / "trace.csv"))
+    except cs.SceneError as error:
         raise error.in_file(file) from None
     except OSError as error:
         problem = f"cannot be read: {error.strerror or error}"
-        raise SceneError("trace.csv", problem, "the trace of the run", str(source)) from None
+        raise cs.SceneError("trace.csv", problem, "the trace of the run", str(source)) from None
     except (ValueError, csv.Error) as error:
-        raise SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
+        raise cs.SceneError("", f"damaged: {error}", "summary.json and trace.csv as written", file) from None
 
 
 def _run(stated: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run:
@@ -319,7 +305,7 @@ def _run(stated: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run
     if not all(np.isfinite(column).all() for column in columns.values()):
         raise ValueError("a number is not finite")
     end = float(columns["time"][-1]) if columns["time"].size else 0.0
-    trace = Trace(
+    trace = cs.Trace(
         of["solver"],
         columns["time"],
         columns["penetration"],
@@ -328,9 +314,9 @@ def _run(stated: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run
         columns["stored_energy"],
         columns["external_work"],
         columns["dissipated_energy"],
-        outcome=Outcome(of["outcome"], of["reason"], end, of["past_extremum"]),
+        outcome=cs.Outcome(of["outcome"], of["reason"], end, of["past_extremum"]),
         counters=of["counters"],
-        extra={name: column for name, column in columns.items() if name not in COLUMNS},
+        extra={name: column for name, column in columns.items() if name not in cs.COLUMNS},
         events=of["events"],
         located=of["located"],
         wall_seconds=of["wall_seconds"],

@@ -14,16 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact_scene import (
-    FlatPunch,
-    OutcomeKind,
-    Ramp,
-    Scene,
-    SceneError,
-    Sphere,
-    TabulatedProfile,
-    Trace,
-)
+import contact_scene as cs
 from contact_scene.body import THINNEST
 from contact_scene.scene import zone_too_long
 from validation.reference.elastic_layer import ElasticLayer
@@ -63,43 +54,43 @@ LARGEST_SLOPE = 0.5
 for a sphere at half its radius, where the paraboloid is 7 % lower than the sphere."""
 
 
-def cycle_count(scene: Scene) -> float:
+def cycle_count(scene: cs.Scene) -> float:
     """Cycles of all oscillations and sweeps of a loading."""
     return sum(step.cycles_by(math.inf) for step in scene.loading.steps)
 
 
-def interval_count(scene: Scene) -> int:
+def interval_count(scene: cs.Scene) -> int:
     """Intervals of a loading between its kinks."""
     return sum(len(segment.kinks) + 1 for _, segment in scene.loading.segments(own_time=True))
 
 
-def out_of_range(scene: Scene) -> SceneError | None:
+def out_of_range(scene: cs.Scene) -> cs.SceneError | None:
     """Why no solver can compute a scene, with its key and what is allowed; ``None`` if they can."""
     return next(_reasons(scene), None)
 
 
-def _reasons(scene: Scene) -> Iterator[SceneError]:
+def _reasons(scene: cs.Scene) -> Iterator[cs.SceneError]:
     material = scene.material
     branches = len(material.branches) + len(getattr(material.bulk, "branches", ()))
     if branches > MOST_BRANCHES:
-        yield SceneError("material.branches", f"got {branches} branches", f"at most {MOST_BRANCHES}")
+        yield cs.SceneError("material.branches", f"got {branches} branches", f"at most {MOST_BRANCHES}")
     contrast = material.glassy_modulus / material.modulus
     if contrast > LARGEST_CONTRAST:
         problem = f"the glassy modulus is {contrast:.3g} times the relaxed one"
-        yield SceneError("material.branches", problem, f"at most {LARGEST_CONTRAST:g} times")
+        yield cs.SceneError("material.branches", problem, f"at most {LARGEST_CONTRAST:g} times")
     kinks = [len(segment.kinks) for _, segment in scene.loading.segments(own_time=True)]
     rows = sum(count + 2 if count else 1 for count in kinks)
     if rows > MOST_STEPS:
-        yield SceneError("loading.steps", f"got {rows} steps and rows of tables", f"at most {MOST_STEPS}")
+        yield cs.SceneError("loading.steps", f"got {rows} steps and rows of tables", f"at most {MOST_STEPS}")
     cycles = cycle_count(scene)
     if cycles > MOST_CYCLES:
         problem = f"the oscillations have {cycles:.3g} cycles"
-        yield SceneError("loading.steps", problem, f"at most {MOST_CYCLES:g}")
+        yield cs.SceneError("loading.steps", problem, f"at most {MOST_CYCLES:g}")
     yield from _lost_steps(scene)
     yield from _sizes(scene)
 
 
-def _lost_steps(scene: Scene) -> Iterator[SceneError]:
+def _lost_steps(scene: cs.Scene) -> Iterator[cs.SceneError]:
     """Load steps that are too short to advance the time at which they begin."""
     begin = 0.0
     for index, (_, segment) in enumerate(scene.loading.segments(own_time=True)):
@@ -107,15 +98,15 @@ def _lost_steps(scene: Scene) -> Iterator[SceneError]:
         if 0.0 < duration < SHORTEST_STEP * begin:
             problem = f"lasts {duration:.3g} from t = {begin:.3g} on, less than the time can resolve"
             allowed = f"at least {SHORTEST_STEP:g} of the time before it, or no duration"
-            yield SceneError(f"loading.steps[{index}]", problem, allowed)
+            yield cs.SceneError(f"loading.steps[{index}]", problem, allowed)
         begin += duration
 
 
-def _sizes(scene: Scene) -> Iterator[SceneError]:
+def _sizes(scene: cs.Scene) -> Iterator[cs.SceneError]:
     """Ratios and products of lengths and moduli; of a loading that never touches, none."""
     try:
         largest = largest_contact_radius(scene)
-    except SceneError:
+    except cs.SceneError:
         return
     length = _length(scene)
     if scene.body is not None and start_radius(scene) > scene.body.largest_contact:
@@ -123,52 +114,54 @@ def _sizes(scene: Scene) -> Iterator[SceneError]:
     if largest > LARGEST_GROWTH * length:
         times = f"{largest:.3g}, {largest / length:.3g} times the indenter's {length:.3g}"
         allowed = f"a contact of at most {LARGEST_GROWTH:g} times the indenter"
-        yield SceneError(_growing_by(scene, length), f"the contact radius grows to {times}", allowed)
+        yield cs.SceneError(_growing_by(scene, length), f"the contact radius grows to {times}", allowed)
     if scene.adhesion is not None and scene.is_adhesive:
         zone, least = scene.adhesion.zone, largest / LARGEST_IN_ZONES
         if zone >= min(length, largest):
             yield zone_too_long(zone, min(length, largest))
         if zone < least:
             problem = f"the contact radius grows to {largest / zone:.3g} process zones"
-            yield SceneError("adhesion.zone", problem, f"at most {LARGEST_IN_ZONES:g}: a zone >= {least:.3g}")
+            yield cs.SceneError(
+                "adhesion.zone", problem, f"at most {LARGEST_IN_ZONES:g}: a zone >= {least:.3g}"
+            )
     for modulus in (scene.material.relaxed_plane_modulus, scene.material.glassy_plane_modulus):
         exponents = [math.log10(modulus) + power * math.log10(largest) for power in (2, 3)]
         if min(exponents) < math.log10(SMALLEST_PRODUCT) or max(exponents) > math.log10(LARGEST_PRODUCT):
             problem = f"with a contact radius of {largest:.3g}, {modulus:.3g} leaves the range of energies"
             allowed = f"products from {SMALLEST_PRODUCT:g} to {LARGEST_PRODUCT:g}; choose other units"
-            yield SceneError("material.modulus", problem, allowed)
+            yield cs.SceneError("material.modulus", problem, allowed)
 
 
-def _growing_by(scene: Scene, length: float) -> str:
+def _growing_by(scene: cs.Scene, length: float) -> str:
     """Key of what makes the contact outgrow the indenter: the adhesion, if it does not without."""
     try:
         pressed = largest_contact_radius(replace(scene, adhesion=None))
-    except SceneError:
+    except cs.SceneError:
         return "adhesion.work"
     return "loading" if pressed > LARGEST_GROWTH * length else "adhesion.work"
 
 
-def _length(scene: Scene) -> float:
+def _length(scene: cs.Scene) -> float:
     """The indenter's own length; infinite if it has none or ends there."""
     indenter = scene.indenter
-    if isinstance(indenter, Sphere):
+    if isinstance(indenter, cs.Sphere):
         return indenter.radius
-    return indenter.radii[-1] if isinstance(indenter, TabulatedProfile) else math.inf
+    return indenter.radii[-1] if isinstance(indenter, cs.TabulatedProfile) else math.inf
 
 
 @np.errstate(over="ignore", under="ignore")
-def scene_warnings(scene: Scene) -> tuple[str, ...]:
+def scene_warnings(scene: cs.Scene) -> tuple[str, ...]:
     """What makes the answer to a scene doubtful, known before it is solved; one sentence each."""
     found = tuple(_long_zone(scene, start_radius(scene))) if scene.is_adhesive else ()
     try:
         largest = largest_contact_radius(scene)
         strained = _strained(scene, largest_penetration(scene), largest) if scene.body is not None else ()
         return (*found, *strained, *_outgrown(scene, largest, "would grow"))
-    except SceneError:
+    except cs.SceneError:
         return found
 
 
-def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
+def trace_warnings(scene: cs.Scene, trace: cs.Trace) -> tuple[str, ...]:
     """What makes an answer doubtful, from its rows; one sentence each."""
     if len(trace) == 0:
         return ()
@@ -180,12 +173,12 @@ def trace_warnings(scene: Scene, trace: Trace) -> tuple[str, ...]:
     return (*start, *strained, *_outgrown(scene, largest, when), *ends)
 
 
-def _held_at_the_rim(scene: Scene, trace: Trace) -> Iterator[str]:
+def _held_at_the_rim(scene: cs.Scene, trace: cs.Trace) -> Iterator[str]:
     """A sentence on a flat face whose rim bears more tension than a fresh crack needs in the glassy body."""
     adhesion, radius = scene.adhesion, scene.indenter.edge
     if adhesion is None or not scene.is_adhesive or scene.body is not None:
         return
-    if not isinstance(scene.indenter, FlatPunch):
+    if not isinstance(scene.indenter, cs.FlatPunch):
         return
     work, glassy = adhesion.opening(math.inf), scene.material.glassy_plane_modulus
     elastic = JKR(scene.indenter, glassy, adhesion.work)
@@ -198,20 +191,20 @@ def _held_at_the_rim(scene: Scene, trace: Trace) -> Iterator[str]:
         )
 
 
-def _still_in_contact(scene: Scene, trace: Trace) -> Iterator[str]:
+def _still_in_contact(scene: cs.Scene, trace: cs.Trace) -> Iterator[str]:
     """A sentence on a test to a level, such as an approach, that does not retract until contact is lost."""
     steps = scene.loading.steps
-    if not scene.loading.has_triggers or not isinstance(steps[-1], Ramp) or steps[-1].trigger is not None:
+    if not scene.loading.has_triggers or not isinstance(steps[-1], cs.Ramp) or steps[-1].trigger is not None:
         return
     pulls = trace.contact_radius[-1] > 0.0 and 0.0 > trace.force[-1] == trace.force.min()
-    if pulls and trace.outcome.kind is OutcomeKind.COMPLETED:
+    if pulls and trace.outcome.kind is cs.OutcomeKind.COMPLETED:
         yield (
             f"the retraction ends at {steps[-1].to:.4g} in contact, at the largest tension so far: the "
             "pull-off force is not known; retract farther (`away` of an approach, `to` of a last ramp)"
         )
 
 
-def _long_zone(scene: Scene, start: float) -> Iterator[str]:
+def _long_zone(scene: cs.Scene, start: float) -> Iterator[str]:
     """A sentence on a process zone that is no small part of the contact at the start."""
     if scene.adhesion is None or not scene.is_adhesive or not start > 0.0:
         return
@@ -223,7 +216,7 @@ def _long_zone(scene: Scene, start: float) -> Iterator[str]:
         )
 
 
-def _strained(scene: Scene, depth: float, radius: float) -> Iterator[str]:
+def _strained(scene: cs.Scene, depth: float, radius: float) -> Iterator[str]:
     """Sentences on a layer, given the largest penetration and contact radius."""
     if scene.body is None:
         return
@@ -249,7 +242,7 @@ def _strained(scene: Scene, depth: float, radius: float) -> Iterator[str]:
     low, high = NEARLY_INCOMPRESSIBLE
     if layer.base == "bonded" and low < poisson < high and UNTOLD < ratio < THINNEST:
         stiff, stiffest = (
-            ElasticLayer(layer, nu, FlatPunch(radius)).response(radius).stiffness for nu in (poisson, high)
+            ElasticLayer(layer, nu, cs.FlatPunch(radius)).response(radius).stiffness for nu in (poisson, high)
         )
         yield (
             f"with Poisson's ratio {poisson:g} the layer has {stiff / stiffest:.2g} of the stiffness of an "
@@ -257,12 +250,12 @@ def _strained(scene: Scene, depth: float, radius: float) -> Iterator[str]:
         )
 
 
-def _outgrown(scene: Scene, radius: float, grows: str) -> Iterator[str]:
+def _outgrown(scene: cs.Scene, radius: float, grows: str) -> Iterator[str]:
     """Sentences on a contact radius that is too large for the indenter or for the half-space."""
     if math.isfinite(scene.indenter.edge):
         return
     length = _length(scene)
-    if isinstance(scene.indenter, TabulatedProfile) and radius > length:
+    if isinstance(scene.indenter, cs.TabulatedProfile) and radius > length:
         end = f"the last row of the profile at {length:.3g}"
         yield f"the contact radius {grows} to {radius:.3g}, beyond {end}: it is continued straight from there"
     slope = float(scene.indenter.slope(radius))

@@ -33,18 +33,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from scipy.stats import qmc
 
-from contact_scene import (
-    COLUMNS,
-    Counters,
-    Machine,
-    Outcome,
-    OutcomeKind,
-    Scene,
-    Trace,
-    Units,
-    read_scene,
-    scene_from_dict,
-)
+import contact_scene as cs
 from contact_scene.checked import Checked, Finite, Key, Positive, check_keys, field_at, fields_of, from_table
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text
@@ -69,7 +58,7 @@ DRAWN = ("pull_off_force", "pull_off_penetration", "dissipated_energy")
 """Measures that are drawn unless the plan names others."""
 WAYS = ("values", "linspace", "geomspace", "range")
 """Keys by one of which a coordinate states its values."""
-UNNAMED = Units()
+UNNAMED = cs.Units()
 Row = tuple[Any, ...]
 """Values of the keys of a coordinate; the first one labels it."""
 
@@ -82,18 +71,18 @@ class SceneTable:
     data: dict[str, Any]
     folder: Path
 
-    def with_values(self, settings: Mapping[str, Any]) -> Scene:
+    def with_values(self, settings: Mapping[str, Any]) -> cs.Scene:
         """The scene with other values at some paths, without its title: equal scenes compare equal."""
         data = reduce(lambda table, item: put(table, *item), settings.items(), self.data)
-        return replace(scene_from_dict(data, self.folder), title="")
+        return replace(cs.scene_from_dict(data, self.folder), title="")
 
     def unit(self, path: str) -> str:
         """Unit of what the scene declares at a path; empty where it declares nothing."""
         place = parts(path)
         if place[0] == "machine":  # a table of its own in a file
-            found = field_at([Machine], {}, place[1:])
+            found = field_at([cs.Machine], {}, place[1:])
         else:
-            found = field_at([Scene], self.data, place)
+            found = field_at([cs.Scene], self.data, place)
         if found is None and place[0] == "material":
             found = field_at(MODELS, self.data.get("material"), place[1:])
         return "" if found is None else found.key.unit
@@ -133,11 +122,11 @@ def builtin_or_file(name: Any, folder: Path) -> SceneTable:
     file = scenes.FOLDER / f"{name}.toml" if known else folder / name
     if not known and not os.path.isfile(file):
         raise SceneError("scene", f"{shown(name)} is no built-in scene and no file", "either of them")
-    read_scene(file)
+    cs.read_scene(file)
     return SceneTable(name if known else file.stem, tomllib.loads(file.read_text("utf-8")), file.parent)
 
 
-def of_scene(scene: Scene) -> SceneTable:
+def of_scene(scene: cs.Scene) -> SceneTable:
     """The table of a scene built in Python, its tables of numbers in it."""
     return SceneTable(scene.title or "scene", scene_table(scene), Path())
 
@@ -271,7 +260,7 @@ class SweepPlan(Checked):
     measures: Annotated[tuple[str, ...], Key("those that the data set holds; by default all")] = ()
     traces: Annotated[Literal["hdf5", "parquet"] | None, Key("files of the time series")] = None
     drawn: Annotated[tuple[str, ...], Key("measures of the figures")] = DRAWN
-    units: Annotated[Units, Key("names of the scene's units; by default as it states them")] = UNNAMED
+    units: Annotated[cs.Units, Key("names of the scene's units; by default as it states them")] = UNNAMED
 
     def rules(self) -> None:
         one_of(self.solver, "solver", (*solvers.SOLVERS, BATCH))
@@ -340,7 +329,7 @@ class SweepPlan(Checked):
             for point in sample(self.design, len(self.coordinates), self.points, self.seed).tolist():
                 yield tuple(c.sampled(share) for c, share in zip(self.coordinates, point, strict=True))
 
-    def scene_of(self, rows: tuple[Row, ...]) -> Scene:
+    def scene_of(self, rows: tuple[Row, ...]) -> cs.Scene:
         """The scene of a run; a refusal says at which values."""
         pairs = zip(self.coordinates, rows, strict=True)
         settings = {path: value for c, row in pairs for path, value in zip(c.paths, row, strict=True)}
@@ -363,10 +352,12 @@ class SweepPlan(Checked):
                 batch_runs.check(scene, f" at {self._at(rows)}")
 
 
-def measure_names(scene: Scene) -> list[str]:
+def measure_names(scene: cs.Scene) -> list[str]:
     """Names of all measures of a run: those of one that gave no row."""
-    columns: Any = dict.fromkeys(COLUMNS, np.empty(0))
-    trace = Trace("", **columns, outcome=Outcome(OutcomeKind.COMPLETED, "", 0.0), counters=Counters())
+    columns: Any = dict.fromkeys(cs.COLUMNS, np.empty(0))
+    trace = cs.Trace(
+        "", **columns, outcome=cs.Outcome(cs.OutcomeKind.COMPLETED, "", 0.0), counters=cs.Counters()
+    )
     return list(measure(trace, scene, 0.0))
 
 
