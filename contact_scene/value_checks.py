@@ -136,6 +136,15 @@ def of_class(value: Any, key: str, classes: Any, allowed: str) -> None:
     Kind(allowed, classes)(value, key)
 
 
+def low_and_high(text: str, key: str) -> tuple[float, float]:
+    """The bounds of a number that ``LOW:HIGH`` states."""
+    try:
+        low, high = (finite(float(part), key) for part in text.split(":"))
+    except ValueError:
+        raise SceneError(key, f"got bounds {shown(text)}", "two finite numbers, LOW:HIGH") from None
+    return low, high
+
+
 def one_of(value: Any, key: str, choices: Collection[str]) -> str:
     """A string out of ``choices``."""
     if not isinstance(value, str) or value not in choices:

@@ -26,7 +26,7 @@ from contact_scene import Branch, Machine, Scene, SceneError
 from contact_scene.checked import Checked, NotNegative, Positive
 from contact_scene.errors import shown
 from contact_scene.scene import value_at
-from contact_scene.value_checks import Range, finite, one_of, whole_from
+from contact_scene.value_checks import Range, low_and_high, one_of, whole_from
 from validation.fits.contact import Array
 from validation.fits.model import (
     BACKGROUND,
@@ -254,7 +254,8 @@ def _of_scene(
     """The unknown of ``PATH``, ``PATH=LOW:HIGH`` or ``PATH=LOW:HIGH:linear``, with the paths tied to it."""
     path, _, limits = entry.partition("=")
     start = value_at(scene, path)
-    low, high, linear = _limits(path, limits)
+    linear = limits.endswith(":linear")
+    low, high = low_and_high(limits.removesuffix(":linear"), path) if limits else (None, None)
     least, most = LIMITED.get(path, (-math.inf, math.inf))
     logarithmic = not linear and start > 0.0 and path not in LIMITED and (low is None or low > 0.0)
     reach = RANGE * max(abs(start), 1e-3)
@@ -267,18 +268,6 @@ def _of_scene(
     place, name = curve
     name = path if place is None else f"{path}@{name}"
     return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place, ratios)
-
-
-def _limits(path: str, text: str) -> tuple[float | None, float | None, bool]:
-    """Bounds that an entry states, if any, and whether the search sees the number itself."""
-    if not text:
-        return None, None, False
-    try:
-        low, high = (finite(float(part), path) for part in text.removesuffix(":linear").split(":"))
-    except ValueError:
-        allowed = "two finite numbers, LOW:HIGH or LOW:HIGH:linear"
-        raise SceneError(path, f"got bounds {shown(text)}", allowed) from None
-    return low, high, text.endswith(":linear")
 
 
 def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:

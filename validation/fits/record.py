@@ -33,8 +33,6 @@ NUMBERS = ("stiffness", "indenter_radius", "noise")
 """What holds for a whole curve, if it is stated."""
 KINDS = ("approach", "pause", "retract")
 """What the drive does in a segment."""
-FEWEST_OF_SPEED = 6
-"""Rows of a segment from which it has a speed."""
 AT_REST = 0.02
 """Share of the travel below which a segment is a pause: what creep and noise of a closed-loop stage leave."""
 PLATEAU = 0.005, 0.1
@@ -167,7 +165,7 @@ class MeasuredCurve(Checked):
         """Of the drive, shape (N,): one in each segment, as noise of the height is none; 0 in a pause."""
         speed = np.zeros(self.time.size)
         for one in self.segments:
-            if one.kind != "pause" and one.last - one.first >= FEWEST_OF_SPEED:
+            if one.kind != "pause" and one.last - one.first > 1:
                 speed[one.rows] = np.polyfit(self.time[one.rows], self.position[one.rows], 1)[0]
         return speed
 

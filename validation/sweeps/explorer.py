@@ -19,7 +19,8 @@ import numpy as np
 
 from contact_scene import Scene, SceneError, Units
 from contact_scene.errors import shown
-from contact_scene.value_checks import number
+from contact_scene.scene import value_at
+from contact_scene.value_checks import low_and_high
 from validation.drawing.curves import labels, of_trace
 from validation.drawing.styles import BLUE, GREY, VERMILION
 from validation.measure.scaling import unit_name
@@ -28,7 +29,7 @@ from validation.runs.pool import Engine
 from validation.runs.run import Run
 from validation.solvers import REFERENCE
 from validation.sweeps.batch_runs import BATCH, drawn_by
-from validation.sweeps.plan import SceneTable, SweepPlan, parts, plan_from_dict
+from validation.sweeps.plan import SceneTable, SweepPlan, plan_from_dict
 from validation.sweeps.run_plan import carry_out, store_of
 
 MOST_KEYS = 3
@@ -125,32 +126,20 @@ def sliders_of(table: SceneTable, vary: Sequence[str], count: int | None) -> tup
 
 def _slider(table: SceneTable, entry: str, count: int) -> Slider:
     path, _, bounds = str(entry).partition("=")
-    given: Any = table.data
-    try:
-        for part in parts(path):
-            given = given[int(part)] if isinstance(given, list) else given[part]
-    except (KeyError, IndexError, ValueError, TypeError):
-        raise SceneError("vary", f"the scene states no {shown(path)}", "a path to a number of it") from None
-    if isinstance(given, bool) or not isinstance(given, (int, float)):
-        raise SceneError("vary", f"{path} is {shown(given)}", "a path to a number of the scene")
+    given = value_at(table.with_values({}), path)
     if bounds:
-        try:
-            low, high = (float(one) for one in bounds.split(":"))
-        except ValueError:
-            raise SceneError("vary", f"got bounds {shown(bounds)}", "two numbers, LOW:HIGH") from None
+        low, high = low_and_high(bounds, path)
     elif given > 0.0:
         low, high = given / SPAN, given * SPAN
     else:
         raise SceneError("vary", f"{path} is {given:g}", f"bounds for it, {path}=LOW:HIGH")
-    for one in (low, high):
-        number(one, path, "finite bounds")
     if not low < high:
         raise SceneError("vary", f"got bounds {shown(bounds)}", "LOW < HIGH")
     space = np.geomspace if low > 0.0 else np.linspace
     values = tuple(space(low, high, count).tolist())
     units, dimension = table.with_values({}).units, table.unit(path)
     unit = units.named(dimension) if units is not None else ""
-    return Slider(path, values, float(given), unit, low > 0.0)
+    return Slider(path, values, given, unit, low > 0.0)
 
 
 def explored(
