@@ -1,4 +1,4 @@
-"""Files: text read with one-line errors, atomic writing, pairs of columns as CSV."""
+"""Files: text read with one-line errors, atomic writing, columns as CSV."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import errno
 import glob
 import os
 import uuid
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -107,7 +107,7 @@ def remove_partial(target: Path) -> None:
         partial.unlink(missing_ok=True)
 
 
-def write_pairs(path: Path, names: Sequence[str], first: Iterable[float], second: Iterable[float]) -> None:
-    """Write two columns of numbers with all their digits, under a header."""
-    rows = [",".join(names)] + [f"{a!r},{b!r}" for a, b in zip(first, second, strict=True)]
-    write_whole(path, "\n".join(rows) + "\n")
+def table_text(columns: Mapping[str, Iterable[float]], head: Iterable[str] = ()) -> str:
+    """Columns of numbers with all their digits under their names, and lines above these."""
+    rows = zip(*(map(float, column) for column in columns.values()), strict=True)
+    return "\n".join([*head, ",".join(columns), *(",".join(map(repr, row)) for row in rows)]) + "\n"

@@ -20,7 +20,7 @@ from contact_scene.approach_bound import bounded_approaches
 from contact_scene.body import Layer
 from contact_scene.checked import Checked, Key, Tabulated, check_keys, from_table, to_table, under
 from contact_scene.errors import SceneError, shown
-from contact_scene.files import as_path, as_target, read_text, write_pairs, write_whole
+from contact_scene.files import as_path, as_target, read_text, table_text, write_whole
 from contact_scene.indenter import SHAPES, Indenter
 from contact_scene.loading import Loading
 from contact_scene.machine import Machine
@@ -227,8 +227,8 @@ def write_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
     def beside(place: tuple[str, ...], part: Tabulated) -> str:
         name = f"{target.stem}-{'-'.join(place)}.csv"
-        first, second, *_ = part.stated().values()
-        write_pairs(target.with_name(name), part.column_names(vars(part)), first, second)
+        columns = dict(zip(part.column_names(vars(part)), part.stated().values(), strict=False))
+        write_whole(target.with_name(name), table_text(columns))
         return name
 
     write_whole(target, tomli_w.dumps(scene_table(scene, beside)))

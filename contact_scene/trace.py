@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from contact_scene.checked import Checked
 from contact_scene.errors import SceneError
-from contact_scene.files import write_whole
+from contact_scene.files import table_text, write_whole
 from contact_scene.value_checks import Number, column, true_or_false
 
 Array = NDArray[np.float64]
@@ -210,10 +210,7 @@ def write_trace(trace: Trace, path: str | os.PathLike[str]) -> None:
 
     The file appears whole or not at all, and :func:`read_columns` gives the same bits back.
     """
-    columns = trace.columns()
-    rows = zip(*(np.asarray(column, float).tolist() for column in columns.values()), strict=True)
-    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
-    write_whole(path, "\n".join(lines) + "\n")
+    write_whole(path, table_text(trace.columns()))
 
 
 def read_columns(path: str | os.PathLike[str]) -> dict[str, Array]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown
+from contact_scene.files import table_text
 from validation.cases import Case
 from validation.exam.answer import BY_REASON, Header, read_answer
 from validation.exam.question import expanded, scene_of
@@ -111,10 +112,7 @@ def _text(case: Case, run: Run, trace: Trace, resolution: int | None) -> str:
         else "",
         problem=expanded(case.scene),
     )
-    columns = {name: getattr(trace, name) for name in method.columns}
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    lines = [*header.lines(), ",".join(columns), *(",".join(map(repr, row)) for row in rows)]
-    return "\n".join(lines) + "\n"
+    return table_text({name: getattr(trace, name) for name in method.columns}, header.lines())
 
 
 def reproduce(path: Path) -> tuple[str, int]:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene.errors import SceneError
-from contact_scene.files import read_text, write_whole
+from contact_scene.files import read_text, table_text, write_whole
 from contact_scene.tables import TextTable, bracketed, finite, is_number, read_table, spelt
 from contact_scene.value_checks import Range
 from validation.fits.contact import Array
@@ -175,8 +175,5 @@ def _numbers(cells: list[str], decimal: bool) -> int:
 
 def write_csv(curve: MeasuredCurve, path: Path) -> None:
     """Write a curve with all its digits."""
-    lines = [f"# {key} = {getattr(curve, key)!r}" for key in NUMBERS if getattr(curve, key) is not None]
-    columns = curve.columns()
-    lines.append(",".join(columns))
-    lines += [",".join(map(repr, row)) for row in zip(*(c.tolist() for c in columns.values()), strict=True)]
-    write_whole(path, "\n".join(lines) + "\n")
+    head = [f"# {key} = {getattr(curve, key)!r}" for key in NUMBERS if getattr(curve, key) is not None]
+    write_whole(path, table_text(curve.columns(), head))
