@@ -23,6 +23,11 @@ SKIPPED_WORK: Mapping[str, str] = {
     "history_updates": "no history was carried",
 }
 """Work counter of any solver: what its remaining at zero means."""
+AT_EXTREMA: Mapping[str, float] = dict.fromkeys(
+    ("pull_off_penetration", "pull_off_radius", "pull_off_time", "detachment_radius", "detachment_force"),
+    0.02,
+)
+"""Tolerances of places of a maximum and of states at a limit point: the root of what moves the force."""
 QUICK_DIVISIONS = 8
 """Most divisions per process zone in the quick suite."""
 Progress = Callable[[float], None]

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from bem_solver import Options, solve
 from bem_solver.options import DEFAULT_RESOLUTION
 from contact_scene import Scene, Trace
-from validation.solvers.base import RunOptions, Solver
+from validation.solvers.base import AT_EXTREMA, RunOptions, Solver
 
 
 @dataclass(frozen=True)
@@ -44,13 +44,8 @@ class BoundaryElements(Solver):
     tolerance = 5e-3
     curve_tolerance = 5e-3
     quantity_tolerances: ClassVar[Mapping[str, float]] = {
-        "pull_off_penetration": 0.02,
-        "pull_off_radius": 0.02,
-        "pull_off_time": 0.02,
-        "detachment_radius": 0.02,
-        "detachment_force": 0.02,
-        "branch_dissipation": 0.01,
-        "zone_excess": 0.01,
+        **AT_EXTREMA,
+        **dict.fromkeys(("branch_dissipation", "zone_excess"), 0.01),
     }
     coarse_tolerance = 1e-2
     curve_style: ClassVar[Mapping[str, Any]] = {"color": "#0072b2", "linestyle": "-", "linewidth": 1.4}

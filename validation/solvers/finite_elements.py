@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import meshes
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.run_control import installed_memory
-from validation.solvers.base import SKIPPED_WORK, ComparisonRun, RunOptions, Solver
+from validation.solvers.base import AT_EXTREMA, SKIPPED_WORK, ComparisonRun, RunOptions, Solver
 from validation.solvers.contact_range import largest_contact_radius
 
 DIVISIONS = 10
@@ -73,13 +73,8 @@ class FiniteElements(Solver):
     tolerance = 2e-2
     curve_tolerance = 1e-2
     quantity_tolerances: ClassVar[Mapping[str, float]] = {
-        "pull_off_penetration": 0.02,
-        "pull_off_radius": 0.02,
-        "pull_off_time": 0.02,
-        "detachment_radius": 0.02,
-        "detachment_force": 0.02,
-        "branch_dissipation": 0.08,
-        "zone_excess": 0.08,
+        **AT_EXTREMA,
+        **dict.fromkeys(("branch_dissipation", "zone_excess"), 0.08),
     }
     coarse_tolerance = 2e-2
     least_resolution = 1
