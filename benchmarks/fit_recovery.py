@@ -25,7 +25,7 @@ from scipy import stats
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
 from contact_scene.scene import value_at, with_values
 from validation.drawing import export
-from validation.drawing.axes import format_axes
+from validation.drawing.axes import drawing, format_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
 from validation.fits.contact import Array
 from validation.fits.fit import fit_curves
@@ -179,10 +179,7 @@ def report(found: Sequence[RecoveredMaterial], failures: Sequence[str]) -> str:
 
 def draw(found: Sequence[RecoveredMaterial]) -> Figure:
     """Errors over standard deviations against the normal distribution."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(4.8, 3.4), layout="constrained")
-    axes = figure.add_subplot()
+    figure, axes = drawing((4.8, 3.4))
     scores = np.sort(np.array([one.scores for one in found]), axis=0)
     quantiles = stats.norm.ppf((np.arange(len(found)) + 0.5) / len(found))
     for place, label in enumerate(LABELS):

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from crosscontact.fitting import MeasuredCurve
+from validation.drawing.axes import drawing
 from validation.drawing.export import png
 from validation.fits.curve_page import draw_over_stage, prefixed
 from validation.fits.features import Features
@@ -87,10 +88,8 @@ def _row(name: str, curve: MeasuredCurve, told: Features) -> str:
 
 def _drawn(shown: list[tuple[str, MeasuredCurve, Features]]) -> bytes:
     """Force over its background, over the stage."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(2.9 * PANELS, 5.4), layout="constrained")
-    for axes, (name, curve, told) in zip(figure.subplots(2, PANELS).flat, shown, strict=False):
+    figure, grid = drawing((2.9 * PANELS, 5.4), 2, PANELS)
+    for axes, (name, curve, told) in zip(grid.flat, shown, strict=False):
         draw_over_stage(axes, curve, told)
         low = min(float(told.force.min()), -6.0 * told.rough)
         axes.set_ylim(1.15 * low, max(float(np.percentile(told.force, 99)), -1.2 * low))

@@ -21,7 +21,7 @@ from validation.claims.cycles import REVERSAL
 from validation.claims.evidence import Evidence, MissingRun, cycle, retraction
 from validation.claims.measures import SOFT, STIFF, jkr, sweep_cycles
 from validation.claims.retractions import DEPTHS, MOST, approaching, at_pull_off
-from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.axes import SIZE, drawing, format_axes
 from validation.drawing.curves import of_trace
 from validation.drawing.styles import BLUE, CLOSED_FORM, DASHES, INK, MARKERS, ORANGE, SERIES
 from validation.measure.events import end_of_approach
@@ -55,21 +55,19 @@ class PaperFigure:
 
 def draw_figure(figure: PaperFigure, evidence: Evidence) -> Figure | None:
     """The figure; ``None`` if a run it shows is missing."""
-    from matplotlib.figure import Figure as New
-
-    drawing = New(figsize=(9.0, 5.2) if figure.wide else SIZE, layout="constrained")
+    picture, panel = drawing((9.0, 5.2) if figure.wide else SIZE)
     try:
-        figure.draw(drawing.subplots(), evidence)
+        figure.draw(panel, evidence)
     except MissingRun:
         return None
-    for axes in drawing.axes:
+    for axes in picture.axes:
         format_axes(axes, (-2, 4))
         if axes.get_legend_handles_labels()[0]:
             look: dict[str, Any] = {"fontsize": 7, "handlelength": 2.8, "labelspacing": 0.3}
             legend = axes.legend(frameon=False, labelcolor=INK, **look)
             if axes.child_axes:
                 legend.set_loc("lower right")
-    return drawing
+    return picture
 
 
 def _columns(evidence: Evidence, scene: Scene | str) -> dict[str, Array]:

@@ -15,7 +15,7 @@ from validation.compare import scene_page
 from validation.compare.regression import ReportComparison
 from validation.compare.scene_page import anchor, skipped_work
 from validation.compare.suite import SceneComparison, SuiteComparison
-from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.axes import SIZE, drawing, format_axes
 from validation.drawing.styles import INK, curve_style
 from validation.measure.difference import Check
 from validation.report import document as doc
@@ -238,8 +238,6 @@ def _closest(scene: SceneComparison) -> str:
 
 def _cost(scenes: Sequence[SceneComparison]) -> doc.Figure:
     """Error of the force over the run against processor time, a mark for each run of each solver."""
-    from matplotlib.figure import Figure as Drawing
-
     points: dict[str, list[tuple[float, float]]] = {}
     for scene in scenes:
         found = {check.solver: check.difference for check in scene.checks if check.quantity == CURVE_ERROR}
@@ -255,8 +253,7 @@ def _cost(scenes: Sequence[SceneComparison]) -> doc.Figure:
     )
     if not points:
         return doc.with_drawing(figure, None)
-    drawing = Drawing(figsize=(1.6 * SIZE[0], SIZE[1]), layout="constrained")
-    axes = drawing.add_subplot()
+    picture, axes = drawing((1.6 * SIZE[0], SIZE[1]))
     axes.set(xscale="log", yscale="log", xlabel="processor time (s)", ylabel="error of F(t), RMS")
     for solver, found_points in points.items():
         style = curve_style(solver)
@@ -265,4 +262,4 @@ def _cost(scenes: Sequence[SceneComparison]) -> doc.Figure:
         axes.plot(seconds, errors, linestyle="none", markersize=5, label=solver, **marker)
     format_axes(axes)
     axes.legend(frameon=False, labelcolor=INK, fontsize="small")
-    return doc.with_drawing(figure, drawing)
+    return doc.with_drawing(figure, picture)

@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from validation.drawing.styles import GRID, INK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SIZE = (4.2, 3.1)  # inches of a figure with one pair of axes
 OF_THE_SI = re.compile(r" \((m|N|s)\)$")
 """End of a label with a unit whose numbers carry a prefix: ``20 nm``."""
+
+
+def drawing(
+    size: tuple[float, float] = SIZE, *grid: int, layout: Any = "constrained", **how: Any
+) -> tuple[Figure, Any]:
+    """A figure of so many inches, and its axes, or those of a grid of rows and columns."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout=layout)
+    return figure, figure.subplots(*grid, **how)
 
 
 def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from contact_scene import Material
 from contact_scene.prony import PronyFit, RelaxationData
 from contact_scene.value_checks import SMALLEST
-from validation.drawing.axes import format_axes
+from validation.drawing.axes import drawing, format_axes
 from validation.drawing.styles import BLUE, GREY, INK, ORANGE, VERMILION
 
 if TYPE_CHECKING:
@@ -114,10 +114,8 @@ def _around(values: Array) -> tuple[float, float]:
 
 
 def _panels(*heights: float) -> tuple[Figure, tuple[Axes, ...]]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=SIZE, layout="constrained")
-    return figure, tuple(figure.subplots(len(heights), 1, height_ratios=heights))
+    figure, panels = drawing(SIZE, len(heights), 1, height_ratios=heights)
+    return figure, tuple(panels)
 
 
 def _finished(figure: Figure) -> Figure:

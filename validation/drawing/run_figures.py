@@ -17,7 +17,7 @@ import numpy as np
 
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown as shown_value
-from validation.drawing.axes import SIZE, format_axes, label_axes
+from validation.drawing.axes import drawing, format_axes, label_axes
 from validation.drawing.curves import Labels, RunCurves, labels, of_trace
 from validation.drawing.styles import CLOSED_FORM, DASHES, INK, SERIES, curve_style
 from validation.measure.scaling import drawn_sizes
@@ -65,10 +65,7 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
     The widest line is drawn first and stays visible on both sides of the others. Limits are around what was
     solved; closed forms may run out of the picture.
     """
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=SIZE, layout="constrained")
-    axes = figure.add_subplot()
+    figure, axes = drawing()
     styles = [curve_style(curve.style) if curve.style else CLOSED_FORM for curve in curves]
     for curve, line in sorted(zip(curves, styles, strict=True), key=lambda pair: -pair[1]["linewidth"]):
         columns = curve.columns

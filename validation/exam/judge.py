@@ -11,7 +11,7 @@ import numpy as np
 
 from validation.cases import Case
 from validation.drawing import export
-from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.axes import SIZE, drawing, format_axes
 from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
 from validation.exam.answer import AnswerFolder
 from validation.exam.grading import BALANCE, COARSEST, Grade, GriffithTrack, counted, grade, griffith_track
@@ -231,11 +231,10 @@ def _drawn(scene: SceneJudgement) -> Drawing | None:
     lines = [(one.code, _points(one, quantity)) for one in scene.verdicts]
     if not any(points for _, points in lines):
         return None
-    from matplotlib.figure import Figure as Drawing
     from matplotlib.ticker import NullFormatter
 
-    drawing = Drawing(figsize=(1.4 * SIZE[0], SIZE[1]), layout="constrained")
-    axes = drawing.add_subplot(xscale="log", yscale="log")
+    picture, axes = drawing((1.4 * SIZE[0], SIZE[1]))
+    axes.set(xscale="log", yscale="log")
     for index, (code, points) in enumerate(lines):
         if not points:
             continue
@@ -255,7 +254,7 @@ def _drawn(scene: SceneJudgement) -> Drawing | None:
     axes.set_xlim(10.0 ** np.floor(low), 10.0 ** np.ceil(high))
     place: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.01, 0.5), "frameon": False}
     axes.legend(**place, fontsize="small", labelcolor=INK)
-    return drawing
+    return picture
 
 
 def _points(one: AnswerVerdict, quantity: str) -> list[tuple[float, float, bool]]:

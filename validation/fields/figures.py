@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact_scene import Scene, Trace
+from validation.drawing.axes import drawing
 from validation.drawing.export import png
 from validation.drawing.styles import APPROACH, RETRACTION
 from validation.fields import rendering
@@ -125,13 +126,11 @@ def _times(scale: float) -> str:
 
 def section(state: FieldState, scene: Scene, pair: tuple[Look, Look]) -> Figure:
     """The contact as a whole, and beside it its right-hand edge with colours of its own."""
-    from matplotlib.figure import Figure
     from matplotlib.patches import Rectangle
 
     cuts = [AxialSection(state, scene, look.scale) for look in pair]
     ratios = [look.view(cut).aspect for look, cut in zip(pair, cuts, strict=True)]
-    figure = Figure(figsize=(10.6, 3.9), layout="compressed")
-    left, right = figure.subplots(1, 2, width_ratios=ratios)
+    figure, (left, right) = drawing((10.6, 3.9), 1, 2, layout="compressed", width_ratios=ratios)
     for axes, cut, look in zip((left, right), cuts, pair, strict=True):
         draw(axes, cut, look)
         _bar(figure, [axes], look, named=axes is right)
@@ -147,11 +146,9 @@ def section(state: FieldState, scene: Scene, pair: tuple[Look, Look]) -> Figure:
 
 def panels(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> Figure:
     """A field at several moments, two in a row: same view, same colours, same magnification."""
-    from matplotlib.figure import Figure
-
     look, rows = look_at(states, scene, quantity), (len(states) + 1) // 2
-    figure = Figure(figsize=(10.0, 0.6 + 2.85 * rows), layout="compressed")
-    grid = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
+    shared: dict[str, Any] = {"sharex": True, "sharey": True, "squeeze": False}
+    figure, grid = drawing((10.0, 0.6 + 2.85 * rows), rows, 2, layout="compressed", **shared)
     for axes, state in zip(grid.flat, states, strict=False):
         draw(axes, AxialSection(state, scene, look.scale), look)
         axes.label_outer()
@@ -166,11 +163,8 @@ def panels(states: Sequence[FieldState], scene: Scene, quantity: Quantity) -> Fi
 
 def body(state: FieldState, scene: Scene, look: Look) -> Figure:
     """The body of revolution seen from above, with colour bar and caption."""
-    from matplotlib.figure import Figure
-
     cut = AxialSection(state, scene, look.scale)
-    figure = Figure(figsize=(8.0, 5.0), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = drawing((8.0, 5.0))
     axes.imshow(rendering.picture(lambda plotter: rendering.add_body(plotter, cut, look), BODY_PIXELS))
     axes.set_axis_off()
     axes.set_title(f"{caption(state)}\ndisplacements {_times(cut.scale)}", fontsize=SMALL + 1)
@@ -193,16 +187,13 @@ def interactive(state: FieldState, scene: Scene, quantity: Quantity) -> bool:
 
 def frames(states: Sequence[FieldState], trace: Trace, scene: Scene, quantity: Quantity) -> Iterator[Figure]:
     """The section of each state, and beside it where on the force curve it stands."""
-    from matplotlib.figure import Figure
-
     look, turn = look_at(states, scene, quantity), end_of_approach(trace)
     rows = slice(None, len(trace) - int(trace.contact_radius[-1] == 0.0))
     depth, force = trace.penetration[rows], trace.force[rows]
     for state in states:
-        figure = Figure(figsize=(9.6, 3.7), layout="constrained")
+        figure, (left, right) = drawing((9.6, 3.7), 1, 2, width_ratios=(2.3, 1.0))
         engine: Any = figure.get_layout_engine()
         engine.set(w_pad=0.1)  # inches, between the colour bar and the curve
-        left, right = figure.subplots(1, 2, width_ratios=(2.3, 1.0))
         cut = AxialSection(state, scene, look.scale)
         draw(left, cut, look)
         left.set_title(f"{caption(state)}\ndisplacements {_times(look.scale)}", fontsize=SMALL + 1)

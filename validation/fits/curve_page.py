@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing.axes import format_axes, label_axes
+from validation.drawing.axes import drawing, format_axes, label_axes
 from validation.drawing.styles import GREY, INK, SERIES, VERMILION
 from validation.fits.contact import Array
 from validation.fits.features import Features
@@ -62,10 +62,7 @@ def written(curves: Iterable[tuple[MeasuredCurve, Features]]) -> str:
 
 def draw_curve(curve: MeasuredCurve, told: Features) -> Figure:
     """Force over its background: over the stage, over the indentation, and over time; free rows grey."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 3.4), layout="constrained")
-    over, around, along = figure.subplots(1, 3)
+    figure, (over, around, along) = drawing((11.0, 3.4), 1, 3)
     draw_over_stage(over, curve, told)
     stage = curve.position
     tip = stage if curve.stiffness is None else stage - told.force / curve.stiffness

@@ -17,7 +17,7 @@ import numpy as np
 
 from contact_scene import write_scene
 from validation.drawing import export
-from validation.drawing.axes import format_axes, label_axes
+from validation.drawing.axes import drawing, format_axes, label_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
 from validation.fits.fit import OF_PARAMETER, EachFit, dataset
 from validation.fits.result import CHI_SQUARED, UNLIKELY, VAGUE, Estimate, FitResult, FittedCurve
@@ -318,11 +318,9 @@ def _panels(
     count: int, size: tuple[float, float], least: float, heights: tuple[float, ...] = (1.0,)
 ) -> tuple[list[list[Axes]], Drawing]:
     """Axes for each of some things, as many one below the other as heights, and their figure."""
-    from matplotlib.figure import Figure
-
     columns, rows, high = min(count, MOST_COLUMNS), -(-count // MOST_COLUMNS), len(heights)
-    figure = Figure(figsize=(size[0] * max(columns, least), size[1] * rows), layout="constrained")
-    all_axes = figure.subplots(high * rows, columns, squeeze=False, height_ratios=[*heights] * rows)
+    inches, ratios = (size[0] * max(columns, least), size[1] * rows), [*heights] * rows
+    figure, all_axes = drawing(inches, high * rows, columns, squeeze=False, height_ratios=ratios)
     groups = [list(group) for row in range(rows) for group in all_axes[high * row : high * (row + 1)].T]
     for axes in (axes for group in groups[count:] for axes in group):
         axes.set_axis_off()
@@ -395,13 +393,10 @@ def each_table(found: Sequence[EachFit]) -> DataTable:
 
 def draw_each(found: Sequence[EachFit]) -> Drawing:
     """A panel for each parameter: values with their intervals over the number of the curve."""
-    from matplotlib.figure import Figure
-
     data, places = dataset(found), np.arange(1, len(found) + 1)
     count, explained = max(data.parameter.size, 1), data.explained.values
-    figure = Figure(figsize=(7.2, 1.6 * count + 0.6), layout="constrained")
-    panels = figure.subplots(count, 1, sharex=True, squeeze=False).ravel()
-    for axes, name in zip(panels, data.parameter.values, strict=False):
+    figure, [*panels] = drawing((7.2, 1.6 * count + 0.6), count, 1, sharex=True, squeeze=False)
+    for [axes], name in zip(panels, data.parameter.values, strict=False):
         value, _, low, high = (data[of].sel(parameter=name).values for of in OF_PARAMETER)
         reach = np.nan_to_num(np.abs([low - value, high - value]), posinf=0.0)
         for kept, look in ((explained, EXPLAINED), (~explained, MISSED)):
@@ -409,6 +404,6 @@ def draw_each(found: Sequence[EachFit]) -> Drawing:
         axes.set_ylabel(name, color=INK, fontsize="small")
         format_axes(axes)
         axes.locator_params(axis="x", integer=True)
-    panels[-1].set_xlabel("number of the curve")
-    panels[0].legend(**LEGEND)
+    panels[-1][0].set_xlabel("number of the curve")
+    panels[0][0].legend(**LEGEND)
     return figure

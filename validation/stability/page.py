@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.drawing import export
+from validation.drawing.axes import drawing
 from validation.drawing.styles import INK, VERMILION
 from validation.measure.difference import Check
 from validation.report import document as doc
@@ -306,13 +307,11 @@ def draw(cells: Sequence[Cell], numbers: dict[tuple[str, str], int]) -> Drawing:
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
-    from matplotlib.figure import Figure as Drawing
 
     axes_names = list(dict.fromkeys(cell.axis for cell in cells))
     rows = {name: [cell for cell in cells if cell.axis == name] for name in axes_names}
     widest = max(len(row) for row in rows.values())
-    figure = Drawing(figsize=(2.2 + 0.36 * widest, 0.9 + 0.42 * len(rows)), layout="constrained")
-    axes = figure.add_subplot()
+    figure, axes = drawing((2.2 + 0.36 * widest, 0.9 + 0.42 * len(rows)))
     colours = ScalarMappable(Normalize(LEAST, MOST), colormaps["cividis"])
     for down, name in enumerate(axes_names):
         for across, cell in enumerate(rows[name]):

@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from contact_scene import Material, SceneError
 from validation.cases import Case
 from validation.drawing import export
-from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.axes import SIZE, drawing, format_axes
 from validation.drawing.styles import curve_style
 from validation.measure.curves import CURVES
 from validation.measure.difference import Difference, of_curves, of_numbers
@@ -229,14 +229,12 @@ zone^-p over all zones of a solver; 0 where a shorter zone costs no more than it
 
     def draw(self, runs: Sequence[KnobRun]) -> Figure:
         """Logarithmic axes, one for each quantity; a solver's curve ends at the last zone it was run with."""
-        from matplotlib.figure import Figure
-
         panels = [words for _, words in COSTS.values()]
         panels += [f"error of {doc.plain(name)} (relative)" for name in self.observed]
         numbers = [one.costs | {name: abs(error) for name, error in self.errors(one).items()} for one in runs]
-        figure = Figure(figsize=(3 * SIZE[0], 2 * SIZE[1]), layout="constrained")
+        figure, grid = drawing((3 * SIZE[0], 2 * SIZE[1]), 2, 3)
         names = (*COSTS, *self.observed)
-        for axes, name, label in zip(figure.subplots(2, 3).flat, names, panels, strict=True):
+        for axes, name, label in zip(grid.flat, names, panels, strict=True):
             axes.set(xscale="log", yscale="log", xlabel="process zone over contact radius", ylabel=label)
             for solver in _labels(runs):
                 own = zip(runs, numbers, strict=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.drawing import export
-from validation.drawing.axes import SIZE, format_axes
+from validation.drawing.axes import drawing, format_axes
 from validation.drawing.styles import INK
 from validation.report import document as doc
 from validation.report import markdown, report
@@ -358,11 +358,9 @@ def draw(studies: Sequence[Convergence], error: str, work: str = "") -> Drawing 
 
     ``None`` if nothing in it is known and nothing failed.
     """
-    from matplotlib.figure import Figure as Drawing
     from matplotlib.ticker import NullFormatter
 
-    figure = Drawing(figsize=SIZE, layout="constrained")
-    axes = figure.add_subplot()
+    figure, axes = drawing()
     axes.set(xscale="log", yscale="log")
     axes.set(xlabel=WORK_LABELS[work], ylabel=f"relative error, {doc.plain(error)}")
     drawn: list[tuple[float, float]] = []

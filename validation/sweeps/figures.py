@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing.axes import format_axes
+from validation.drawing.axes import drawing, format_axes
 from validation.drawing.export import png, svg_file
 from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
 from validation.runs.folder import write_whole
@@ -140,12 +140,11 @@ def _map(axes: Axes, part: xarray.DataArray, limits: dict[str, Any]) -> Any:
 
 
 def _panels(count: int, measure: xarray.DataArray) -> tuple[Figure, list[Axes]]:
-    from matplotlib.figure import Figure
-
     columns = min(count, 3)
     rows = math.ceil(count / columns)
-    figure = Figure(figsize=(PANEL[0] * columns + 0.9, PANEL[1] * rows + 0.3), layout="constrained")
-    axes = list(figure.subplots(rows, columns, squeeze=False).flat)
+    size = PANEL[0] * columns + 0.9, PANEL[1] * rows + 0.3
+    figure, grid = drawing(size, rows, columns, squeeze=False)
+    axes = list(grid.flat)
     for empty in axes[count:]:
         empty.remove()
     return figure, axes[:count]
