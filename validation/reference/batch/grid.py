@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.zone import SWEPT, Quadrature, quadrature
+from validation.reference.batch.zone import BEHIND, SWEPT, Quadrature, quadrature
+from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -21,11 +22,24 @@ WIDEST = 1.2
 """Steps of a grid in travels or radii, times the resolution."""
 ROWS = 5
 """Rows of a polynomial over the travel."""
+NEAR = 0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0
+DEEP, DEEPER = 0.25, 1.0 / 32.0
+"""Panels of what is left in contact: ends next to the edge, the least width beyond, and that in the depth."""
+PLACES = gauss(ROWS)[0]
+_INVERSE = np.linalg.inv(PLACES[:, None] ** np.arange(ROWS))
+_UP_TO = np.append(PLACES, 1.0)[:, None]
+RUNNING = [(_UP_TO ** (np.arange(ROWS) + m) / (np.arange(ROWS) + m)) @ _INVERSE for m in (1, 2)]
+"""Integrals from the beginning of a panel to its places and its end, of values there, and of their product
+with the share of the panel."""
 
 
 @dataclass(frozen=True)
 class Travel:
-    """A step of the grid: points, and how they and the first guess follow from the rows before."""
+    """A step of the grid: points, and how they and the first guess follow from the rows before.
+
+    ``behind``: weights of values at depths, from the first that matters, for nodes and points behind the edge
+    and, last, for the edge.
+    """
 
     points: Quadrature
     passed: int
@@ -34,6 +48,46 @@ class Travel:
     new: Array
     guess: Array
     within: Array
+    first_depth: int
+    behind: Array
+
+
+class Depths:
+    """Depths ``s`` (m,) behind an edge that has come to rest, in zones, and polynomials through values there.
+
+    They lie in panels, in the root of the depth: times of cover may be smooth in that only.
+    """
+
+    def __init__(self, deepest: float) -> None:
+        ends = [*NEAR]
+        while ends[-1] < deepest:
+            ends.append(ends[-1] + max(DEEP, DEEPER * ends[-1]))
+        self.ends = np.sqrt(ends)
+        self.width = np.diff(self.ends)[:, None]
+        self.s = ((self.ends[:-1, None] + self.width * PLACES) ** 2).ravel()
+
+    def panel(self, s: Array) -> tuple[Whole, Array]:
+        """Panels in which depths lie, and weights (m, ROWS) of the values there."""
+        root = np.sqrt(s)
+        panel = np.clip(self.ends.searchsorted(root, side="right") - 1, 0, len(self.width) - 1)
+        share = (root - self.ends[panel]) / self.width[panel, 0]
+        return panel, lagrange(np.broadcast_to(PLACES, (len(s), ROWS)), share)
+
+    def weights(self, s: Array) -> tuple[int, Array]:
+        """First place that matters for depths, and weights (m, n) from it on."""
+        panel, values = self.panel(s)
+        first = int(panel.min())
+        table = np.zeros((len(s), int(panel.max()) + 1 - first, ROWS))
+        table[np.arange(len(s)), panel - first] = values
+        return ROWS * first, table.reshape(len(s), -1)
+
+    def running(self, values: Array) -> Array:
+        """Integrals (m, B) of values (m, B) from the edge to the depths, in zones."""
+        panels = values.reshape(len(self.width), ROWS, -1)
+        begin, width = 2.0 * self.width * self.ends[:-1, None], 2.0 * self.width**2
+        parts = begin[:, None] * (RUNNING[0] @ panels) + width[:, None] * (RUNNING[1] @ panels)
+        before = np.concatenate((0.0 * parts[:1, -1], parts[:-1, -1].cumsum(axis=0)))
+        return (before[:, None] + parts[:, :-1]).reshape(values.shape)
 
 
 @dataclass
@@ -44,6 +98,11 @@ class Grid:
     breaks: Whole
     kind: Kind
     steps: dict[int, Travel] = field(default_factory=dict)
+
+    @cached_property
+    def depths(self) -> Depths:
+        """Of what the edge comes by."""
+        return Depths(float(self.g[-1]) + 1.0)
 
     def panels(self, panel: Whole, newest: Whole | int) -> tuple[Whole, Whole]:
         """First row and number of rows of the polynomials in panels, of rows up to ``newest``."""
@@ -67,8 +126,12 @@ class Grid:
         points = quadrature(tuple(corners.tolist()), closing, turned and now < 1.0)
         passed = now - (1.0 - points.v[:, 0] if closing else points.v[:, 0])
         passed = passed[passed > 0.0]
+        behind = 0, np.zeros((0, 0))
+        if turned:
+            behind = self.depths.weights(now + np.append(1.0 - np.append(BEHIND, points.v), 0.0))
         if k == 0:
-            return Travel(points, 0, 0, np.zeros((0, 0)), np.zeros((0, 1)), np.zeros(0), np.zeros((0, 0)))
+            none = np.zeros((0, 0))
+            return Travel(points, 0, 0, none, np.zeros((0, 1)), np.zeros(0), none, *behind)
         s = np.sqrt if self.kind == "smooth" else np.asarray  # a turn may be smooth in time
         panel = np.minimum(self.g.searchsorted(passed) - 1, k - 1)
         first, count = self.panels(panel, k)
@@ -84,7 +147,7 @@ class Grid:
         rows = np.arange(int(self.panels(np.array([k - 1]), k)[0][0]), k + 1)
         at = self.g[k - 1] + (now - self.g[k - 1]) * SWEPT
         within = lagrange(self.g[rows] + 0.0 * at[:, None], at)
-        return Travel(points, len(passed), begin, old, new, guess, within)
+        return Travel(points, len(passed), begin, old, new, guess, within, *behind)
 
 
 def lagrange(nodes: Array, at: Array) -> Array:

@@ -30,8 +30,8 @@ from validation.reference.batch.march import (
     start_radius,
 )
 from validation.reference.batch.scenes import Bodies, LoadRamp, refusal
-from validation.reference.batch.turn import Held, turned
-from validation.reference.batch.zone import POINTS, SHARES, SHORTEST, SWEPT, WEIGHTS
+from validation.reference.batch.turn import Held, Left, turned
+from validation.reference.batch.zone import SHARES, SHORTEST, SWEPT
 from validation.reference.path.rheology import Rheology, rheology
 
 Array = NDArray[np.float64]
@@ -75,47 +75,32 @@ def approach(bodies: Bodies, start: Array, steps: Grid) -> tuple[March, LoadRamp
     return rows, leg
 
 
-def retract(
-    leg: LoadRamp, start: Array, duration: Array, steps: Grid, held: Held | None, now: Array
-) -> March:
-    """Follow the edge until contact is lost, or the ramp ends; ``held``: in contact, ``now``."""
+def retract(leg: LoadRamp, start: Array, duration: Array, steps: Grid, left: Left | None) -> March:
+    """Follow the edge until contact is lost, or the ramp ends; ``left``: in contact as it begins."""
     bodies = leg.bodies
     rows, none = March.empty(steps, leg, start, duration), np.zeros_like(bodies.moduli)
-    rest, total, own = 0.0 * start, none, none
-    if held is not None:
-        own, total = held.branches(start[None], now)[:, 0], held.integral(now)
+    rest, total, behind, own = 0.0 * start, none, None, none
+    if left is not None:
+        behind, own, total = left.at(steps.step(0))
     opens = bodies.closing < bodies.work
     if opens.any():
-        travel, behind = steps.step(0), None
-        if held is not None:
-            behind = held.branches(travel.points.behind(bodies, start), now)
-        guess, slope = begun(Opening(leg, travel, start, behind, own), rest, rows.quick, -1.0)
+        first = Opening(leg, steps.step(0), start, behind, own)
+        guess, slope = begun(first, rest, rows.quick, -1.0)
         noise = ROUNDING * start / bodies.zone
-        t, _, found = secants(Opening(leg, travel, start, behind, own), guess, slope, rows.lost, noise, opens)
+        t, _, found = secants(first, guess, slope, rows.lost, noise, opens)
         rest = np.where(opens & found, t, 0.0)
         rows.resting = leg.at_rest(rest * RESTING[:, None], start, total)
         rows.ending[(opens & ~found) | (rest >= duration)] = FAILED
-    rows.add(
-        0,
-        rest,
-        start,
-        total * np.exp(-rest / bodies.times),
-        Opening(leg, steps.step(0), start, None, own).left_behind(rest),
-    )
+    here = Opening(leg, steps.step(0), start, None, own).left_behind(rest)
+    rows.add(0, rest, start, total * np.exp(-rest / bodies.times), here)
     for k in range(1, len(steps.g)):
         a = start - steps.g[k] * bodies.zone
         rows.ending[rows.going & (a < SHORTEST * bodies.zone)] = SHORT
         if not rows.going.any():
             break
-        a, past = np.where(rows.going, a, start), rows.radius[k - 1]
-        travel, before, behind = steps.step(k), rows.time[k - 1], None
-        if held is not None:
-            passed = a + np.where(rows.going, past - a, 0.0) * POINTS[:, None]
-            places = travel.points.behind(bodies, a), a[None], passed
-            values = held.branches(np.concatenate(places), now)
-            m = len(places[0])
-            behind, own, lost = values[:, :m], values[:, m], values[:, m + 1 :] * WEIGHTS[:, None]
-            total = total - lost.sum(axis=1) * np.where(rows.going, past - a, 0.0)
+        a, travel, before = np.where(rows.going, a, start), steps.step(k), rows.time[k - 1]
+        if left is not None:
+            behind, own, total = left.at(travel)
         step = Opening(leg, travel, a, behind, own)
         t, going = rows.root(k, step, rest)
         rows.add(k, t, a, total * np.exp(-t / bodies.times), step.left_behind(t))
@@ -192,19 +177,12 @@ class Retraction:
         edge = before.radius[0] + place * bodies.zone
         return np.array([bodies.turn, self.held.second.depth, before.at(before.force, place), edge])
 
-    @cached_property
-    def crept(self) -> Array:
-        """Rows (4, m, B) until the edge rests."""
-        if self.held is None or self.approach is None:
-            return np.zeros((4, 0, len(self.radius)))
-        return self.held.crept(self.approach.last)
-
-    def approached(self, i: int) -> list[Array]:
-        """Legs (4, m) of a scene: until the load turns, and until the edge rests."""
+    def approached(self, i: int) -> Array:
+        """Rows (4, m) of a scene until the load turns."""
         rows = np.zeros((4, 0))
         if self.approach is not None:
             rows = self.approach.columns[:, : self.approach.last[i], i]
-        return [np.column_stack((rows, self.corner[:, i])), self.crept[:, :, i]]
+        return np.column_stack((rows, self.corner[:, i]))
 
     @classmethod
     def of(cls, bodies: Bodies, start: Array, resolution: int, cycle: bool) -> Retraction:
@@ -219,16 +197,19 @@ class Retraction:
         radius = held.radius[held.last, np.arange(len(start))]
         return cls(leg, bodies.duration - (when - bodies.turn), radius, when, held, before)
 
-    def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, LoadRamp, Array]:
-        """The rows of some of the scenes."""
+    def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, LoadRamp, Array, Array]:
+        """The rows of some of the scenes; and until the edge rests."""
         bodies = self.leg.bodies.of_some(chosen)
         leg = self.leg.of_some(chosen, bodies)
-        held = None if self.held is None else self.held.of_some(chosen, bodies)
+        left, crept = None, np.zeros((4, 0, len(chosen)))
+        if self.held is not None and self.approach is not None:
+            left = Left(self.held.of_some(chosen, bodies), steps.depths)
+            crept = left.crept(self.approach.last[chosen])
         duration = self.duration[chosen]
-        found = retract(leg, self.radius[chosen], duration, steps, held, self.when[chosen])
+        found = retract(leg, self.radius[chosen], duration, steps, left)
         if self.approach is not None:
             found.ending[self.approach.ending[chosen] != ENDED] = FAILED
-        return found, leg, duration
+        return found, leg, duration, crept
 
 
 def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
@@ -245,8 +226,8 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
         for chosen in np.array_split(np.array(numbers), math.ceil(len(numbers) / CHUNK)):
             steps = [grid(n, size, kind) for n in (resolution, resolution // 2)]
             runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
-            before = [fine.approached(i) for i in chosen]
-            found = answers(runs, fine.when[chosen], coarse.when[chosen], before)
+            before = [[fine.approached(i), runs[0][3][:, :, j]] for j, i in enumerate(chosen)]
+            found = answers([run[:3] for run in runs], fine.when[chosen], coarse.when[chosen], before)
             for i, answer in zip(chosen.tolist(), found, strict=True):
                 solutions[i] = answer
     return solutions

@@ -13,9 +13,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.batch.grid import ROWS, Depths, Travel
 from validation.reference.batch.march import ENDED, FAILED, ROUNDING, March, secants
 from validation.reference.batch.scenes import Bodies, LoadRamp
-from validation.reference.batch.zone import SHARES, SWEPT, quadrature
+from validation.reference.batch.zone import quadrature
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -104,41 +105,76 @@ class Held:
             t = np.clip(better, early, late)
         return t
 
-    def integral(self, now: Array) -> Array:
-        """``int_0^a`` (n, B) of what is left at a time."""
-        bodies, start, rows = self.bodies, self.start, self.radius
-        width = np.where(np.arange(1, len(rows))[:, None] <= self.last, np.diff(rows, axis=0), 0.0)
-        x = (rows[:-1, None] + width[:, None] * SWEPT[:, None]).reshape(-1, len(start))
-        values = self.branches(x, now).reshape(len(bodies.moduli), len(width), -1, len(start))
-        inside = bodies.glassy * bodies.moduli * (bodies.depth * start - bodies.volume(start))
-        inside = inside * np.exp(-now / bodies.times)
-        return np.asarray(inside + (values * SHARES[:, None] * width[:, None]).sum(axis=(1, 2)))
-
-    def crept(self, turned: Whole) -> Array:
-        """Some rows (4, m, B) after that of the turn of the load, to the last."""
-        found = np.zeros((4, len(CREPT), len(turned)))
-        some = np.flatnonzero(self.last > turned)
-        if not len(some):
-            return found
-        held, scenes = self.of_some(some, self.bodies.of_some(some)), np.arange(len(some))
-        for m, share in enumerate(CREPT):
-            row = turned[some] + np.rint(share * (held.last - turned[some])).astype(np.intp)
-            radius, now = held.radius[row, scenes], held.time[row, scenes]
-            D, b = held.second.at(now - held.bodies.turn)
-            force = held.bodies.force(D, b, radius, replace(held, last=row).integral(now))
-            found[:, m, some] = now, D, force, radius
-        return found
-
-    def branches(self, x: Array, now: Array) -> Array:
-        """What is left (n, m, B) at a time beside ``E_k M_k``."""
+    def strain(self, x: Array) -> tuple[Array, Array]:
+        """When radii (m, B) were covered, and branch forces (n, m, B) beside ``E_k M_k`` just after."""
         bodies, t = self.bodies, self.passed(x)
         turn = bodies.turn
         one, two = self.first.at(np.minimum(t, turn)), self.second.at(np.maximum(t - turn, 0.0))
-        moduli = bodies.moduli[:, None]
         D, b = np.where(t > turn, two[0], one[0]), np.where(t > turn, two[1], one[1])
         covered = np.where(x > self.start, 1.0, bodies.glassy)
-        strain = covered * (D - bodies.shape(x)) * moduli - covered * b
-        return np.asarray(strain * np.exp((t - now) / bodies.times[:, None]))
+        return t, covered * ((D - bodies.shape(x)) * bodies.moduli[:, None] - b)
+
+    def branches(self, x: Array, now: Array) -> Array:
+        """What is left (n, m, B) at a time beside ``E_k M_k``."""
+        t, strain = self.strain(x)
+        return np.asarray(strain * np.exp((t - now) / self.bodies.times[:, None]))
+
+
+class Left:
+    """What is left in contact, at depths behind the edge at rest that all scenes share.
+
+    ``table`` (m, 1 + n, B): when they were covered, and branch forces beside ``E_k M_k`` just after;
+    ``start`` (B,): depth of the edge where it began to close.
+    """
+
+    def __init__(self, held: Held, depths: Depths) -> None:
+        self.held, self.depths, bodies = held, depths, held.bodies
+        scenes = np.arange(len(held.last))
+        self.edge, self.when = held.radius[held.last, scenes], held.time[held.last, scenes]
+        t, strain = held.strain(np.maximum(self.edge - depths.s[:, None] * bodies.zone, 0.0))
+        self.table = np.concatenate((t[:, None], strain.swapaxes(0, 1)), axis=1)
+        self.start = (self.edge - held.start) / bodies.zone
+        self.within = self.total(self.when)
+
+    def total(self, now: Array) -> Array:
+        """``int_0^x`` (m, n, B) up to the depths of what is left at a time."""
+        bodies, start = self.held.bodies, self.held.start
+        since = np.minimum(self.table[:, :1] - now, 0.0)
+        left = self.table[:, 1:] * np.exp(since / bodies.times)
+        running = self.depths.running(left.reshape(len(left), -1)).reshape(left.shape)
+        panel, weights = self.depths.panel(self.start)
+        rows = ROWS * panel[:, None] + np.arange(ROWS)
+        before = np.einsum("br,brn->nb", weights, running[rows, :, np.arange(len(start))[:, None]])
+        inside = bodies.glassy * bodies.moduli * (bodies.depth * start - bodies.volume(start))
+        return inside * np.exp(-now / bodies.times) + (before - running) * bodies.zone
+
+    def at(self, travel: Travel) -> tuple[Array, Array, Array]:
+        """Branch forces behind an edge (m, n, B) and at it (n, B), and their integrals (n, B)."""
+        bodies = self.held.bodies
+        near = slice(travel.first_depth, travel.first_depth + travel.behind.shape[1])
+        table, within = self.table[near], self.within[near]
+        values = (travel.behind @ table.reshape(len(table), -1)).reshape(-1, *table.shape[1:])
+        left = values[:, 1:] * np.exp((values[:, :1] - self.when) / bodies.times)
+        total = travel.behind[-1] @ within.reshape(len(within), -1)
+        return left[:-1], left[-1], total.reshape(within.shape[1:])
+
+    def crept(self, turned: Whole) -> Array:
+        """Some rows (4, m, B) after that of the turn of the load, to the last."""
+        held, scenes = self.held, np.arange(len(turned))
+        found = np.zeros((4, len(CREPT), len(turned)))
+        if not (held.last > turned).any():
+            return found
+        for m, share in enumerate(CREPT):
+            row = turned + np.rint(share * (held.last - turned)).astype(np.intp)
+            radius, now = held.radius[row, scenes], held.time[row, scenes]
+            D, b = held.second.at(now - held.bodies.turn)
+            depth = (self.edge - radius) / held.bodies.zone
+            panel, weights = self.depths.panel(depth)
+            rows = ROWS * panel[:, None] + np.arange(ROWS)
+            total = self.total(now)
+            total = np.einsum("br,brn->nb", weights, total[rows, :, scenes[:, None]])
+            found[:, m] = now, D, held.bodies.force(D, b, radius, total), radius
+        return found
 
 
 def turned(bodies: Bodies, first: LoadRamp, closing: March, resolution: int) -> tuple[Held, Array]:

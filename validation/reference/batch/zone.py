@@ -26,6 +26,8 @@ SHARES = (np.diff(_BREAKS)[:, None] * WEIGHTS).ravel()
 """Points and weights of what a step sweeps, on [0, 1]: a layer relaxes behind an edge that closes."""
 SERIES, PLACES, NODES = 12, 10, 6
 """Terms of the kernel in zone over radius, in the places in the zone, and of a stress behind the edge."""
+BEHIND = 0.5 * (1.0 + chebyshev_series(NODES)[0])
+"""Shares of the zone at which the kernel asks for that."""
 
 
 @lru_cache
@@ -77,7 +79,7 @@ class Quadrature:
         zone = bodies.zone
         behind, ahead = radius - zone * (1.0 - self.v), radius + zone * self.v
         here, there = (behind, ahead) if self.closing else (ahead, behind)
-        share = 0.5 * (1.0 + chebyshev_series(NODES)[0])[:, None] - (0.0 if self.closing else 1.0)
+        share = BEHIND[:, None] - (0.0 if self.closing else 1.0)
         series = self.series(bodies, radius)
         values = np.empty((NODES, SERIES, 2, len(radius)))
         values[:, :, 0] = series
@@ -94,19 +96,14 @@ class Quadrature:
         """Polynomials (SERIES, B) of zone over radius."""
         return chebyshev(2.0 * SHORTEST * bodies.zone / radius - 1.0, SERIES)
 
-    def behind(self, bodies: Bodies, radius: Array) -> Array:
-        """Radii where stresses are asked for: nodes and points."""
-        share = 0.5 * (1.0 + chebyshev_series(NODES)[0])[:, None]
-        return radius - bodies.zone * (1.0 - np.concatenate((share, self.v)))
-
     def stressed(self, bodies: Bodies, radius: Array, held: Array) -> Array:
-        """The forms (n, m, B) of stresses there. Nodes see what the kernel has of order zone over radius."""
-        zone, nodes = bodies.zone, held[:, :NODES].transpose(1, 0, 2)
+        """The forms (n, m, B) of stresses (m, n, B) at ``BEHIND`` and the points."""
+        zone, nodes = bodies.zone, held[:NODES]
         values = nodes[:, None] * self.series(bodies, radius)[:, None]
         inner = self.inner @ values.reshape(NODES * SERIES, -1)
         inner = inner.reshape(len(self.v), *nodes.shape[1:]).transpose(1, 0, 2) * (zone / (radius * radius))
         main = 0.5 * math.pi / np.sqrt((radius - zone * (1.0 - self.v)) * (radius + zone * self.v))
-        return np.asarray(self.weight * (main * held[:, NODES:] + inner))
+        return np.asarray(self.weight * (main * held[NODES:].transpose(1, 0, 2) + inner))
 
 
 @lru_cache(maxsize=4096)
