@@ -15,8 +15,8 @@ from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
-Kind = Literal["opening", "closing", "sharp", "smooth"]
-"""An edge that opens from rest on what is relaxed, one that closes, and two that open after a turn."""
+Kind = Literal["opening", "closing", "turned"]
+"""An edge that opens from rest on what is relaxed, one that closes, and one that opens where it closed."""
 
 WIDEST = 1.2
 """Steps of a grid in travels or radii, times the resolution."""
@@ -122,7 +122,7 @@ class Grid:
         now = self.g[k]
         corners = now - self.g[self.breaks]
         corners = corners[(corners > 0.0) & (corners < 1.0)]
-        closing, turned = self.kind == "closing", self.kind in ("sharp", "smooth")
+        closing, turned = self.kind == "closing", self.kind == "turned"
         points = quadrature(tuple(corners.tolist()), closing, turned and now < 1.0)
         passed = now - (1.0 - points.v[:, 0] if closing else points.v[:, 0])
         passed = passed[passed > 0.0]
@@ -132,7 +132,7 @@ class Grid:
         if k == 0:
             none = np.zeros((0, 0))
             return Travel(points, 0, 0, none, np.zeros((0, 1)), np.zeros(0), none, *behind)
-        s = np.sqrt if self.kind == "smooth" else np.asarray  # a turn may be smooth in time
+        s = np.asarray if self.kind == "closing" else np.sqrt  # an edge may set off with no speed
         panel = np.minimum(self.g.searchsorted(passed) - 1, k - 1)
         first, count = self.panels(panel, k)
         begin = int(first.min())
@@ -162,12 +162,12 @@ def lagrange(nodes: Array, at: Array) -> Array:
 
 @lru_cache(maxsize=128)
 def grid(resolution: int, size: int, kind: Kind) -> Grid:
-    """For radii from ``2^(size/2)`` zones to 1.4 times that.
+    """For radii from ``2^size`` zones to twice that.
 
     A corner is followed by a quarter of a ``resolution``-th of a zone, and steps that grow by a ratio to such
     a part of the travel, or of what is left of the radius.
     """
-    least, ratio, radius = 0.25 / resolution, 1.0 + 1.6 / resolution, 2.0 ** (0.5 * size)
+    least, ratio, radius = 0.25 / resolution, 1.0 + 1.6 / resolution, 2.0**size
     g, breaks = [np.zeros(1)], [0]
     for begin in (0.0, 1.0):
         steps = np.minimum(least * ratio ** np.arange(8 * resolution), 0.25)
@@ -176,8 +176,10 @@ def grid(resolution: int, size: int, kind: Kind) -> Grid:
         g.append(begin + ends[:last] / ends[last - 1])
         breaks.append(breaks[-1] + last)
     travel, step, rest = 2.0, 2.0 * least, []
-    while travel < math.sqrt(2.0) * radius:
+    while travel < 2.0 * radius:
         travel += step
         rest.append(travel)
-        step = min(step * ratio, WIDEST / resolution * min(travel, max(radius - travel, 0.25 * radius)))
+        step = min(
+            step * ratio, WIDEST / resolution * min(travel, max(radius - travel, 0.25 * max(radius, travel)))
+        )
     return Grid(np.concatenate((*g, rest)), np.array(breaks), kind)

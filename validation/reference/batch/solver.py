@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from contact_scene import Material, Scene
 from contact_scene.run_control import single_threaded
 from validation.reference.batch.answers import Solution, answers
-from validation.reference.batch.grid import Grid, Kind, grid
+from validation.reference.batch.grid import Grid, grid
 from validation.reference.batch.march import (
     DETACHED,
     ENDED,
@@ -39,9 +39,9 @@ Whole = NDArray[np.intp]
 
 RESOLUTION = 16
 """Default of :func:`solve`."""
-CHUNK = 256
+CHUNK = 1024
 """Scenes of one loop: their arrays stay in the cache."""
-LARGEST, ANY = 1024, 60
+LARGEST, ANY = 1024, 30
 """Scenes taken together, and a size of the grid that has no bound: of edges that close."""
 RESTING = np.linspace(0.0, 1.0, 17)[1:] ** 2
 """Shares of the time before an edge opens at which there are rows: branches relax at once, or slowly."""
@@ -217,14 +217,13 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     start = start_radius(bodies)
     fine, coarse = (Retraction.of(bodies, start, n, cycle) for n in (resolution, resolution // 2))
     solutions = [Solution(REASONS[FAILED])] * len(start)
-    sizes = np.floor(2.0 * np.log2(fine.radius / bodies.zone))
-    alike: dict[tuple[int, Kind], list[int]] = defaultdict(list)
-    for i in np.flatnonzero(np.isfinite(sizes)).tolist():
-        later = fine.when[i] > bodies.turn[i] and coarse.when[i] > bodies.turn[i]
-        alike[int(sizes[i]), ("smooth" if later else "sharp") if cycle else "opening"].append(i)
-    for (size, kind), numbers in alike.items():
-        for chosen in np.array_split(np.array(numbers), math.ceil(len(numbers) / CHUNK)):
-            steps = [grid(n, size, kind) for n in (resolution, resolution // 2)]
+    sizes = np.floor(np.log2(fine.radius / bodies.zone))
+    for size in np.unique(sizes[np.isfinite(sizes)]).tolist():
+        numbers = np.flatnonzero(sizes == size)
+        for chosen in np.array_split(numbers, math.ceil(len(numbers) / CHUNK)):
+            steps = [
+                grid(n, int(size), "turned" if cycle else "opening") for n in (resolution, resolution // 2)
+            ]
             runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
             before = [[fine.approached(i), runs[0][3][:, :, j]] for j, i in enumerate(chosen)]
             found = answers([run[:3] for run in runs], fine.when[chosen], coarse.when[chosen], before)
