@@ -242,7 +242,8 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
     local = held.last_rows(WINDOW)
     edge, rounding = local.radius[WINDOW], ROUNDING * local.radius[WINDOW] / zone
     error = AfterTurn(local, 0.0 * step)(edge)  # of the place of the turn
-    rows, since, speed, first = np.zeros((2, LONGEST, len(step))), 0.0 * step, 0.0 * step, step
+    rows, first = np.zeros((2, LONGEST, len(step))), step
+    since, speed, slope = np.zeros((3, len(step)))
     for _ in range(LONGEST):
         here, last = np.arange(len(scenes)), local.last
         y, elapsed = (local.radius[last, here] - edge) / zone, local.time[last, here] - local.bodies.turn
@@ -252,8 +253,9 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
             return residual(edge + y * residual.held.bodies.zone) - error
 
         guess = y + np.where(since > 0.0, speed * step, 1e-4)
-        slope = (at(guess + 1e-4) - at(guess)) * 1e4
-        place, _, known = secants(at, guess, slope, np.full(len(step), 1e-3), rounding, guess == guess)
+        if not slope.any():
+            slope = (at(guess + 1e-4) - at(guess)) * 1e4
+        place, slope, known = secants(at, guess, slope, np.full(len(step), 1e-3), rounding, guess == guess)
         rises = known & (place > y)
         now = (place - y) / step
         fall = np.where(since > 0.0, 2.0 * (speed - now) / (since + step), 0.0)
@@ -283,8 +285,8 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
             rest[out] = np.where(summit | still, top - WINDOW, -1)[ended]
             some = np.flatnonzero(~ended)
             scenes = scenes[some]
-            edge, zone, rounding, error, since, speed, step, first = (
-                part[some] for part in (edge, zone, rounding, error, since, speed, step, first)
+            edge, zone, rounding, error, since, speed, slope, step, first = (
+                part[some] for part in (edge, zone, rounding, error, since, speed, slope, step, first)
             )
             local = local.of_some(some, local.bodies.of_some(some))
         if not len(scenes):
