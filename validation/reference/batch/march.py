@@ -127,7 +127,10 @@ def secants(
     rising = np.sign(slope)
     low, high = np.where(rising * f < 0.0, one, -np.inf), np.where(rising * f < 0.0, np.inf, one)
     two = np.where(asked, one - f / slope, one)
+    done |= np.abs(two - one) <= CONVERGED * (np.abs(two) + scale)
     for _ in range(ITERATIONS):
+        if done.all():
+            break
         value = residual(two)
         low, high = np.where(rising * value < 0.0, two, low), np.where(rising * value < 0.0, high, two)
         moving = ~done & (two != one) & (value != f)
@@ -137,8 +140,6 @@ def secants(
         change = np.where(astray, two - 0.5 * (low + high), change)
         one, f, two = np.where(done, one, two), np.where(done, f, value), two - change
         done = done | ~(np.abs(change) > CONVERGED * (np.abs(two) + scale)) | (np.abs(value) < noise)
-        if done.all():
-            break
     return two, slope, done & np.isfinite(two)
 
 

@@ -23,6 +23,7 @@ Whole = NDArray[np.intp]
 
 LONGEST, STEADY, WINDOW = 140, 0.02, 60
 """Steps in time of an edge that goes on closing after the turn, the first of them, and rows in its zone."""
+EXACT = 100.0
 CREPT = 0.2, 0.4, 0.6, 0.8, 1.0
 """Shares of these steps at which there are rows of the answer."""
 NEARER, AT_REST = 0.6, 1e-5
@@ -243,7 +244,7 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
     edge, rounding = local.radius[WINDOW], ROUNDING * local.radius[WINDOW] / zone
     error = AfterTurn(local, 0.0 * step)(edge)  # of the place of the turn
     rows, first = np.zeros((2, LONGEST, len(step))), step
-    since, speed, slope = np.zeros((3, len(step)))
+    since, speed, fall, slope = np.zeros((4, len(step)))
     for _ in range(LONGEST):
         here, last = np.arange(len(scenes)), local.last
         y, elapsed = (local.radius[last, here] - edge) / zone, local.time[last, here] - local.bodies.turn
@@ -252,10 +253,10 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
         def at(y: Array, residual: AfterTurn = residual, edge: Array = edge, error: Array = error) -> Array:
             return residual(edge + y * residual.held.bodies.zone) - error
 
-        guess = y + np.where(since > 0.0, speed * step, 1e-4)
+        guess = y + np.where(since > 0.0, np.maximum(speed - 0.5 * fall * (since + step), 0.0) * step, 1e-4)
         if not slope.any():
             slope = (at(guess + 1e-4) - at(guess)) * 1e4
-        place, slope, known = secants(at, guess, slope, np.full(len(step), 1e-3), rounding, guess == guess)
+        place, slope, known = secants(at, guess, slope, np.full(len(step), EXACT), rounding, guess == guess)
         rises = known & (place > y)
         now = (place - y) / step
         fall = np.where(since > 0.0, 2.0 * (speed - now) / (since + step), 0.0)
@@ -285,8 +286,8 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
             rest[out] = np.where(summit | still, top - WINDOW, -1)[ended]
             some = np.flatnonzero(~ended)
             scenes = scenes[some]
-            edge, zone, rounding, error, since, speed, slope, step, first = (
-                part[some] for part in (edge, zone, rounding, error, since, speed, slope, step, first)
+            edge, zone, rounding, error, since, speed, fall, slope, step, first = (
+                part[some] for part in (edge, zone, rounding, error, since, speed, fall, slope, step, first)
             )
             local = local.of_some(some, local.bodies.of_some(some))
         if not len(scenes):
