@@ -123,7 +123,7 @@ def test_an_edge_whose_times_go_over_decades(ratio, quickness):
         steps=(Ramp(depth - 1.0, quickness * zone),),
     )
     [answer] = batch.solve([scene])
-    assert difference(scene, answer) < min(answer.errors["pull_off_force"], 1e-4)
+    assert difference(scene, answer, 64) < 1e-6  # its default resolution knows it to 7e-6
 
 
 def test_a_ramp_that_ends_in_contact():

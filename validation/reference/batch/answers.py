@@ -13,6 +13,10 @@ from validation.reference.batch.scenes import LoadRamp
 from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
+Whole = NDArray[np.intp]
+Flags = NDArray[np.bool_]
+Part = tuple[Array, Flags]
+"""Rows (4, m, B), and which of them there are."""
 
 LEAST_ERROR = 1e-7
 """Least estimate: no better is the reference known by default."""
@@ -103,9 +107,12 @@ def events(found: March, leg: LoadRamp, duration: Array) -> Events:
 
 
 def answers(
-    runs: list[tuple[March, LoadRamp, Array]], when: Array, other: Array, before: list[list[Array]]
+    runs: list[tuple[March, LoadRamp, Array]], when: Array, other: Array, before: list[Part]
 ) -> list[Solution]:
-    """Of scenes of one loop, of two resolutions, ``when`` the retraction begins at one and at the other."""
+    """Of scenes of one loop, of two resolutions, ``when`` the retraction begins at one and at the other.
+
+    ``before``: rows until the load turns, and until the edge rests.
+    """
     (fine, leg, _), (coarse, *_) = runs
     one, two = (events(*run) for run in runs)
     end = one.end[0] + when
@@ -114,89 +121,90 @@ def answers(
     places = [share * one.travel for share in COMPARED]
     apart = [fine.at(fine.force, place) - coarse.at(coarse.force, place) for place in places]
     apart = GAIN * np.sqrt(np.mean(np.square(apart), axis=0))
-    errors = {
+    found = {
         "pull_off_force": np.maximum(np.abs(one.tension - two.tension), apart) / tension,
         "pull_off_time": np.abs(one.pull_off[0] + when - two.pull_off[0] - other) / end,
         "detachment_time": np.abs(end - two.end[0] - other) / end,
         "detachment_penetration": np.abs(one.end[1] - two.end[1]) / depths,
     }
     size = np.maximum(tension, LEAST_SHARE * np.abs(fine.force).max(axis=0))
-    doubtful = errors["pull_off_force"] * tension > LARGEST_ERROR * size
+    doubtful = found["pull_off_force"] * tension > LARGEST_ERROR * size
     passed = (one.travel < fine.grid.g[fine.last]) & (two.travel < coarse.grid.g[coarse.last])
+    endings = [dict.fromkeys(ends) for ends in zip(fine.ending.tolist(), coarse.ending.tolist(), strict=True)]
     reasons = [
         REASONS[FAILED]
         if FAILED in ends
         else OTHERWISE
-        if ends[0] != ends[1]
+        if len(ends) > 1 and not (beyond and ENDED not in ends)
         else DOUBTFUL
         if doubt
-        else REASONS.get(ends[0], "")
-        for *ends, doubt in zip(fine.ending.tolist(), coarse.ending.tolist(), doubtful.tolist(), strict=True)
+        else REASONS.get(max(ends), "")
+        for ends, doubt, beyond in zip(endings, doubtful.tolist(), passed.tolist(), strict=True)
     ]
-    answered = [j for j, why in enumerate(reasons) if not why or (why == REASONS[SHORT] and passed[j])]
-    paths = [_path(fine, one, j, float(when[j]), before[j]) for j in answered]
+    table, counts = _table(fine, one, when, before)
+    errors = np.maximum(list(found.values()), LEAST_ERROR).T.tolist()
     solutions = [Solution(reason) for reason in reasons]
-    for j, (columns, _), done in zip(answered, paths, works(paths), strict=True):
-        columns, lost = np.vstack((columns, done)), fine.ending[j] == DETACHED
-        if lost:
-            columns = np.column_stack((columns, [*columns[:2, -1], 0.0, 0.0, columns[4, -1]]))
-        told = [name for name in errors if lost or not name.startswith("detachment")]
+    for j, why in enumerate(reasons):
+        if why and not (why == REASONS[SHORT] and passed[j]):
+            continue
+        lost = fine.ending[j] == DETACHED and not why
+        told = zip(found, errors[j], strict=True)
         solutions[j] = Solution(
-            reasons[j],
-            *columns,  # type: ignore[misc]
+            why,
+            *table[j, :, : counts[j] + lost].copy(),  # type: ignore[misc]
             pull_off_force=float(one.tension[j]),
             pull_off_time=float(one.pull_off[0, j] + when[j]),
             detached=bool(lost),
-            errors={name: max(float(errors[name][j]), LEAST_ERROR) for name in told},
+            errors={name: error for name, error in told if lost or not name.startswith("detachment")},
         )
     return solutions
 
 
-def _path(found: March, events: Events, j: int, when: float, before: list[Array]) -> tuple[Array, list[int]]:
-    """Rows (4, m) of a scene, and which of them are corners of the curves.
+def _table(found: March, events: Events, when: Array, before: list[Part]) -> tuple[Array, Whole]:
+    """Rows (B, 5, m), with the work done; the free surface comes after as many as are told."""
+    end, pulled, later = events.end[:, None], events.pull_off[:, None], (when * SINCE)[:, None]
+    rows = found.columns[:, : int(found.last.max()) + 1]
+    there = (rows[0] < end[0]) & (rows[3] > end[3]) & (np.abs(rows[0] - pulled[0]) > SAME * end[0])
+    there &= np.arange(rows.shape[1])[:, None] <= found.last
+    rows = np.concatenate((rows, pulled, end), axis=1)
+    there = np.concatenate((there, pulled[0] < end[0] * (1.0 - SAME), end[0] == end[0]))
+    near = rows[3] >= found.radius[found.grid.breaks[1]]  # later the fields it set off with are left
+    resting, rows = found.resting + later, rows + later
+    legs = [*before, (resting, resting[0] > when), (rows, there & near), (rows, there & ~near)]
+    until, which = np.full(len(when), -np.inf), []
+    for number, (leg, there) in enumerate(legs):
+        some = there & (leg[0] > until)
+        until = np.maximum(until, np.where(some, leg[0], -np.inf).max(axis=0, initial=-np.inf))
+        which.append(np.where(some, number, len(legs)))
+    columns, numbers = np.concatenate([leg for leg, _ in legs], axis=1), np.concatenate(which)
+    order = np.where(numbers < len(legs), columns[0], np.inf).argsort(axis=0, kind="stable")
+    counts = (numbers < len(legs)).sum(axis=0)
+    order = np.take_along_axis(order, np.minimum(np.arange(len(order) + 1)[:, None], counts - 1), axis=0)
+    columns, numbers = np.take_along_axis(columns, order[None], axis=1), np.take_along_axis(numbers, order, 0)
+    inside = np.arange(1, len(order) - 1)[:, None] < counts - 1
+    done = _works(columns, (numbers[1:-1] == numbers[2:]) & inside)
+    columns[2:, counts, np.arange(len(counts))] = 0.0
+    return np.ascontiguousarray(np.concatenate((columns, done[None])).transpose(2, 0, 1)), counts
 
-    The retraction of its rows begins ``when``; ``before``: legs up to there.
+
+def _works(rows: Array, smooth: Flags) -> Array:
+    """``int F dD`` (m, B) up to rows: cubics over the length of the path, but for its corners.
+
+    ``smooth`` (m - 2, B): whether the path is at the rows between the first and the last.
     """
-    end, pulled = events.end[:, j], events.pull_off[:, j]
-    rows = found.columns[:, : found.last[j] + 1, j]
-    apart = np.abs(rows[0] - pulled[0]) > SAME * end[0]
-    rows = rows[:, (rows[0] < end[0]) & (rows[3] > end[3]) & apart]
-    rows = np.column_stack((rows, pulled) if pulled[0] < end[0] * (1.0 - SAME) else (rows,))
-    rows = np.column_stack((rows[:, rows[0].argsort()], end))
-    near = rows[3] >= found.radius[found.grid.breaks[1], j]  # later the fields it set off with are left
-    opened = [leg + when * SINCE for leg in (found.resting[:, :, j], rows[:, near], rows[:, ~near])]
-    legs = before[:1]
-    for leg in (before[1], *opened):
-        later = leg[:, leg[0] > legs[-1][0, -1]]
-        if later.size:
-            legs.append(later)
-    return np.hstack(legs), [sum(leg.shape[1] for leg in legs[:n]) - 1 for n in range(1, len(legs) + 1)]
-
-
-def works(paths: list[tuple[Array, list[int]]]) -> list[Array]:
-    """``int F dD`` up to the rows of each path: cubics over the length of the path, but for its corners."""
-    if not paths:
-        return []
-    rows = np.hstack([columns for columns, _ in paths])
-    ends = np.cumsum([columns.shape[1] for columns, _ in paths])
-    begins = ends - [columns.shape[1] for columns, _ in paths]
-    corners = np.zeros(rows.shape[1], bool)
-    corners[begins] = True
-    corners[[begin + i for begin, (_, which) in zip(begins, paths, strict=True) for i in which]] = True
-    most, least = (up.reduceat(rows[1:], begins, axis=1) for up in (np.maximum, np.minimum))
-    size = np.repeat(np.maximum(most - least, 1e-300), ends - begins, axis=1)[:, 1:]
-    step = np.maximum(np.linalg.norm(np.diff(rows[1:]) / size, axis=0), 1e-300)
-    rise = np.diff(rows[1:3])
+    rise, size = np.diff(rows[1:3], axis=1), np.ptp(rows[1:], axis=1)
+    step = np.linalg.norm(np.diff(rows[1:], axis=1) / np.maximum(size, 1e-300)[:, None], axis=0)
+    step = np.maximum(step, 1e-300)
     slope = (rise[:, :-1] * step[1:] / step[:-1] + rise[:, 1:] * step[:-1] / step[1:]) / (
         step[:-1] + step[1:]
     )
-    smooth = ~corners[1:-1]
-    late = np.column_stack((np.where(smooth, slope * step[:-1], np.nan), [np.nan, np.nan]))
-    early = np.column_stack(([np.nan, np.nan], np.where(smooth, slope * step[1:], np.nan)))
+    none = np.full_like(rise[:, :1], np.nan)
+    late = np.concatenate((np.where(smooth, slope * step[:-1], np.nan), none), axis=1)
+    early = np.concatenate((none, np.where(smooth, slope * step[1:], np.nan)), axis=1)
     first, last = (
         np.where(np.isnan(one), np.where(np.isnan(other), rise, 2.0 * rise - other), one)
         for one, other in ((early, late), (late, early))
     )
-    depth, force = np.array([rows[1:3, :-1], rows[1:3, 1:], first, last]).swapaxes(0, 1)
-    done = np.append(0.0, WEIGHTS @ ((VALUES @ force) * (RATES @ depth)))
-    return [np.append(0.0, done[begin + 1 : end].cumsum()) for begin, end in zip(begins, ends, strict=True)]
+    depth, force = np.array([rows[1:3, :-1], rows[1:3, 1:], first, last]).swapaxes(0, 1).reshape(2, 4, -1)
+    done = WEIGHTS @ ((VALUES @ force) * (RATES @ depth))
+    return np.concatenate((np.zeros_like(step[:1]), done.reshape(step.shape).cumsum(axis=0)))

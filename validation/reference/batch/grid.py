@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.zone import BEHIND, SWEPT, Quadrature, quadrature
+from validation.reference.batch.zone import BEHIND, SHORTEST, SWEPT, Quadrature, quadrature
 from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
@@ -19,9 +19,9 @@ Kind = Literal["opening", "closing", "turned"]
 
 WIDEST = 1.2
 """Steps of a grid in travels or radii, times the resolution."""
-ROWS = 5
+ROWS = 6
 """Rows of a polynomial over the travel."""
-NEAR = 0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0
+NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
 DEEP, DEEPER = 0.25, 1.0 / 32.0
 """Panels of what is left in contact: ends next to the edge, the least width beyond, and that in the depth."""
 PLACES = gauss(ROWS)[0]
@@ -91,11 +91,12 @@ class Depths:
 
 @dataclass
 class Grid:
-    """Travels ``g``, and the rows ``breaks`` at which the path has corners."""
+    """Travels ``g``, rows ``breaks`` at which the path has corners; ``least``: radius in zones."""
 
     g: Array
     breaks: Whole
     kind: Kind
+    least: float
     steps: dict[int, Travel] = field(default_factory=dict)
 
     @cached_property
@@ -119,10 +120,12 @@ class Grid:
 
     def _made(self, k: int) -> Travel:
         now = self.g[k]
-        corners = now - self.g[self.breaks]
-        corners = corners[(corners > 0.0) & (corners < 1.0)]
         closing, turned = self.kind == "closing", self.kind == "turned"
-        points = quadrature(tuple(corners.tolist()), closing, turned and now < 1.0)
+        corners = now - self.g[self.breaks]
+        if turned and now < 1.0:  # it may set off as a root, and comes by layers that relax
+            corners = np.concatenate((corners, now - NEAR, 1.0 - NEAR))
+        points = quadrature(tuple(corners[(corners > 0.0) & (corners < 1.0)].tolist()), closing)
+        points = points if closing else points.up_to(1.0 / max(self.least - now, SHORTEST))
         passed = now - (1.0 - points.v[:, 0] if closing else points.v[:, 0])
         passed = passed[passed > 0.0]
         behind = 0, np.zeros((0, 0))
@@ -181,4 +184,4 @@ def grid(resolution: int, size: int, kind: Kind) -> Grid:
         step = min(
             step * ratio, WIDEST / resolution * min(travel, max(radius - travel, 0.25 * max(radius, travel)))
         )
-    return Grid(np.concatenate((*g, rest)), np.array(breaks), kind)
+    return Grid(np.concatenate((*g, rest)), np.array(breaks), kind, radius)

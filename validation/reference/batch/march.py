@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
-CONVERGED, ITERATIONS = 1e-8, 20
+CONVERGED, ITERATIONS = 1e-7, 20
 """Relative change of the time at which secants end (its error is the product of the last two), and most."""
 ROUNDING = 16.0 * np.finfo(float).eps
 """Of a place in the zone, over the radius: times radius over zone, that of a residual."""
@@ -268,17 +268,20 @@ class March:
         self.left[k] = left
 
     def polynomials(self, values: Array, panel: Whole) -> Array:
-        """Coefficients (ROWS, B) of rows in a panel of each scene, in shares of the panel."""
+        """Coefficients (ROWS, B) of rows in a panel of each scene, in shares of it, by differences."""
         first, count = self.grid.panels(panel, self.last)
-        scenes, rows = np.arange(len(panel)), first[:, None] + np.arange(ROWS)
-        within = np.arange(ROWS) < count[:, None]
-        rows = np.where(within, rows, first[:, None])
+        rows = first + np.minimum(np.arange(ROWS)[:, None], count - 1)
         begin, end = self.grid.g[panel], self.grid.g[panel + 1]
-        u = (self.grid.g[rows] - begin[:, None]) / (end - begin)[:, None]
-        matrix = u[:, :, None] ** np.arange(ROWS) * within[:, None, :]
-        matrix[~within] = np.eye(ROWS)[(~within).nonzero()[1]]
-        right = np.where(within, values[rows, scenes[:, None]], 0.0)
-        return np.linalg.solve(matrix, right[:, :, None])[:, :, 0].T
+        u = (self.grid.g[rows] - begin) / (end - begin)
+        table, curve = values[rows, np.arange(len(panel))], np.zeros(rows.shape)
+        for order in range(1, ROWS):
+            known = np.arange(order, ROWS)[:, None] < count
+            table[order:] = np.where(
+                known, np.diff(table[order - 1 :], axis=0) / (u[order:] - u[:-order]), 0.0
+            )
+        for i in range(ROWS - 1, -1, -1):
+            curve = np.concatenate((table[i : i + 1], curve[:-1])) - u[i] * curve
+        return curve
 
     def panel(self, place: Array) -> tuple[Whole, Array]:
         """The panel in which a travel lies, and its share there."""

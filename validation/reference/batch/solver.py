@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from contact_scene import Material, Scene
 from contact_scene.run_control import single_threaded
-from validation.reference.batch.answers import Solution, answers
-from validation.reference.batch.grid import Grid, grid
+from validation.reference.batch.answers import Part, Solution, answers
+from validation.reference.batch.grid import Grid, Kind, grid
 from validation.reference.batch.march import (
     DETACHED,
     ENDED,
@@ -39,10 +39,8 @@ Whole = NDArray[np.intp]
 
 RESOLUTION = 16
 """Default of :func:`solve`."""
-CHUNK = 1024
-"""Scenes of one loop: their arrays stay in the cache."""
-LARGEST, ANY = 1024, 30
-"""Scenes taken together, and a size of the grid that has no bound: of edges that close."""
+LARGEST, ANY, COLUMNS = 1024, 30, 16
+"""Scenes taken together, a size of the grid without bound, of edges that close, and columns of a product."""
 RESTING = np.linspace(0.0, 1.0, 17)[1:] ** 2
 """Shares of the time before an edge opens at which there are rows: branches relax at once, or slowly."""
 
@@ -148,10 +146,16 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solutio
         alike[len(known[scene.material].times), cycle].append(i)
     for (_, cycle), numbers in alike.items():
         for part in np.array_split(np.array(numbers), math.ceil(len(numbers) / LARGEST)):
+            part = filled(part)
             bodies = Bodies.of([scenes[i] for i in part], [known[scenes[i].material] for i in part])
             for i, answer in zip(part.tolist(), _solved(bodies, resolution, cycle), strict=True):
                 solutions[i] = answer
     return solutions
+
+
+def filled(numbers: Whole) -> Whole:
+    """Up to a multiple of ``COLUMNS``, by the last: products of matrices round each column alike then."""
+    return np.append(numbers, np.full(-len(numbers) % COLUMNS, numbers[-1]))
 
 
 @dataclass(frozen=True)
@@ -177,13 +181,6 @@ class Retraction:
         edge = before.radius[0] + place * bodies.zone
         return np.array([bodies.turn, self.held.second.depth, before.at(before.force, place), edge])
 
-    def approached(self, i: int) -> Array:
-        """Rows (4, m) of a scene until the load turns."""
-        rows = np.zeros((4, 0))
-        if self.approach is not None:
-            rows = self.approach.columns[:, : self.approach.last[i], i]
-        return np.column_stack((rows, self.corner[:, i]))
-
     @classmethod
     def of(cls, bodies: Bodies, start: Array, resolution: int, cycle: bool) -> Retraction:
         """From the start, or as the approach leaves it."""
@@ -196,6 +193,16 @@ class Retraction:
         leg = held.second.after(when - bodies.turn, bodies.rate)
         radius = held.radius[held.last, np.arange(len(start))]
         return cls(leg, bodies.duration - (when - bodies.turn), radius, when, held, before)
+
+    def before(self, chosen: Whole, crept: Array) -> list[Part]:
+        """Rows of some until the load turns, and until the edge rests."""
+        rows, there = self.corner[:, None, chosen], np.ones((1, len(chosen)), bool)
+        if self.approach is not None:
+            last = self.approach.last[chosen]
+            earlier = self.approach.columns[:, : int(last.max()), chosen]
+            rows = np.concatenate((earlier, rows), axis=1)
+            there = np.concatenate((np.arange(earlier.shape[1])[:, None] < last, there))
+        return [(rows, there), (crept, crept[0] == crept[0])]
 
     def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, LoadRamp, Array, Array]:
         """The rows of some of the scenes; and until the edge rests."""
@@ -219,14 +226,12 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     solutions = [Solution(REASONS[FAILED])] * len(start)
     sizes = np.floor(np.log2(fine.radius / bodies.zone))
     for size in np.unique(sizes[np.isfinite(sizes)]).tolist():
-        numbers = np.flatnonzero(sizes == size)
-        for chosen in np.array_split(numbers, math.ceil(len(numbers) / CHUNK)):
-            steps = [
-                grid(n, int(size), "turned" if cycle else "opening") for n in (resolution, resolution // 2)
-            ]
-            runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
-            before = [[fine.approached(i), runs[0][3][:, :, j]] for j, i in enumerate(chosen)]
-            found = answers([run[:3] for run in runs], fine.when[chosen], coarse.when[chosen], before)
-            for i, answer in zip(chosen.tolist(), found, strict=True):
-                solutions[i] = answer
+        chosen = filled(np.flatnonzero(sizes == size))
+        kind: Kind = "turned" if cycle else "opening"
+        steps = [grid(n, int(size), kind) for n in (resolution, resolution // 2)]
+        runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
+        before = fine.before(chosen, runs[0][3])
+        found = answers([run[:3] for run in runs], fine.when[chosen], coarse.when[chosen], before)
+        for i, answer in zip(chosen.tolist(), found, strict=True):
+            solutions[i] = answer
     return solutions

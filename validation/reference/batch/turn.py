@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.batch.grid import ROWS, Depths, Travel
-from validation.reference.batch.march import ENDED, FAILED, ROUNDING, March, secants
+from validation.reference.batch.march import CONVERGED, ENDED, FAILED, ROUNDING, March, secants
 from validation.reference.batch.scenes import Bodies, LoadRamp
 from validation.reference.batch.zone import quadrature
 
@@ -23,7 +23,6 @@ Whole = NDArray[np.intp]
 
 LONGEST, STEADY, WINDOW = 140, 0.02, 60
 """Steps in time of an edge that goes on closing after the turn, the first of them, and rows in its zone."""
-EXACT = 100.0
 CREPT = 0.2, 0.4, 0.6, 0.8, 1.0
 """Shares of these steps at which there are rows of the answer."""
 NEARER, AT_REST = 0.6, 1e-5
@@ -256,7 +255,9 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
         guess = y + np.where(since > 0.0, np.maximum(speed - 0.5 * fall * (since + step), 0.0) * step, 1e-4)
         if not slope.any():
             slope = (at(guess + 1e-4) - at(guess)) * 1e4
-        place, slope, known = secants(at, guess, slope, np.full(len(step), EXACT), rounding, guess == guess)
+        place, slope, known = secants(
+            at, guess, slope, np.full(len(step), 0.1 * AT_REST / CONVERGED), rounding, guess == guess
+        )
         rises = known & (place > y)
         now = (place - y) / step
         fall = np.where(since > 0.0, 2.0 * (speed - now) / (since + step), 0.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -26,6 +26,8 @@ SHARES = (np.diff(_BREAKS)[:, None] * WEIGHTS).ravel()
 """Points and weights of what a step sweeps, on [0, 1]: a layer relaxes behind an edge that closes."""
 SERIES, PLACES, NODES = 12, 10, 6
 """Terms of the kernel in zone over radius, in the places in the zone, and of a stress behind the edge."""
+NEGLIGIBLE = 1e-8
+"""Relative error of a shorter series of the kernel, which is a part zone over radius of the closure."""
 BEHIND = 0.5 * (1.0 + chebyshev_series(NODES)[0])
 """Shares of the zone at which the kernel asks for that."""
 
@@ -66,13 +68,26 @@ def _inner(v: Array, closing: bool) -> Array:
 class Quadrature:
     """Points of the zone, and what the closure needs at them.
 
-    ``v``: shares from the inner end; points lie behind an edge that closes, else ahead.
+    ``v``: shares from the inner end; points lie behind an edge that closes, else ahead. ``inner``
+    (m, NODES * p) holds up to ``longest``, zone over radius.
     """
 
     v: Array
     weight: Array
     inner: Array
     closing: bool
+    longest: float = 1.0 / SHORTEST
+
+    def up_to(self, longest: float) -> Quadrature:
+        """With as many terms as shorter zones need: the kernel is singular where zone and radius are one."""
+        reach = 2.0 / longest - 1.0
+        terms = math.ceil(-math.log(NEGLIGIBLE) / math.acosh(reach))
+        if terms >= SERIES:
+            return self
+        knots, series = chebyshev_series(terms)
+        at = chebyshev(SHORTEST * longest * (1.0 + knots) - 1.0, SERIES)
+        inner = self.inner.reshape(-1, SERIES) @ at @ series.T
+        return replace(self, inner=inner.reshape(len(self.v), -1), longest=longest)
 
     def forms(self, bodies: Bodies, radius: Array) -> tuple[Array, Array]:
         """What is made of ones and of ``G`` on the other side (2, m, B), and ``G`` at the points (m, B)."""
@@ -81,10 +96,10 @@ class Quadrature:
         here, there = (behind, ahead) if self.closing else (ahead, behind)
         share = BEHIND[:, None] - (0.0 if self.closing else 1.0)
         series = self.series(bodies, radius)
-        values = np.empty((NODES, SERIES, 2, len(radius)))
+        values = np.empty((NODES, len(series), 2, len(radius)))
         values[:, :, 0] = series
         np.multiply(bodies.shape(radius + zone * share)[:, None], series, out=values[:, :, 1])
-        forms = (self.inner @ values.reshape(NODES * SERIES, -1)).reshape(len(here), 2, -1)
+        forms = (self.inner @ values.reshape(self.inner.shape[1], -1)).reshape(len(here), 2, -1)
         forms *= zone / (radius * radius)
         main = 0.5 * math.pi / np.sqrt(behind * ahead)
         forms[:, 0] += main
@@ -93,24 +108,24 @@ class Quadrature:
         return np.ascontiguousarray(forms.swapaxes(0, 1)), bodies.shape(here)
 
     def series(self, bodies: Bodies, radius: Array) -> Array:
-        """Polynomials (SERIES, B) of zone over radius."""
-        return chebyshev(2.0 * SHORTEST * bodies.zone / radius - 1.0, SERIES)
+        """Polynomials (p, B) of zone over radius."""
+        terms = self.inner.shape[1] // NODES
+        return chebyshev(2.0 / self.longest * (bodies.zone / radius) - 1.0, terms)
 
     def stressed(self, bodies: Bodies, radius: Array, held: Array) -> Array:
         """The forms (n, m, B) of stresses (m, n, B) at ``BEHIND`` and the points."""
         zone, nodes = bodies.zone, held[:NODES]
         values = nodes[:, None] * self.series(bodies, radius)[:, None]
-        inner = self.inner @ values.reshape(NODES * SERIES, -1)
+        inner = self.inner @ values.reshape(self.inner.shape[1], -1)
         inner = inner.reshape(len(self.v), *nodes.shape[1:]).transpose(1, 0, 2) * (zone / (radius * radius))
         main = 0.5 * math.pi / np.sqrt((radius - zone * (1.0 - self.v)) * (radius + zone * self.v))
         return np.asarray(self.weight * (main * held[NODES:].transpose(1, 0, 2) + inner))
 
 
 @lru_cache(maxsize=4096)
-def quadrature(corners: tuple[float, ...], closing: bool = False, both: bool = False) -> Quadrature:
-    """By Gauss between breaks from the edge, some of which are corners; ``both``: from the other end, too."""
-    ends = (0.0, 1.0, *(1.0 - layer for layer in LAYERS[:3])) if both else (0.0, 1.0)
-    breaks = np.unique(np.concatenate((ends, LAYERS, corners)))
+def quadrature(corners: tuple[float, ...], closing: bool = False) -> Quadrature:
+    """By Gauss between breaks from the edge, some of which are corners."""
+    breaks = np.unique((0.0, *LAYERS, *corners, 1.0))
     width = np.diff(breaks)[:, None]
     v = (breaks[:-1, None] + width * POINTS).ravel()
     v = 1.0 - v if closing else v
