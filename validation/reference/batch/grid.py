@@ -36,12 +36,14 @@ with the share of the panel."""
 class Travel:
     """A step of the grid: points, and how they and the first guess follow from the rows before.
 
-    ``behind``: weights of values at depths, from the first that matters, for nodes and points behind the edge
-    and, last, for the edge.
+    ``passed``: points that the edge has passed, of which the first, ``near``, see the new row. ``behind``:
+    weights of values at depths, from the first that matters, for nodes and points behind the edge and, last,
+    for the edge.
     """
 
     points: Quadrature
     passed: int
+    near: int
     first: int
     old: Array
     new: Array
@@ -133,7 +135,7 @@ class Grid:
             behind = self.depths.weights(now + np.append(1.0 - np.append(BEHIND, points.v), 0.0))
         if k == 0:
             none = np.zeros((0, 0))
-            return Travel(points, 0, 0, none, np.zeros((0, 1)), np.zeros(0), none, *behind)
+            return Travel(points, 0, 0, 0, none, np.zeros((0, 1)), np.zeros(0), none, *behind)
         s = np.asarray if self.kind == "closing" else np.sqrt  # an edge may set off with no speed
         panel = np.minimum(self.g.searchsorted(passed) - 1, k - 1)
         first, count = self.panels(panel, k)
@@ -145,11 +147,11 @@ class Grid:
             weights[those[:, None], rows - begin] = lagrange(s(self.g[rows]), s(passed[those]))
         low = max(int(self.breaks[self.breaks.searchsorted(k - 1) - 1]), k - ROWS) if k > 1 else 0
         guess = lagrange(s(self.g[None, low:k]), s(np.array([now])))[0]
-        old, new = np.ascontiguousarray(weights[:, :-1]), weights[:, -1:]
+        old, near = np.ascontiguousarray(weights[:, :-1]), int(weights[:, -1].nonzero()[0].max()) + 1
         rows = np.arange(int(self.panels(np.array([k - 1]), k)[0][0]), k + 1)
         at = self.g[k - 1] + (now - self.g[k - 1]) * SWEPT
         within = lagrange(self.g[rows] + 0.0 * at[:, None], at)
-        return Travel(points, len(passed), begin, old, new, guess, within, *behind)
+        return Travel(points, len(passed), near, begin, old, weights[:near, -1:], guess, within, *behind)
 
 
 def lagrange(nodes: Array, at: Array) -> Array:

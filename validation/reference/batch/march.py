@@ -41,6 +41,8 @@ class StepResidual:
     """
 
     carried: Array | float
+    rates: Array
+    weights: Array | float
 
     def __init__(self, leg: LoadRamp, travel: Travel, forms: Array, shape: Array) -> None:
         self.bodies, self.leg, self.travel = leg.bodies, leg, travel
@@ -48,19 +50,23 @@ class StepResidual:
         self.forms, self.shape = forms[:, : travel.passed], shape[: travel.passed, None]
 
     def follow(self, times: Array, left: Array) -> None:
-        """Take over the rows before."""
-        travel, flat = self.travel, left.reshape(len(left), left[0].size)
-        self.when = travel.old @ times
-        self.left = (travel.old @ flat).reshape(travel.passed, *left.shape[1:]) - self.carried * self.shape
+        """Take over the rows before; what was left at points not near fades alike in all time to come."""
+        travel, flat, near = self.travel, left.reshape(len(left), left[0].size), self.travel.near
+        when = travel.old @ times
+        fields = (travel.old @ flat).reshape(travel.passed, *left.shape[1:]) - self.carried * self.shape
+        self.when, self.left, self.before = when[:near], fields[:near], times[-1]
+        faded = fields[near:] * np.exp((self.before - when[near:])[:, None] * self.rates) * self.weights
+        self.far = np.einsum("fmb,mnb->fnb", self.forms[:, near:], faded)
 
-    def passed(self, t: Array, left: Array, rates: Array, weights: Array | float) -> Array:
+    def passed(self, t: Array, left: Array) -> Array:
         """What the forms make of the points passed."""
-        if not self.travel.passed:
-            return np.zeros((len(self.forms), len(t)))
         new = self.travel.new
         elapsed = np.maximum((1.0 - new) * t - self.when, 0.0)
-        fields = (self.left + new[:, None] * left) * np.exp(elapsed[:, None] * rates) * weights
-        return np.asarray((fields.sum(axis=1) * self.forms).sum(axis=1))
+        fields = (self.left + new[:, None] * left) * np.exp(elapsed[:, None] * self.rates) * self.weights
+        near = (self.forms[:, : len(new)] * fields.sum(axis=1)).sum(axis=1)
+        return np.asarray(
+            near + (self.far * np.exp(np.maximum(t - self.before, 0.0) * self.rates)).sum(axis=1)
+        )
 
 
 class Opening(StepResidual):
@@ -72,20 +78,21 @@ class Opening(StepResidual):
             forms = np.concatenate((forms, travel.points.stressed(leg.bodies, radius, held)))
         super().__init__(leg, travel, forms, ahead)
         self.edge, self.carried = edge, leg.bodies.compliances * leg.bodies.relaxed
+        self.rates, self.weights = -1.0 / leg.bodies.retardation, 1.0
 
     def left_behind(self, t: Array) -> Array:
         """``A_j`` (n, B) of what is released at a time."""
-        D, b = self.leg.at(t)
-        return self.bodies.released(D, b + self.edge * np.exp(-t / self.bodies.times))
+        faded, b = self.leg.faded(t)
+        return self.bodies.released(self.leg.depth + self.leg.rate * t, b + self.edge * faded)
 
     def __call__(self, t: Array) -> Array:
-        bodies = self.bodies
-        D, b = self.leg.at(t)
+        bodies, D, (faded, b) = self.bodies, self.leg.depth + self.leg.rate * t, self.leg.faded(t)
         factors = [bodies.relaxed * D + b.sum(axis=0), -bodies.relaxed]
         if len(self.forms) > 2:
-            factors += list(np.exp(-t / bodies.times))
+            factors += list(faded)
         sums = self.still[1] - D * self.still[0]
-        sums += self.passed(t, self.left_behind(t), -1.0 / bodies.retardation, 1.0)
+        if self.travel.passed:
+            sums += self.passed(t, bodies.released(D, b + self.edge * faded))
         return (np.array(factors) * sums).sum(axis=0) / (-(math.pi**2) * bodies.work) - 1.0
 
 
@@ -99,6 +106,7 @@ class Closing(StepResidual):
         super().__init__(leg, travel, forms, behind)
         inside = forms[:, travel.passed :], (forms * behind)[:, travel.passed :]
         bodies = leg.bodies
+        self.rates, self.weights = -1.0 / bodies.times, bodies.moduli
         self.start = bodies.glassy * (bodies.depth * inside[0].sum(axis=1) - inside[1].sum(axis=1))
 
     def left_behind(self, t: Array) -> Array:
@@ -107,11 +115,10 @@ class Closing(StepResidual):
         return D - b / self.bodies.moduli
 
     def __call__(self, t: Array) -> Array:
-        bodies = self.bodies
-        D, b = self.leg.at(t)
+        bodies, D, (faded, b) = self.bodies, self.leg.depth + self.leg.rate * t, self.leg.faded(t)
         sums = (bodies.relaxed * D + b.sum(axis=0)) * self.still[0] - bodies.relaxed * self.still[1]
-        sums += self.start * (bodies.moduli * np.exp(-t / bodies.times)).sum(axis=0)
-        sums += self.passed(t, self.left_behind(t), -1.0 / bodies.times, bodies.moduli)
+        sums += self.start * (bodies.moduli * faded).sum(axis=0)
+        sums += self.passed(t, D - b / bodies.moduli)
         return (sums[1] - D * sums[0]) / (-(math.pi**2) * bodies.closing) - 1.0
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,11 +130,20 @@ class LoadRamp:
 
     def at(self, t: Array) -> tuple[Array, Array]:
         """Both at times (B,) or (m, B) since it began: (B,) and (n, B), or (m, B) and (n, m, B)."""
-        times, moduli, begun = self.bodies.times, self.bodies.moduli, self.branches
+        return self.depth + self.rate * t, self.faded(t)[1]
+
+    def faded(self, t: Array) -> tuple[Array, Array]:
+        """What times leave of what relaxes, and the branch forces then."""
+        times, begun, steady = self.bodies.times, self.branches, self.steady
         if t.ndim == 2:
-            times, moduli, begun = times[:, None], moduli[:, None], begun[:, None]
-        steady, faded = moduli * self.rate * times, np.exp(-t / times)
-        return self.depth + self.rate * t, steady + (begun - steady) * faded
+            times, begun, steady = times[:, None], begun[:, None], steady[:, None]
+        faded = np.exp(-t / times)
+        return faded, steady + (begun - steady) * faded
+
+    @cached_property
+    def steady(self) -> Array:
+        """Branch forces (n, B) in the end."""
+        return np.asarray(self.bodies.moduli * self.rate * self.bodies.times)
 
     def at_rest(self, t: Array, radius: Array, held: Array) -> Array:
         """Time, penetration, force, radius (4, m, B) of an edge at rest; ``held`` as the ramp begins."""
