@@ -425,15 +425,12 @@ def _exit_after(sentinel: int) -> None:
 
 
 def processes(
-    workers: int,
-    isolated: bool = False,
-    wall_per_processor_second: float = WALL_PER_PROCESSOR_SECOND,
-    tasks_per_process: int = 0,
+    workers: int, isolated: bool = False, **how: Any
 ) -> AbstractContextManager[WorkerProcesses | None]:
     """As many processes; none for one worker, unless its tasks must be ``isolated`` from this process."""
     if workers <= 1 and not isolated:
         return nullcontext()
-    return WorkerProcesses(max(workers, 1), wall_per_processor_second, tasks_per_process)
+    return WorkerProcesses(max(workers, 1), **how)
 
 
 def engine_of(executor: Executor) -> Engine:

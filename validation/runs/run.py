@@ -98,19 +98,12 @@ class NotFiniteError(ArithmeticError):
     """A trace has columns with infinities or NaN."""
 
 
-def run(
-    case: Case,
-    solver: str | solvers.Solver,
-    resolution: int | None = None,
-    progress: solvers.Progress | None = None,
-    estimate: bool = False,
-    **how: Any,
-) -> Run:
+def run(case: Case, solver: str | solvers.Solver, *asked: Any, **how: Any) -> Run:
     """Run one solver, as :func:`run_or_raise`; a refusal or a breakdown is part of the answer."""
     begin, spent = time.perf_counter(), time.process_time()
     name = solver if isinstance(solver, str) else solver.name
     try:
-        found = run_or_raise(case, solver, resolution, progress, estimate, **how)
+        found = run_or_raise(case, solver, *asked, **how)
     except cs.SceneError as error:
         found = Run(case.name, name, failure=str(error), refused=True)
     except Exception as error:
