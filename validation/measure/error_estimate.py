@@ -37,16 +37,7 @@ import numpy as np
 
 from contact_scene import Loading, Trace
 from contact_scene.trace import Array
-from validation.measure.curves import (
-    CURVES,
-    MOVEMENT,
-    column_curve,
-    distance,
-    interpolation_error,
-    movement_bound,
-    movement_distance,
-    movement_interpolation_error,
-)
+from validation.measure import curves
 from validation.measure.events import SAFETY, after_last_contact, extrema, last_in_contact, left_open
 from validation.measure.observables import at_last_contact, largest_fall
 from validation.measure.scaling import column_of, scale
@@ -89,12 +80,12 @@ def from_two_runs(
         column with ``MOVEMENT``.
     """
     spans, factor = _spans(loading, run), SAFETY / abs(ratio - 1.0)
-    apart = {column: distance(other, run, column, spans) for column in (*CURVES, "penetration")}
+    apart = {column: curves.distance(other, run, column, spans) for column in (*curves.CURVES, "penetration")}
     errors, least = {}, 0.0
-    for column in CURVES:
+    for column in curves.CURVES:
         gap = apart[column]
         if gap is not None:
-            between = interpolation_error(run, column, spans)
+            between = curves.interpolation_error(run, column, spans)
             errors[column] = factor * gap.rms + between
             least = max(least, factor * gap.mean + between)
     depths = apart["penetration"]
@@ -110,11 +101,11 @@ def from_two_runs(
         if column_of(name) == "penetration" and depths is not None:  # what a prescribed force leaves open
             errors[name] = max(errors[name], factor * depths.mean)
     _raise_to_balance(errors, run, measured)
-    for column in CURVES if len(spans) else ():
-        moved = movement_distance(other, run, spans, column)
+    for column in curves.CURVES if len(spans) else ():
+        moved = curves.movement_distance(other, run, spans, column)
         if moved is not None:
-            unknown = movement_interpolation_error(run, spans, column)
-            errors[column + MOVEMENT] = factor * moved.rms + unknown
+            unknown = curves.movement_interpolation_error(run, spans, column)
+            errors[column + curves.MOVEMENT] = factor * moved.rms + unknown
     for event in extrema(run, spans.ravel()):
         if event.observable in errors:
             gap = apart[event.column]
@@ -140,19 +131,21 @@ def from_own(trace: Trace, measured: Measures, loading: Loading | None = None) -
     """
     largest = max(trace.errors.values(), default=0.0)
     spans = _spans(loading, trace)
-    own = {column: trace.errors[column] for column in CURVES if column in trace.errors}
-    errors = {column: error + interpolation_error(trace, column, spans) for column, error in own.items()}
+    own = {column: trace.errors[column] for column in curves.CURVES if column in trace.errors}
+    errors = {
+        column: error + curves.interpolation_error(trace, column, spans) for column, error in own.items()
+    }
     for name, value in measured.items():
         if value is not None and _has_error(name):
             errors[name] = trace.errors.get(name, largest)
     if "loss_fall" in errors:  # between the rows it may be larger, and its crest is no corner
-        errors["loss_fall"] += interpolation_error(trace, "dissipated_energy", spans)
+        errors["loss_fall"] += curves.interpolation_error(trace, "dissipated_energy", spans)
         (fall, begin, end), loss = largest_fall(trace), trace.dissipated_energy
         errors["loss_fall"] += (fall - loss[begin] + loss[end]) / (scale("loss_fall", fall, trace) or 1.0)
     for column, error in own.items() if len(spans) else ():
-        bound = movement_bound(trace, spans, column) * error
-        between = movement_interpolation_error(trace, spans, column)
-        errors[column + MOVEMENT] = trace.errors.get(column + MOVEMENT, bound) + between
+        bound = curves.movement_bound(trace, spans, column) * error
+        between = curves.movement_interpolation_error(trace, spans, column)
+        errors[column + curves.MOVEMENT] = trace.errors.get(column + curves.MOVEMENT, bound) + between
     for event in extrema(trace, spans.ravel()):
         level = errors.get(event.observable, 0.0) * event.size if event.column == "force" else 0.0
         _add(errors, trace, event.name, event.row, left_open(trace, event, np.full(len(trace), level)))
@@ -200,7 +193,7 @@ def _losses_apart(run: Trace, other: Trace, spans: Array) -> tuple[float, float]
         return 0.0, 0.0
     found = []
     for column in ("branch_dissipation", "dissipated_energy"):
-        apart = distance(other, run, column, spans)
+        apart = curves.distance(other, run, column, spans)
         size = float(np.abs(run.columns()[column]).max())
         found.append(0.0 if apart is None else OF_SQUARE * apart.rms * size)
     return found[0], found[1]
@@ -232,5 +225,5 @@ def _rows_apart(run: Trace, other: Trace, column: str, spans: Array) -> Array:
     if len(other) < 2:
         return np.full(len(run), np.nan)
     within = (run.time >= other.time[0]) & (run.time <= other.time[-1])
-    there = column_curve(other, column, spans).values(np.clip(run.time, other.time[0], other.time[-1]))
+    there = curves.column_curve(other, column, spans).values(np.clip(run.time, other.time[0], other.time[-1]))
     return np.where(within, there, np.nan) - run.columns()[column]

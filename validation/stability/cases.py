@@ -23,16 +23,6 @@ from validation.solvers import REFERENCE, SOLVERS, solvers
 from validation.solvers.boundary_elements import BoundaryElements
 from validation.solvers.finite_elements import FiniteElements
 from validation.stability import expected as known
-from validation.stability.expected import (
-    CURVE,
-    ClosedForm,
-    EquivalentScene,
-    Expected,
-    NoSolution,
-    ReferenceRuns,
-    Value,
-    zone_law,
-)
 
 
 @dataclass(frozen=True)
@@ -83,7 +73,7 @@ class StabilityCase:
 
     label: str
     scene: cs.Scene | cs.SceneError
-    expected: Expected
+    expected: known.Expected
     tolerance: Tolerance = USUAL
     series: str = ""
     stiffness: float = 1.0
@@ -121,9 +111,9 @@ PUSH = 0.01
 SPEED = 0.02
 """Speed of the others."""
 SPHERE, ADHESION = cs.Sphere(1.0), cs.Adhesion(WORK, ZONE)
-NAMES = ("pull_off_force", "loop_energy", CURVE)
-CYCLE = ReferenceRuns(("approach_force", *NAMES), of_largest=("approach_force",))
-PULL = ReferenceRuns(("start_force", *NAMES))
+NAMES = ("pull_off_force", "loop_energy", known.CURVE)
+CYCLE = known.ReferenceRuns(("approach_force", *NAMES), of_largest=("approach_force",))
+PULL = known.ReferenceRuns(("start_force", *NAMES))
 PEELED = replace(PULL, fine=8, coarse=4)
 
 
@@ -173,7 +163,7 @@ def pulled(speed: float, away: float = AWAY, **changes) -> cs.Scene:
     return scene((cs.Ramp(away, speed),), **(SETTLED | changes))
 
 
-def elastic_limit(cycle: cs.Scene, pace: float, slow: float, fast: float) -> Expected:
+def elastic_limit(cycle: cs.Scene, pace: float, slow: float, fast: float) -> known.Expected:
     """A cycle is relaxed at a ``pace`` up to ``slow``, glassy from ``fast`` on; else the front is tracked."""
     if pace <= slow:
         return known.elastic_cycle(cycle, TOP, "E0", known.CREEPING, known.EITHER)
@@ -235,7 +225,7 @@ def spectra() -> Rows:
             extra = spectrum((SHARE, 1.0), (weight, time))
             pairs.append((f"a branch of weight {weight:g} at {time:g} tau", extra, tolerance))
     for label, of, tolerance in pairs:
-        yield StabilityCase(label, scene((up, down), of), EquivalentScene(PLAIN), tolerance)
+        yield StabilityCase(label, scene((up, down), of), known.EquivalentScene(PLAIN), tolerance)
 
 
 def poisson() -> Rows:
@@ -296,7 +286,7 @@ def zones() -> Rows:
     where the model ends and nothing is compared. At the shortest a pull of ``V tau/da = 0.3`` besides: the
     edge moves a few zones in a relaxation time; at a speed given in radii it opens as a glass does.
     """
-    radius = zone_law(scene((), SOFT)).at_penetration(TOP).contact_radius
+    radius = known.zone_law(scene((), SOFT)).at_penetration(TOP).contact_radius
     finer = {one.name: 3 * one.coarse_resolution(adhesive=True) for one in solvers()}
     shortest = 1e-6
     for share in (shortest, 1e-4, 1e-3, 1e-2, 0.1, 1.0 / 3.0, 0.5):
@@ -306,14 +296,14 @@ def zones() -> Rows:
         names = ("pull_off_force",) if wide else known.PULLED[2:]
         expected = known.elastic_cycle(elastic, TOP, names=names)
         yield StabilityCase(f"{label}, elastic", elastic, expected, **more)
-        runs = ReferenceRuns(("start_force", "pull_off_force"), 40, 20) if wide else PEELED
+        runs = known.ReferenceRuns(("start_force", "pull_off_force"), 40, 20) if wide else PEELED
         yield StabilityCase(f"{label}, V tau/R = 0.02", pulled(SPEED, adhesion=law), runs, **more)
     law = cs.Adhesion(WORK, shortest * radius)
     slow = pulled(0.3 * law.zone, adhesion=law)
     yield StabilityCase(f"da/a = {shortest:.3g}, V tau/da = 0.3", slow, PEELED, PULLED)
     for share in (1.5, 100.0):
         longer = pulled(SPEED, adhesion=cs.Adhesion(WORK, share * radius))
-        nothing = NoSolution("a process zone longer than the contact")
+        nothing = known.NoSolution("a process zone longer than the contact")
         yield StabilityCase(f"da/a = {share:.3g}", longer, nothing)
 
 
@@ -324,7 +314,7 @@ def hysteresis() -> Rows:
         return cs.Adhesion(WORK, ZONE, share * WORK)
 
     same = scene(press_and_pull(), adhesion=closing(1.0))
-    yield StabilityCase("closing as opening", same, EquivalentScene(PLAIN), SAME)
+    yield StabilityCase("closing as opening", same, known.EquivalentScene(PLAIN), SAME)
     names = ("start_force", "start_radius", "pull_off_force", "detachment_penetration")
     for share in (0.5, 1e-1, 1e-3):
         label = f"closing at {share:g} of opening"
@@ -339,7 +329,7 @@ def hysteresis() -> Rows:
 
 def opening(laws: Mapping[str, cs.Adhesion]) -> Rows:
     """Cycles of an edge that opens without end: no instant of detachment is compared."""
-    names = ReferenceRuns(("approach_force", "pull_off_force", "loop_energy"))
+    names = known.ReferenceRuns(("approach_force", "pull_off_force", "loop_energy"))
     for label, law in laws.items():
         yield StabilityCase(label, scene(press_and_pull(), adhesion=law), names)
 
@@ -389,14 +379,14 @@ def indenters() -> Rows:
         falling: cs.Scene | cs.SceneError = scene(press_and_pull(), indenter=table(0.3))
     except cs.SceneError as error:
         falling = error
-    yield StabilityCase("table that falls, noise 30 %", falling, NoSolution("a profile that falls"))
+    yield StabilityCase("table that falls, noise 30 %", falling, known.NoSolution("a profile that falls"))
 
 
 def loading() -> Rows:
     """Holds of no length, reversals within a step, jumps, many cycles, starts without equilibrium."""
     up, down = press_and_pull()
     with_holds = scene((cs.Hold(0.0), up, cs.Hold(0.0), cs.Hold(0.0), down))
-    yield StabilityCase("holds of no length", with_holds, EquivalentScene(PLAIN), SAME)
+    yield StabilityCase("holds of no length", with_holds, known.EquivalentScene(PLAIN), SAME)
     flick = cs.Table((0.0, 0.2, 0.2 + 1e-6, 0.2 + 2e-6, 0.5), (0.0, 0.004, 0.006, 0.004, TOP))
     yield StabilityCase("reversal within 1e-6 tau", scene((flick, down)), replace(CYCLE, of_largest=()))
     ends: tuple[tuple[str, cs.Step, float, str], ...] = (
@@ -420,15 +410,17 @@ def loading() -> Rows:
     swung = known.punch_cycles(BASE, radius, TOP, size, whole, cycles)
     yield StabilityCase(f"{cycles} cycles of a punch", shaken, swung, **many)
     sticking = scene((cs.Oscillate(size, 1.0, duration), cs.Hold(1e4)), start="relaxed")
-    final = ReferenceRuns(("final_force", "final_radius", "loop_energy"), fine=8, coarse=4)
+    final = known.ReferenceRuns(("final_force", "final_radius", "loop_energy"), fine=8, coarse=4)
     many["resolutions"] = dict.fromkeys(SOLVERS, 4)
     yield StabilityCase(f"{cycles} cycles of a sphere, then rest", sticking, final, **many)
     for start, which in (("relaxed", "E0"), ("jump-in", "Einf")):
-        limit = zone_law(PLAIN, which).pull_off_penetration_control().penetration
+        limit = known.zone_law(PLAIN, which).pull_off_penetration_control().penetration
         for factor in (0.99, 1.01, 100.0):
             begun = scene((cs.Hold(0.0),), start=start, depth=factor * limit)
             stable = factor < 1.0
-            expected = known.started(begun, which) if stable else NoSolution("no contact is stable there")
+            expected = (
+                known.started(begun, which) if stable else known.NoSolution("no contact is stable there")
+            )
             label = f"{start} start at {factor:g} of the last stable penetration"
             yield StabilityCase(label, begun, expected, NEAR if stable else USUAL)
 
@@ -440,7 +432,7 @@ def dead_loads() -> Rows:
     itself, a thousandth at the coarse resolutions, a tenth of that of the front tracking, divided by twice
     the margin, is the error of the delay.
     """
-    slow = -zone_law(PLAIN).pull_off_force_control().force
+    slow = -known.zone_law(PLAIN).pull_off_force_control().force
 
     def loaded(tension: float) -> cs.Scene:
         return scene((cs.Force(-tension, 1e6),), **SETTLED)
@@ -450,11 +442,13 @@ def dead_loads() -> Rows:
         why = "1 % and the error of the slow pull-off force over twice the margin"
         tolerance = Tolerance({REFERENCE: 1e-2 + 0.1 * 1e-3 / share}, why, 1e-2 + 1e-3 / share)
         above, below = slow * (1.0 + margin), slow * (1.0 - margin)
-        delay = ReferenceRuns(("detachment_time",))
+        delay = known.ReferenceRuns(("detachment_time",))
         yield StabilityCase(f"{1.0 + margin:g} of slow pull-off", loaded(above), delay, tolerance)
         held = known.held(PLAIN, below)
         yield StabilityCase(f"{1.0 - margin:g} of slow pull-off", loaded(below), held, tolerance)
-    lost = ClosedForm((Value("detachment_time", 0.0, 1.0),), "beyond the glassy limit", known.DETACHED)
+    lost = known.ClosedForm(
+        (known.Value("detachment_time", 0.0, 1.0),), "beyond the glassy limit", known.DETACHED
+    )
     yield StabilityCase("30 times slow pull-off", loaded(30.0 * slow), lost)
 
 
@@ -463,7 +457,7 @@ def springs() -> Rows:
 
     Stiffness ``k`` is in those of the elastic contact where its tension is largest.
     """
-    law = zone_law(scene((), SOFT))
+    law = known.zone_law(scene((), SOFT))
     unit = 2.0 * law.plane_modulus * law.pull_off_force_control().contact_radius
     for share in (1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e6):
         spring = SpringContact(law, share * unit)
@@ -474,8 +468,8 @@ def springs() -> Rows:
         point = known.limit_point(spring, lost, last, first - last)
         yield StabilityCase(f"elastic, k = {share:g}", pull, point, ELASTIC)
     rigid = scene(press_and_pull(), machine=cs.Machine(math.inf))
-    yield StabilityCase("rigid", rigid, EquivalentScene(PLAIN), SAME)
-    runs = ReferenceRuns(("pull_off_force", "stage_at_detachment", "loop_energy", CURVE))
+    yield StabilityCase("rigid", rigid, known.EquivalentScene(PLAIN), SAME)
+    runs = known.ReferenceRuns(("pull_off_force", "stage_at_detachment", "loop_energy", known.CURVE))
     level = 4.0 / 3.0 * TOP**1.5  # of the relaxed contact at ``TOP``, without adhesion
     for share in (1e-3, 0.1, 1.0, 10.0, 1e3):
         speed = SPEED * (1.0 + 1.0 / share)  # of the stage, to move the indenter as without a spring
@@ -525,7 +519,7 @@ def units() -> Rows:
         law = cs.Adhesion(stress * length * WORK, length * ZONE)
         cycle = press_and_pull(length / time * SPEED, length * TOP, length * AWAY)
         scaled = scene(cycle, of, law, cs.Sphere(length))
-        yield StabilityCase(label, scaled, EquivalentScene(PLAIN, length, stress, time), SAME)
+        yield StabilityCase(label, scaled, known.EquivalentScene(PLAIN, length, stress, time), SAME)
 
 
 AXES: Mapping[str, Mapping[str, Callable[[], Rows]]] = {
