@@ -17,11 +17,9 @@ from crosscontact import arguments
 from crosscontact.arguments import A_SCENE, COUNT, checked_path, given
 from validation.runs.folder import claim, locked_folder
 from validation.runs.pool import engine_of, own_engine
+from validation.sweeps import dataset, explorer, run_plan
+from validation.sweeps import plan as plans
 from validation.sweeps.batch_runs import BATCH
-from validation.sweeps.dataset import check_writable, to_dataset, write_results
-from validation.sweeps.explorer import Exploration, check_drawable, explored, sliders_of
-from validation.sweeps.plan import DESIGNS, SAMPLES, SceneTable, builtin_or_file, of_scene, plan_from_dict
-from validation.sweeps.run_plan import carry_out, solved_again, store_of
 
 if TYPE_CHECKING:
     import xarray
@@ -111,8 +109,8 @@ def sweep(
     >>> f"{float(data.pull_off_force[1] / data.pull_off_force[0]):.2f}"
     '1.99'
     """
-    check_writable()
-    one_of(design, "design", DESIGNS)
+    dataset.check_writable()
+    one_of(design, "design", plans.DESIGNS)
     jobs, batch_seconds = COUNT(jobs, "jobs"), given(positive, batch_seconds, "batch_seconds")
     function_or_none(progress, "progress", "the share that is done and a line of text")
     target = None if out is None else checked_path(out, "out")
@@ -128,13 +126,13 @@ def sweep(
         "estimate": estimate_errors,
         "measures": measures,
         "traces": traces,
-        "coordinates": [_coordinate(key, entry, design in SAMPLES) for key, entry in values.items()],
+        "coordinates": [_coordinate(key, entry, design in plans.SAMPLES) for key, entry in values.items()],
     }
-    plan = plan_from_dict(asked, Path(), _base(scene))
+    plan = plans.plan_from_dict(asked, Path(), _base(scene))
     plan.check()
     if plan.traces is not None and target is None:
         raise SceneError("traces", "given without out", "a folder for the traces, out")
-    check_writable(plan)
+    dataset.check_writable(plan)
     with ExitStack() as opened:
         engine = opened.enter_context(own_engine(jobs)) if executor is None else engine_of(executor)
         if batch_seconds is not None:
@@ -142,9 +140,9 @@ def sweep(
         folder = None if target is None else opened.enter_context(locked_folder(target, "out"))
         if folder is not None:
             claim(folder, "a sweep", {}, "out")
-        runs = carry_out(plan, opened.enter_context(store_of(folder)), engine, progress)
-        runs = solved_again(plan, runs, engine, progress)
-        return to_dataset(plan, runs) if folder is None else write_results(plan, runs, folder)
+        runs = run_plan.carry_out(plan, opened.enter_context(run_plan.store_of(folder)), engine, progress)
+        runs = run_plan.solved_again(plan, runs, engine, progress)
+        return dataset.to_dataset(plan, runs) if folder is None else dataset.write_results(plan, runs, folder)
 
 
 def explore(
@@ -156,7 +154,7 @@ def explore(
     resolution: int | None = None,
     jobs: int = 1,
     progress: Callable[[float, str], None] | None = None,
-) -> Exploration:
+) -> explorer.Exploration:
     """Make a page with a slider for each of up to three keys of a scene; a notebook shows it.
 
     Parameters
@@ -189,15 +187,15 @@ def explore(
     >>> len(found.runs)
     3
     """
-    check_drawable()
+    explorer.check_drawable()
     function_or_none(progress, "progress", "the share that is done and a line of text")
     if solver is not None:
         arguments.check_solver(solver, "solver", (*arguments.names(), BATCH))
     jobs, count = COUNT(jobs, "jobs"), given(whole_from(2), values, "values")
     table = _base(scene)
-    sliders = sliders_of(table, several(vary, "vary", "dotted paths of the scene"), count)
+    sliders = explorer.sliders_of(table, several(vary, "vary", "dotted paths of the scene"), count)
     with own_engine(jobs) as engine:
-        return explored(
+        return explorer.explored(
             table,
             sliders,
             solver,
@@ -207,12 +205,12 @@ def explore(
         )
 
 
-def _base(scene: Scene | str | os.PathLike[str]) -> SceneTable:
+def _base(scene: Scene | str | os.PathLike[str]) -> plans.SceneTable:
     """The scene that is varied."""
     if isinstance(scene, Scene):
-        return of_scene(scene)
+        return plans.of_scene(scene)
     if isinstance(scene, (str, os.PathLike)):
-        return builtin_or_file(os.fspath(scene), Path())
+        return plans.builtin_or_file(os.fspath(scene), Path())
     raise SceneError("scene", f"got {shown(scene)}", A_SCENE)
 
 
