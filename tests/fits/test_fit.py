@@ -307,6 +307,17 @@ def test_adhesion_hysteresis_that_is_ignored_is_seen():
 
 
 @pytest.mark.slow
+def test_further_starts_come_to_the_same_place():
+    """Of a model that explains nothing; one of three points drawn singly would begin without contact."""
+    scene = replace(visco((9.0, 1.0)), adhesion=Adhesion(7e-4, 0.013))
+    guess = replace(scene, material=Material(3.0, 0.5))
+    settings = settings_of("adhesion.work", "material.modulus", starts=3)
+    found = fit_curves([synthetic(scene, 0.01, resolution=4)], guess, settings)
+    assert len(found.starts) == 3
+    assert max(found.starts) < 1.01 * min(found.starts)
+
+
+@pytest.mark.slow
 def test_weights_on_a_fixed_grid_are_fitted_and_their_regularisation_is_stated():
     curve = triangle(visco((4.0, 0.5)).material, 0.01)
     grid = settings_of("material.modulus", prony=(0.05, 0.5, 5.0), starts=1)

@@ -50,8 +50,9 @@ and over its difference from a run of half the step, for a method of second orde
 SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
 """Bounds of the step of differences, the root of the relative error of a run: the best if the errors of two
 neighbouring runs have nothing in common."""
-SPREAD = np.log(3.0)
-"""Starts are drawn within a factor of three about the scene's values: whoever knows less states bounds."""
+SPREAD, DRAWN_BEFORE = np.log(3.0), 4
+"""Starts are drawn within a factor of three about the scene's values (whoever knows less states bounds); of
+so many points the one of least misfit is taken: a point costs no derivatives."""
 EXPLORING, MOST_EVALUATIONS, PROFILING = 4, 40, 6
 """Evaluations of a start before starts are compared, of the last search, and with one parameter held."""
 SETTLED = 0.01
@@ -205,12 +206,14 @@ class Search:
             gtol=None,
         )
 
-    def _more_starts(self, own: Array) -> Array:
-        """Points drawn about the scene's values, one for each further start."""
+    def _more_starts(self, own: Array) -> list[Array]:
+        """The best of a few points drawn about the scene's values, for each further start."""
         settings, free = self.problem.settings, [one.logarithmic for one in self.problem.unknowns.found]
         further = settings.starts - 1 if any(free) else 0
-        drawn = np.random.default_rng(settings.seed).uniform(-SPREAD, SPREAD, (further, own.size))
-        return np.clip(own + drawn * free, *self.problem.unknowns.bounds)
+        shape = further, DRAWN_BEFORE, own.size
+        drawn = np.random.default_rng(settings.seed).uniform(-SPREAD, SPREAD, shape)
+        groups = np.clip(own + drawn * free, *self.problem.unknowns.bounds)
+        return [min(points, key=lambda x: float(np.sum(self.residuals(x) ** 2))) for points in groups]
 
     def profile(self, place: int, best: Array, result: FitResult) -> LikelihoodProfile:
         """Profile likelihood of a parameter, whose interval ends where the least sum of squares has grown by
