@@ -176,12 +176,12 @@ class Search:
             problem = f"no parameter changes the force at the first guess{reason}"
             raise SceneError("vary", problem, "a first guess that comes to contact and can be run")
         followed = self._followed(own, MOST_EVALUATIONS)
-        self.starts.append(followed.chisqr)
+        self.starts.append(float(followed.chisqr))
         if not goodness(self.problem, self.problem.at(self.x)).explained:
             first = self.least
             for number, x in enumerate(self._more_starts(own), 2):
                 self._stage = f"start {number} of {self.problem.settings.starts}"
-                self.starts.append(self._followed(x, EXPLORING).chisqr)
+                self.starts.append(float(self._followed(x, EXPLORING).chisqr))
             if self.least < first:
                 self._stage = "best start"
                 followed = self._followed(self.x, MOST_EVALUATIONS)
