@@ -168,6 +168,19 @@ def test_rows_in_contact_for_one_side_only_are_masked_and_the_moment_of_the_loss
         assert problem.jacobian(np.log([factor * 5e-4]))[-1, 0] > 0.0
 
 
+def test_a_measured_contact_radius_tells_the_sphere_from_its_modulus():
+    """The force alone holds one number of both."""
+    curve, scatter = hertz_curve(noise=2e-4), np.random.default_rng(1).standard_normal(120)
+    radius = np.sqrt(np.maximum(curve.motion, 0.0)) + 1e-3 * scatter
+    settings = settings_of("material.modulus", "indenter.radius", starts=1)
+    found = fit_curves([replace(curve, contact_radius=radius)], elastic_scene(GUESS), settings)
+    for one, truth in zip(found.estimates, (MODULUS, 1.0), strict=True):
+        assert abs(np.log(one.value / truth)) < 4.0 * one.deviation
+        assert one.deviation < 0.02
+    [unknown, _] = fit_curves([curve], elastic_scene(GUESS), settings).combinations
+    assert set(unknown.powers) == {"material.modulus", "indenter.radius"}
+
+
 def test_a_smooth_force_that_leaves_a_quiet_baseline_has_no_moment():
     """It changes by eight deviations from row to row, yet jumps nowhere: a moment would mislead the model."""
     curve, free = hertz_curve(noise=1e-6, rows=80), ("contact_point",)

@@ -197,14 +197,16 @@ class Search:
         for place, (value, low, high) in enumerate(zip(x, *self.problem.unknowns.bounds, strict=True)):
             box.add(f"x{place}", value, vary=place != held, min=low, max=high)
         varied = [place for place in range(x.size) if place != held]
-        return lmfit.Minimizer(lambda values: self.residuals(_point(values)), box).least_squares(
-            max_nfev=evaluations,
-            Dfun=lambda values: self.problem.jacobian(_point(values))[:, varied],
-            x_scale="jac",
-            ftol=SETTLED / self.problem.size,
-            xtol=1e-6,
-            gtol=None,
-        )
+        search = lmfit.Minimizer(lambda values: self.residuals(_point(values)), box)
+        with np.errstate(invalid="ignore"):  # in its own errors, where parameters stand for each other
+            return search.least_squares(
+                max_nfev=evaluations,
+                Dfun=lambda values: self.problem.jacobian(_point(values))[:, varied],
+                x_scale="jac",
+                ftol=SETTLED / self.problem.size,
+                xtol=1e-6,
+                gtol=None,
+            )
 
     def _more_starts(self, own: Array) -> list[Array]:
         """The best of a few points drawn about the scene's values, for each further start."""
