@@ -74,6 +74,12 @@ class Depths:
         share = (root - self.ends[panel]) / self.width[panel, 0]
         return panel, lagrange(np.broadcast_to(PLACES, (len(s), ROWS)), share)
 
+    def at(self, values: Array, s: Array) -> Array:
+        """Values (n, B) at a depth of each scene, of some (m, n, B)."""
+        panel, weights = self.panel(s)
+        places = ROWS * panel[:, None] + np.arange(ROWS)
+        return np.asarray(np.einsum("br,brn->nb", weights, values[places, :, np.arange(len(s))[:, None]]))
+
     def weights(self, s: Array) -> tuple[int, Array]:
         """First place that matters for depths, and weights (m, n) from it on."""
         panel, values = self.panel(s)

@@ -194,29 +194,26 @@ class Retraction:
         radius = held.radius[held.last, np.arange(len(start))]
         return cls(leg, bodies.duration - (when - bodies.turn), radius, when, held, before)
 
-    def before(self, chosen: Whole, crept: Array) -> list[Part]:
+    def before(self, chosen: Whole, left: Left | None) -> list[Part]:
         """Rows of some until the load turns, and until the edge rests."""
         rows, there = self.corner[:, None, chosen], np.ones((1, len(chosen)), bool)
-        if self.approach is not None:
-            last = self.approach.last[chosen]
-            earlier = self.approach.columns[:, : int(last.max()), chosen]
-            rows = np.concatenate((earlier, rows), axis=1)
-            there = np.concatenate((np.arange(earlier.shape[1])[:, None] < last, there))
-        return [(rows, there), (crept, crept[0] == crept[0])]
+        if self.approach is None or left is None:
+            return [(rows, there)]
+        last = self.approach.last[chosen]
+        earlier, crept = self.approach.columns[:, : int(last.max()), chosen], left.crept(last)
+        there = np.concatenate((np.arange(earlier.shape[1])[:, None] < last, there))
+        return [(np.concatenate((earlier, rows), axis=1), there), (crept, crept[0] == crept[0])]
 
-    def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, LoadRamp, Array, Array]:
-        """The rows of some of the scenes; and until the edge rests."""
+    def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, LoadRamp, Array, Left | None]:
+        """The rows of some of the scenes, their ramp and how long it takes, and what is left in contact."""
         bodies = self.leg.bodies.of_some(chosen)
-        leg = self.leg.of_some(chosen, bodies)
-        left, crept = None, np.zeros((4, 0, len(chosen)))
-        if self.held is not None and self.approach is not None:
+        leg, duration, left = self.leg.of_some(chosen, bodies), self.duration[chosen], None
+        if self.held is not None:
             left = Left(self.held.of_some(chosen, bodies), steps.depths)
-            crept = left.crept(self.approach.last[chosen])
-        duration = self.duration[chosen]
         found = retract(leg, self.radius[chosen], duration, steps, left)
         if self.approach is not None:
             found.ending[self.approach.ending[chosen] != ENDED] = FAILED
-        return found, leg, duration, crept
+        return found, leg, duration, left
 
 
 def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.grid import ROWS, Depths, Travel
+from validation.reference.batch.grid import Depths, Travel
 from validation.reference.batch.march import CONVERGED, ENDED, FAILED, ROUNDING, March, secants
 from validation.reference.batch.scenes import Bodies, LoadRamp
 from validation.reference.batch.zone import quadrature
@@ -28,7 +28,7 @@ CREPT = 0.2, 0.4, 0.6, 0.8, 1.0
 NEARER, AT_REST = 0.6, 1e-5
 """Of the time that is left until an edge rests, the part that a step takes at most; and the travel, in zones,
 that is left where it is extrapolated."""
-FINER = 0.002, 0.008, 0.015, 0.05, 0.08, 0.12, 0.3, 0.4, 0.8
+FINER = 0.012, 0.08, 0.4
 """More breaks in this case: the place of the turn is somewhere in the zone."""
 
 
@@ -75,34 +75,30 @@ class Held:
 
     def passed(self, x: Array) -> Array:
         """Times at which radii (m, B) were covered: roots of cubics through rows."""
-        scenes, (begin, whole, flat) = np.arange(len(self.last)), self.places
+        scenes, count, (begin, whole, flat) = np.arange(len(self.last)), len(self.last), self.places
         shares = np.clip((x - begin) / whole, 0.0, 1.0) + 2.0 * scenes
         row = flat.searchsorted(shares, side="right") - 1 - len(self.radius) * scenes
-        row = np.clip(row, 0, np.maximum(self.last - 1, 0))
-        low = np.where(self.kinks[:, None] <= row, self.kinks[:, None], 0).max(axis=0)
-        high = np.where(self.kinks[:, None] > row, self.kinks[:, None], self.last).min(axis=0)
-        first = np.clip(row - 1, low, np.maximum(high - 3, low))
-        first = np.maximum(np.minimum(first, self.last - 3), 0)
-        nodes = [np.minimum(first + i, self.last) for i in range(4)]
-        times = [self.time[node, scenes] for node in nodes]
-        radii = [self.radius[node, scenes] for node in nodes]
-        table = list(radii)
+        row = np.minimum(np.maximum(row, 0), np.maximum(self.last - 1, 0))
+        low, high = np.zeros_like(row), self.last
+        for kink in self.kinks:
+            low, high = np.where(kink <= row, kink, low), np.where(kink > row, np.minimum(kink, high), high)
+        first = np.maximum(np.minimum(np.maximum(np.minimum(row - 1, high - 3), low), self.last - 3), 0)
+        places = [np.minimum(first + i, self.last) * count + scenes for i in range(4)]
+        places += [row * count + scenes, np.minimum(row + 1, self.last) * count + scenes]
+        *times, early, late = (self.time.ravel().take(place) for place in places)
+        *table, near, far = (self.radius.ravel().take(place) for place in places)
         for order in range(1, 4):
             for i in range(3, order - 1, -1):
                 apart = times[i] - times[i - order]
-                table[i] = np.where(
-                    apart > 0.0, (table[i] - table[i - 1]) / np.where(apart > 0.0, apart, 1.0), 0.0
-                )
-        early, late = self.time[row, scenes], self.time[np.minimum(row + 1, self.last), scenes]
-        near, far = self.radius[row, scenes], self.radius[np.minimum(row + 1, self.last), scenes]
+                table[i] = (table[i] - table[i - 1]) / np.where(apart > 0.0, apart, np.inf)
         t = early + (late - early) * np.clip((x - near) / np.where(far > near, far - near, 1.0), 0.0, 1.0)
-        for _ in range(4):
+        for _ in range(3):
             value, slope = table[3], 0.0
             for i in (2, 1, 0):
-                slope = slope * (t - times[i]) + value
-                value = value * (t - times[i]) + table[i]
-            better = t - (value - x) / np.where(slope > 0.0, slope, np.inf)
-            t = np.clip(better, early, late)
+                since = t - times[i]
+                slope = slope * since + value
+                value = value * since + table[i]
+            t = np.minimum(np.maximum(t - (value - x) / np.where(slope > 0.0, slope, np.inf), early), late)
         return t
 
     def strain(self, x: Array) -> tuple[Array, Array]:
@@ -123,8 +119,7 @@ class Held:
 class Left:
     """What is left in contact, at depths behind the edge at rest that all scenes share.
 
-    ``table`` (m, 1 + n, B): when they were covered, and branch forces beside ``E_k M_k`` just after;
-    ``start`` (B,): depth of the edge where it began to close.
+    ``table`` (m, 1 + n, B): when they were covered, and branch forces beside ``E_k M_k`` just after.
     """
 
     def __init__(self, held: Held, depths: Depths) -> None:
@@ -133,7 +128,6 @@ class Left:
         self.edge, self.when = held.radius[held.last, scenes], held.time[held.last, scenes]
         t, strain = held.strain(np.maximum(self.edge - depths.s[:, None] * bodies.zone, 0.0))
         self.table = np.concatenate((t[:, None], strain.swapaxes(0, 1)), axis=1)
-        self.start = (self.edge - held.start) / bodies.zone
         self.within = self.total(self.when)
 
     def total(self, now: Array) -> Array:
@@ -142,9 +136,7 @@ class Left:
         since = np.minimum(self.table[:, :1] - now, 0.0)
         left = self.table[:, 1:] * np.exp(since / bodies.times)
         running = self.depths.running(left.reshape(len(left), -1)).reshape(left.shape)
-        panel, weights = self.depths.panel(self.start)
-        rows = ROWS * panel[:, None] + np.arange(ROWS)
-        before = np.einsum("br,brn->nb", weights, running[rows, :, np.arange(len(start))[:, None]])
+        before = self.depths.at(running, (self.edge - start) / bodies.zone)
         inside = bodies.glassy * bodies.moduli * (bodies.depth * start - bodies.volume(start))
         return inside * np.exp(-now / bodies.times) + (before - running) * bodies.zone
 
@@ -168,11 +160,7 @@ class Left:
             row = turned + np.rint(share * (held.last - turned)).astype(np.intp)
             radius, now = held.radius[row, scenes], held.time[row, scenes]
             D, b = held.second.at(now - held.bodies.turn)
-            depth = (self.edge - radius) / held.bodies.zone
-            panel, weights = self.depths.panel(depth)
-            rows = ROWS * panel[:, None] + np.arange(ROWS)
-            total = self.total(now)
-            total = np.einsum("br,brn->nb", weights, total[rows, :, scenes[:, None]])
+            total = self.depths.at(self.total(now), (self.edge - radius) / held.bodies.zone)
             found[:, m] = now, D, held.bodies.force(D, b, radius, total), radius
         return found
 
