@@ -133,7 +133,7 @@ def calibrate(asked: argparse.Namespace) -> None:
         tension, told = -float(trace.force.min()), answer.errors["pull_off_force"]
         apart = abs(answer.pull_off_force - tension) / max(tension, 1e-300)
         ratios.append((apart / told, apart, name))
-        own.append(apart / (told + trace.errors["pull_off_force"]))
+        own.append(apart / (told + trace.errors.get("pull_off_force", 0.0)))
         if len(ratios) % 100 == 0:
             print(f"# {len(ratios)}: larger than the estimate {sum(r > 1.0 for r, *_ in ratios)}", flush=True)
     print(f"{len(ratios)} answered, {none} not; larger than the estimate: {sum(r > 1.0 for r, *_ in ratios)}")

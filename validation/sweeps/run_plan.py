@@ -30,7 +30,7 @@ BYTES_OF_NUMBER = 8 + 20
 """A number in the data set, and its digits in the table."""
 FIGURES_BYTES = 250_000
 """PNG and SVG of a measure, about."""
-TOGETHER = 256
+TOGETHER = 1024
 """Runs of a task of the batch solver: what a kill can lose of them, for each worker."""
 SAMPLE, LEAST_SAMPLE = 0.01, 20
 """Share of the runs of the batch solver that the reference solves again, and how many at least."""

@@ -21,8 +21,8 @@ where ``M`` and ``N`` are what the closure makes of the stresses ``1`` and ``G(x
 with the time ``t_r(y)`` at which it was passed. ``t_r`` and ``A_j`` are polynomials over the rows, the last
 of which is unknown: one more evaluation is as many exponentials as points, and sums. An edge that closes is
 the same with sides exchanged: ``b_k = E_k M_k + E_k (D - M_k - G)(t_c) exp(-(t - t_c)/tau_k)`` behind it,
-where it covered at ``t_c`` what was never touched. An error is the change from a grid of half as many
-travels.
+where it covered at ``t_c`` what was never touched. What it leaves is tabled where it comes to rest, at depths
+that all scenes share. An error is the change from a grid of half as many travels.
 """
 
 from validation.reference.batch.solver import Solution, refusal, solve
