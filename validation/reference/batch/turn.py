@@ -187,6 +187,7 @@ def turned(bodies: Bodies, first: LoadRamp, closing: March, resolution: int) -> 
             radius[rows, some], time[rows, some] = found[:2]
             top[some] += found[2]
             closing.ending[some[found[2] < 0]] = FAILED
+    radius, time = radius[: int(top.max()) + 1], time[: int(top.max()) + 1]
     return Held(bodies, first, second, start, radius, time, top, kinks), time[top, scenes]
 
 
@@ -207,10 +208,9 @@ class AfterTurn:
 
     def __call__(self, radius: Array) -> Array:
         held, bodies, scenes = self.held, self.held.bodies, np.arange(len(radius))
-        rows, times, next_row = held.radius.copy(), held.time.copy(), held.last + 1
-        rows[next_row, scenes] = np.maximum(radius, rows[held.last, scenes])
-        times[next_row, scenes] = self.now
-        held = replace(held, radius=rows, time=times, last=next_row)
+        held.radius[held.last + 1, scenes] = np.maximum(radius, held.radius[held.last, scenes])
+        held.time[held.last + 1, scenes] = self.now
+        held = replace(held, last=held.last + 1)
         points = quadrature(FINER, True)
         forms, G = points.forms(bodies, radius)
         D, b = held.second.at(self.elapsed)
