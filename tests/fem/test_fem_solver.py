@@ -36,6 +36,7 @@ from contact_scene import (
 )
 from fem_solver import Options, record, solve
 from meshes import EdgeMeshes
+from validation.reference import sneddon
 from validation.solvers import SOLVERS
 
 
@@ -393,3 +394,11 @@ def test_separate_relaxation_runs_a_whole_cycle_on_any_domain():
     assert loop(traces[0]) == pytest.approx(loop(traces[1]), rel=1e-3)
     # glassier in shear than in bulk: not the cycle of a constant Poisson's ratio
     assert abs(wide / 4.300 - 1.0) > 1e-2
+
+
+def test_a_contact_far_smaller_than_its_loading_tells_has_a_mesh_of_its_own():
+    """A force that is above its level from the start: the ramp might go on to 40 radii of contact."""
+    loading = Loading("jump-in", 0.01, (Ramp(1.0, 1e-3, until_force=1.3e-3), Ramp(-0.1, 0.1)))
+    material = Material(0.75, 0.5, (Branch(6.75, 1e-2),))
+    trace = SOLVERS["fem"].solve(Scene(material, Cone(85.0), loading))
+    assert trace.force[0] == pytest.approx(sneddon.force(Cone(85.0), trace.contact_radius[0], 10.0), rel=1e-3)

@@ -28,7 +28,7 @@ def test_an_edge_closes_smoothly_in_a_zone_far_shorter_than_that_at_rest(share, 
     """Radii by front tracking; in steps of elements longer than its zone the edge was 0.6 to 0.8 % behind."""
     scene = Scene(ONE, Sphere(1.0), PRESSED, Adhesion(WORK, work_closing=share * WORK, stress=0.1023))
     assert scene.adhesion.closing_zone == pytest.approx(share * scene.adhesion.zone)
-    assert resolved_length(scene) <= LEAST_DIVISIONS * scene.adhesion.closing_zone
+    assert resolved_length(scene, 1.0) <= LEAST_DIVISIONS * scene.adhesion.closing_zone
     assert FiniteElements().solve(scene, 4).contact_radius[-1] == pytest.approx(radius, rel=5e-4)
 
 
@@ -53,7 +53,7 @@ def test_a_zone_that_grows_to_the_length_of_its_contact(stress, speed, force, wo
 def test_elements_are_shorter_than_the_resolution_says_only_where_the_closing_zone_asks_for_it():
     def shorter(**adhesion):
         asked = Scene(ONE, Sphere(1.0), PRESSED, Adhesion(WORK, **adhesion))
-        return asked.adhesion.zone / resolved_length(asked)
+        return asked.adhesion.zone / resolved_length(asked, 1.0)
 
     for same in ({"zone": 0.02}, {"zone": 0.02, "work_closing": 0.05 * WORK}, {"stress": 0.1}):
         assert shorter(**same) == 1.0

@@ -251,6 +251,11 @@ def test_a_step_that_ends_beyond_a_limit_point_is_none():
     assert trace.contact_radius[-2] == pytest.approx(3.1855e-8, rel=3e-5)
 
 
+def test_a_root_before_the_step_is_none():
+    """At a coarse resolution; secants came to where the step begins, and no slope is told by one point."""
+    assert solve(scene_of("instruments:21030"), Options(resolution=8)).outcome.finished
+
+
 def test_no_row_lies_next_to_a_limit_point():
     """The radius of the loss would be told by what rounding leaves of that row."""
     trace = solve(load("cycle-v0.1").scene)

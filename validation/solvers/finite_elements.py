@@ -21,6 +21,8 @@ ADHESIONLESS_DIVISIONS = 4
 PRESSED_LENGTHS = 20.0
 """Lengths that the resolution divides, along the largest contact radius without adhesion: one mesh, fine from
 the axis on, serves all radii then."""
+RESERVE = 2.0
+"""Largest radius of a mesh without adhesion over that of the contact, where the loading tells far more."""
 LEAST_DIVISIONS = 4
 """Smallest resolution that a user may choose; coarser meshes serve estimates of the error alone. The zone of
 a closing edge then has an element at least: with less the edge closes in steps, behind where it should be."""
@@ -94,17 +96,27 @@ class FiniteElements(Solver):
         from fem_solver import Options, solve
 
         own = Options(far_field=self.far_field, **options.of_solver)
-        return solve(scene, self.mesh(scene, resolution), own, options.progress, options.monitor)
+        divisions, largest = resolution or self.default_resolution(scene), largest_contact_radius(scene)
+        while True:
+            made = self._places(scene, divisions, largest)
+            trace = solve(scene, made, own, options.progress, options.monitor)
+            reached = RESERVE * float(trace.contact_radius.max(initial=0.0))
+            ended = trace.outcome is not None and trace.outcome.finished
+            if scene.is_adhesive or not ended or not 0.0 < RESERVE * reached < largest:
+                return trace
+            largest = reached  # the loading may have pressed to more than it did
 
     def mesh(self, scene: Scene, resolution: int | None = None) -> meshes.EdgeMeshes:
         """The meshes of a scene; one that is too large refuses when it is made."""
-        return self._places(scene, resolution or self.default_resolution(scene))
+        return self._places(
+            scene, resolution or self.default_resolution(scene), largest_contact_radius(scene)
+        )
 
-    def _places(self, scene: Scene, divisions: int) -> meshes.EdgeMeshes:
+    def _places(self, scene: Scene, divisions: int, largest: float) -> meshes.EdgeMeshes:
         return meshes.EdgeMeshes(
-            resolved_length(scene),
+            resolved_length(scene, largest),
             divisions,
-            largest_contact_radius(scene),
+            largest,
             self._growth(divisions) * slower_growth(scene),
             self.domain_ratio,
             self.cached_mesh,
@@ -116,12 +128,14 @@ class FiniteElements(Solver):
 
     def parameters(self, scene: Scene, divisions: int) -> meshes.MeshParameters:
         """Of the largest mesh; ``ValueError`` if it is too large."""
-        made = self._places(scene, divisions)
-        return made.parameters(made.place(largest_contact_radius(scene)).level)
+        largest = largest_contact_radius(scene)
+        made = self._places(scene, divisions, largest)
+        return made.parameters(made.place(largest).level)
 
     def mesh_bytes(self, scene: Scene, divisions: int) -> float:
         """Memory of the mesh and what is worked out on it before the first step, to a factor of 1.3."""
-        zones = largest_contact_radius(scene) / resolved_length(scene)
+        largest = largest_contact_radius(scene)
+        zones = largest / resolved_length(scene, largest)
         elements = divisions * max(math.log2(max(zones, 1.0)) / FEW_HALVINGS, 1.0) / slower_growth(scene) ** 2
         return BYTES[0] + BYTES[1] * min(elements, 1e30)
 
@@ -182,13 +196,13 @@ class FiniteElements(Solver):
         return ComparisonRun(partial(method.solve, scene, other), ratio)
 
 
-def resolved_length(scene: Scene) -> float:
+def resolved_length(scene: Scene, largest: float) -> float:
     """Length that the resolution divides: the process zone, or less where that of a closing edge is short.
 
     Without adhesion a share of the largest contact radius.
     """
     if scene.adhesion is None or not scene.is_adhesive:
-        return largest_contact_radius(scene) / PRESSED_LENGTHS
+        return largest / PRESSED_LENGTHS
     return min(scene.adhesion.zone, LEAST_DIVISIONS * scene.adhesion.closing_zone)
 
 
