@@ -70,6 +70,8 @@ LEAST_WEIGHT = 0.3
 """Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
 LEAST_SHARE = 0.1
 """Of what all steps over one scale may add up to: shorter steps are those after a kink, and few."""
+LARGEST_GROWTH = 2.0
+"""Ratio of successive steps: beyond, the rows with the least order and not the most would predict."""
 RUNG = 2.0**0.25
 """Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
 ALIKE = 0.99
@@ -401,7 +403,7 @@ class Continuation:
         Beyond a bend of the path a parabola goes farther than a polynomial that reaches back over it.
         """
         rows = np.arange(1.0, len(errors) + 1.0)
-        ratios = np.maximum(errors, 1e-5) ** (-1.0 / (rows + 1.0))
+        ratios = np.minimum(np.maximum(errors, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH)
         ratios[: len(errors) > 1] = 0.0  # one row knows no direction
         best = len(errors) - int((ratios[::-1] >= ALIKE * ratios.max()).argmax())
         return best + (best == len(errors)), float(ratios[best - 1])
