@@ -434,12 +434,12 @@ def test_an_edge_jump_without_a_place_to_rest_loses_contact():
     assert solved.outcome.kind.value == "detached"
 
 
-def test_penetration_under_a_force_where_elements_are_tiny(monkeypatch):
-    """Their size is below a rounding error of the penetration."""
+def test_penetration_under_a_force_near_the_axis_of_a_flat_profile(monkeypatch):
+    """Heights there are below a rounding error of the penetration."""
     problem = object.__new__(ContactProblem)
     problem.control, problem.value = "force", 2.0
     problem.state = SimpleNamespace(penetration=1e-3)
-    problem.placement, problem._passage = SimpleNamespace(scale=1e-26), None
+    problem.placement, problem._passage = SimpleNamespace(height=np.array([0.0, 1e-26, 1e-25, 1e-24])), None
     nodes = SimpleNamespace(towards=lambda *_: None)
     monkeypatch.setattr(ContactProblem, "_passages", lambda self, s: lambda *_: nodes)
     monkeypatch.setattr(ContactProblem, "_force_of", lambda self, s, depth, _: 1.0 + 500.0 * depth)
