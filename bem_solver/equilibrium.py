@@ -313,11 +313,13 @@ def unstable_motion(start: StepStart, receding: bool) -> EdgeJump | Outcome:
     if isinstance(problem.scene.indenter, TabulatedProfile):
         places += problem.scene.indenter.radii
     found = first_stable(trial, edge, end, *_SCAN, rounding, places) if way_ahead else None
-    reached = trial(limit) if way_ahead and end == limit else None
+    reached = None
     if found is not None:
         low, high = sorted(found)
         accuracy = EDGE_ACCURACY * problem.tolerance * problem.length_at(high if receding else low)
         reached = rising_root(trial, found[1], 0.0, low, high, accuracy).trial
+    elif way_ahead and end == limit:
+        reached = trial(limit)
     if reached is not None and (not receding or reached.zone < reached.motion.new_edge):
         far = abs(reached.motion.new_edge - contact.edge) > reach
         return EdgeJump(parameter, reached, _STEP_AFTER_EVENT * interval.length, far)

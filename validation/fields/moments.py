@@ -76,16 +76,15 @@ def record_fields(
 
     Raises ``SceneError`` if a time cannot lie within the loading, or the scene cannot be solved.
     """
-    from fem_solver import Options, record
+    from fem_solver import Options
 
     request = replace(request, times=check_times(request.times, scene.loading))
-    mesh = METHOD.mesh(scene, resolution)
     options = Options(
         record_times=request.times,
         record=True,
         max_steps=step_budget(scene) if max_steps is None else max_steps,
     )
-    recording, picked = record(scene, mesh, options, progress, monitor), {}
+    recording, picked = METHOD.record(scene, resolution, options, progress, monitor), {}
     if request.picked is not None and len(recording.trace):
         picked = request.picked(recording.trace, scene)
     return _select(recording, request, picked)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import meshes
-from contact_scene import Scene, SceneError, Trace
+from contact_scene import RunMonitor, Scene, SceneError, Trace
 from contact_scene.run_control import installed_memory
 from validation.solvers.base import AT_EXTREMA, SKIPPED_WORK, ComparisonRun, RunOptions, Solver
 from validation.solvers.contact_range import largest_contact_radius
+
+if TYPE_CHECKING:
+    from fem_solver import Options, Recording
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""
@@ -93,18 +96,30 @@ class FiniteElements(Solver):
     css_variable = "fem"
 
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
-        from fem_solver import Options, solve
+        from fem_solver import Options
 
         own = Options(far_field=self.far_field, **options.of_solver)
+        return self.record(scene, resolution, own, options.progress, options.monitor).trace
+
+    def record(
+        self,
+        scene: Scene,
+        resolution: int | None,
+        options: Options,
+        progress: Callable[[float], None] | None = None,
+        monitor: RunMonitor | None = None,
+    ) -> Recording:
+        """A run on the meshes of a scene, made anew where contact stays far below what its loading tells."""
+        from fem_solver import record
+
         divisions, largest = resolution or self.default_resolution(scene), largest_contact_radius(scene)
         while True:
-            made = self._places(scene, divisions, largest)
-            trace = solve(scene, made, own, options.progress, options.monitor)
-            reached = RESERVE * float(trace.contact_radius.max(initial=0.0))
-            ended = trace.outcome is not None and trace.outcome.finished
+            found = record(scene, self._places(scene, divisions, largest), options, progress, monitor)
+            reached = RESERVE * float(found.trace.contact_radius.max(initial=0.0))
+            ended = found.trace.outcome is not None and found.trace.outcome.finished
             if scene.is_adhesive or not ended or not 0.0 < RESERVE * reached < largest:
-                return trace
-            largest = reached  # the loading may have pressed to more than it did
+                return found
+            largest = reached
 
     def mesh(self, scene: Scene, resolution: int | None = None) -> meshes.EdgeMeshes:
         """The meshes of a scene; one that is too large refuses when it is made."""
