@@ -202,7 +202,7 @@ class Retraction:
         last = self.approach.last[chosen]
         earlier, crept = self.approach.columns[:, : int(last.max()), chosen], left.crept(last)
         there = np.concatenate((np.arange(earlier.shape[1])[:, None] < last, there))
-        return [(np.concatenate((earlier, rows), axis=1), there), (crept, crept[0] == crept[0])]
+        return [(np.concatenate((earlier, rows), axis=1), there), (crept, ~np.isnan(crept[0]))]
 
     def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, LoadRamp, Array, Left | None]:
         """The rows of some of the scenes, their ramp and how long it takes, and what is left in contact."""
