@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contact_scene import Loading, RunMonitor, Scene, SceneError, Trace
+from meshes import EdgeMeshes
 from validation.measure.events import end_of_approach, largest_tension
 from validation.measure.scaling import ROUND_OFF
 from validation.solvers.base import step_budget
@@ -76,7 +77,7 @@ def record_fields(
 
     Raises ``SceneError`` if a time cannot lie within the loading, or the scene cannot be solved.
     """
-    from fem_solver import Options
+    from fem_solver import Options, record
 
     request = replace(request, times=check_times(request.times, scene.loading))
     options = Options(
@@ -84,7 +85,11 @@ def record_fields(
         record=True,
         max_steps=step_budget(scene) if max_steps is None else max_steps,
     )
-    recording, picked = METHOD.record(scene, resolution, options, progress, monitor), {}
+
+    def run(mesh: EdgeMeshes) -> Recording:
+        return record(scene, mesh, options, progress, monitor)
+
+    recording, picked = METHOD.on_meshes(scene, resolution, run, lambda found: found.trace), {}
     if request.picked is not None and len(recording.trace):
         picked = request.picked(recording.trace, scene)
     return _select(recording, request, picked)

@@ -6,16 +6,15 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import meshes
-from contact_scene import RunMonitor, Scene, SceneError, Trace
+from contact_scene import Scene, SceneError, Trace
 from contact_scene.run_control import installed_memory
 from validation.solvers.base import AT_EXTREMA, SKIPPED_WORK, ComparisonRun, RunOptions, Solver
 from validation.solvers.contact_range import largest_contact_radius
 
-if TYPE_CHECKING:
-    from fem_solver import Options, Recording
+Run = TypeVar("Run")
 
 DIVISIONS = 10
 """Elements per process zone where no resolution is specified."""
@@ -96,27 +95,29 @@ class FiniteElements(Solver):
     css_variable = "fem"
 
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
-        from fem_solver import Options
+        from fem_solver import Options, solve
 
         own = Options(far_field=self.far_field, **options.of_solver)
-        return self.record(scene, resolution, own, options.progress, options.monitor).trace
 
-    def record(
+        def run(made: meshes.EdgeMeshes) -> Trace:
+            return solve(scene, made, own, options.progress, options.monitor)
+
+        return self.on_meshes(scene, resolution, run, lambda trace: trace)
+
+    def on_meshes(
         self,
         scene: Scene,
         resolution: int | None,
-        options: Options,
-        progress: Callable[[float], None] | None = None,
-        monitor: RunMonitor | None = None,
-    ) -> Recording:
+        run: Callable[[meshes.EdgeMeshes], Run],
+        trace_of: Callable[[Run], Trace],
+    ) -> Run:
         """A run on the meshes of a scene, made anew where contact stays far below what its loading tells."""
-        from fem_solver import record
-
         divisions, largest = resolution or self.default_resolution(scene), largest_contact_radius(scene)
         while True:
-            found = record(scene, self._places(scene, divisions, largest), options, progress, monitor)
-            reached = RESERVE * float(found.trace.contact_radius.max(initial=0.0))
-            ended = found.trace.outcome is not None and found.trace.outcome.finished
+            found = run(self._places(scene, divisions, largest))
+            trace = trace_of(found)
+            reached = RESERVE * float(trace.contact_radius.max(initial=0.0))
+            ended = trace.outcome is not None and trace.outcome.finished
             if scene.is_adhesive or not ended or not 0.0 < RESERVE * reached < largest:
                 return found
             largest = reached
