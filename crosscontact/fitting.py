@@ -7,6 +7,7 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -195,8 +196,7 @@ def fit(
     """
     asked = locals()
     settings = FitSettings(**{name: asked[name] for name in FitSettings.__dataclass_fields__})
-    measured, guess, folder = _asked(curves, scene, executor, out, progress)
-    return Fit(fit_and_write(measured, guess, settings, folder, executor, progress))
+    return Fit(_work(curves, scene, settings, executor, out, progress).fit())
 
 
 def fit_each(
@@ -243,90 +243,79 @@ def fit_each(
             raise SceneError(name, "is no option of a fit", ", ".join(FitSettings.__dataclass_fields__))
     asked: dict[str, Any] = {"vary": vary, "starts": 1, "check_solver": None}
     settings = FitSettings(**asked | options)
-    measured, guess, folder = _asked(curves, scene, executor, out, progress)
-    return fits.dataset(each_and_write(measured, guess, settings, folder, executor, progress))
+    return fits.dataset(_work(curves, scene, settings, executor, out, progress).each())
 
 
-def _asked(
+def _work(
     curves: Curve | Sequence[Curve],
     scene: Scene | str | os.PathLike[str],
+    settings: FitSettings,
     executor: Executor | None,
     out: str | os.PathLike[str] | None,
     progress: Callable[[str], None] | None,
-) -> tuple[list[MeasuredCurve], Scene, Path | None]:
-    """Curves, first guess and folder of a fit; executor and progress are looked at."""
-    measured = _measured(curves)
+) -> FitWork:
+    """What is given, checked, with the curves of files read."""
+    alone = isinstance(curves, (MeasuredCurve, str, os.PathLike))
+    measured: list[MeasuredCurve] = []
+    for curve in (curves,) if alone else as_tuple(curves, "curves", _CURVES):
+        of_class(curve, "curves", (MeasuredCurve, str, os.PathLike), _CURVES)
+        measured += [curve] if isinstance(curve, MeasuredCurve) else read_curves(curve)
     of_class(executor, "executor", (Executor, type(None)), "an Executor of concurrent.futures, or None")
     function_or_none(progress, "progress", "a line of text")
     folder = None if out is None else output_folder(checked_path(out, "out"), "out")
-    return measured, case_of(scene).scene, folder
+    return FitWork(measured, case_of(scene).scene, settings, folder, executor, progress)
 
 
-def _measured(curves: Curve | Sequence[Curve]) -> list[MeasuredCurve]:
-    """All curves, those of files read."""
-    one = isinstance(curves, (MeasuredCurve, str, os.PathLike))
-    measured: list[MeasuredCurve] = []
-    for curve in (curves,) if one else as_tuple(curves, "curves", _CURVES):
-        of_class(curve, "curves", (MeasuredCurve, str, os.PathLike), _CURVES)
-        measured += [curve] if isinstance(curve, MeasuredCurve) else read_curves(curve)
-    return measured
+@dataclass(frozen=True)
+class FitWork:
+    """Curves, first guess and settings of a fit; who carries it out; and the folder of its results, if any,
+    which the argument or option ``key`` names: it belongs to what is asked until all is done."""
 
+    curves: list[MeasuredCurve]
+    guess: Scene
+    settings: FitSettings
+    folder: Path | None = None
+    executor: Executor | None = None
+    progress: Callable[[str], None] | None = None
+    key: str = "out"
+    fresh: bool = False
 
-def fit_and_write(
-    curves: list[MeasuredCurve],
-    guess: Scene,
-    settings: FitSettings,
-    folder: Path | None,
-    executor: Executor | None,
-    progress: Callable[[str], None] | None,
-    key: str = "out",
-    fresh: bool = False,
-) -> FitResult:
-    """Search, with a folder from what is stored there; the result is written, of a stopped search too."""
-    with _stored(folder, "a fit", question(curves, guess, settings), key, fresh) as store:
-        try:
-            result = fits.fit_curves(curves, guess, settings, executor, progress, store)
-        except InterruptedFit as interrupted:
-            if folder is not None and interrupted.result is not None:
-                page.write_fit(interrupted.result, folder)
-            raise
-        if folder is not None:
-            page.write_fit(result, folder)
-    return result
+    @contextmanager
+    def _asked(self, kind: str) -> Iterator[tuple[Any, ...]]:
+        """Arguments of a fit, with what is stored in the folder."""
+        asked = self.curves, self.guess, self.settings
+        if self.folder is not None:
+            claim(self.folder, kind, question(*asked), self.key, self.fresh)
+        store = Store(self.folder, self.fresh)
+        yield *asked, self.executor, self.progress, store
+        store.clear()
 
+    def fit(self) -> FitResult:
+        """Search; the result is written, of a stopped search too."""
+        with self._asked("a fit") as asked:
+            try:
+                result = fits.fit_curves(*asked)
+            except InterruptedFit as interrupted:
+                if self.folder is not None and interrupted.result is not None:
+                    page.write_fit(interrupted.result, self.folder)
+                raise
+            if self.folder is not None:
+                page.write_fit(result, self.folder)
+        return result
 
-def each_and_write(
-    curves: list[MeasuredCurve],
-    guess: Scene,
-    settings: FitSettings,
-    folder: Path | None,
-    executor: Executor | None,
-    progress: Callable[[str], None] | None,
-    key: str = "out",
-    fresh: bool = False,
-) -> list[fits.EachFit]:
-    """Fit each curve; what there is when it ends or is stopped is written."""
-    found: list[fits.EachFit] = []
-    with _stored(folder, "fits of each curve", question(curves, guess, settings), key, fresh) as store:
-        try:
-            found.extend(fits.fit_each(curves, guess, settings, executor, progress, store))
-        finally:
-            fitted = any(one.result for one in found)
-            if folder is not None and fitted:
-                page.write_each(found, folder)
-        if not fitted and found[0].refusal is not None:
-            raise found[0].refusal
-    return found
-
-
-@contextmanager
-def _stored(folder: Path | None, kind: str, asked: dict[str, str], key: str, fresh: bool) -> Iterator[Store]:
-    """What is stored in a folder, which belongs to what is asked from now on, until all is done."""
-    if folder is not None:
-        claim(folder, kind, asked, key, fresh)
-    store = Store(folder, fresh)
-    yield store
-    store.clear()
+    def each(self) -> list[fits.EachFit]:
+        """Fit each curve; what there is when it ends or is stopped is written."""
+        found: list[fits.EachFit] = []
+        with self._asked("fits of each curve") as asked:
+            try:
+                found.extend(fits.fit_each(*asked))
+            finally:
+                fitted = any(one.result for one in found)
+                if self.folder is not None and fitted:
+                    page.write_each(found, self.folder)
+            if not fitted and found[0].refusal is not None:
+                raise found[0].refusal
+        return found
 
 
 def read_curves(path: str | os.PathLike[str]) -> list[MeasuredCurve]:

@@ -10,7 +10,7 @@ from contact_scene import SceneError
 from crosscontact.arguments import COUNT, option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import say, value
-from crosscontact.fitting import Fit, each_and_write, fit_and_write, read_all
+from crosscontact.fitting import Fit, FitWork, read_all
 from validation import cases
 from validation.fits.fit import EachFit
 from validation.fits.page import each_table
@@ -69,14 +69,14 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     scene = cases.load(options.scene).scene
     curves = [curve for found in read_all(options.data, options, si=False) for curve in found]
     folder = None if options.out is None else output_folder(options.out)
-    asked = curves, scene, settings, folder
     try:
         with Progress("fit") as progress, processes(jobs) as executor:
             progress.phase("searching")
-            told = executor, lambda text: progress(0.0, text)
+            how: Any = folder, executor, lambda text: progress(0.0, text), "--out", options.fresh
+            work = FitWork(curves, scene, settings, *how)
             if options.each:
-                return _of_each(each_and_write(*asked, *told, key="--out", fresh=options.fresh), folder)
-            result = fit_and_write(*asked, *told, key="--out", fresh=options.fresh)
+                return _of_each(work.each(), folder)
+            result = work.fit()
     except InterruptedFit as interrupted:
         if interrupted.result is not None:
             print(Fit(interrupted.result))

@@ -27,7 +27,7 @@ from contact_scene import (
     write_scene,
 )
 from crosscontact.cli import main
-from crosscontact.fitting import each_and_write, fit_and_write
+from crosscontact.fitting import FitWork
 from validation.fits.fit import fit_curves
 from validation.fits.model import NO_CONTACT, CurveModel, run_of
 from validation.fits.page import document, draw_curves, statements
@@ -226,7 +226,7 @@ def test_an_interrupted_fit_has_its_best_point_and_goes_on_from_its_runs(tmp_pat
             raise KeyboardInterrupt
 
     with pytest.raises(InterruptedFit) as caught, without_layout():
-        fit_and_write([curve], elastic_scene(GUESS), settings, tmp_path, None, stop)
+        FitWork([curve], elastic_scene(GUESS), settings, tmp_path, None, stop).fit()
     best = caught.value.result
     assert best is not None
     assert not best.converged
@@ -347,7 +347,7 @@ def test_many_curves_are_fitted_each_from_the_answer_before_it(tmp_path):
     silent = replace(curves[0], force=0.0 * curves[0].force, name="nothing")
     asked = [curves[0], silent, *curves[1:]], elastic_scene(GUESS), settings_of("material.modulus")
     with without_layout():
-        found = each_and_write(*asked, tmp_path, None, None)
+        found = FitWork(*asked, tmp_path).each()
     starts = [one.result.estimates[0].start for one in found if one.result is not None]
     assert starts[0] == GUESS
     before = found[0].result.estimates[0].value, found[2].result.estimates[0].value

@@ -20,7 +20,7 @@ from validation.drawing import export
 from validation.drawing.axes import drawing, format_axes, label_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
 from validation.fits.fit import OF_PARAMETER, EachFit, dataset
-from validation.fits.result import CHI_SQUARED, UNLIKELY, VAGUE, Estimate, FitResult, FittedCurve
+from validation.fits.result import CHI_SQUARED, UNLIKELY, VAGUE, Estimate, FitResult
 from validation.measure.scaling import unit_name
 from validation.report import document as doc
 from validation.report import report
@@ -305,9 +305,24 @@ def draw_curves(result: FitResult) -> Drawing:
     panels, figure = _panels(len(result.curves), (3.6, 4.6), 1.4, (2.2, 1.0))
     length, force, time = (f" ({unit_name(result.scene, name)})" for name in ("penetration", "force", "time"))
     for place, (one, (upper, lower)) in enumerate(zip(result.curves, panels, strict=False)):
-        _draw_curve(upper, lower, one, result.goodness.explained)
+        curve = one.curve
+        parts: list[tuple[Any, str, str]] = [(one.compared, SERIES[0], "measured")]
+        if not one.compared.all():
+            parts.append((~one.compared, GREY, "not compared"))
+        if not result.goodness.explained and one.worst_stretch:
+            parts.append((one.stretch, SERIES[1], "not explained"))
+            lower.axvspan(*one.worst_stretch, color=SERIES[1], alpha=0.2, linewidth=0)
+        for rows, colour, label in parts:
+            upper.plot(one.position[rows], curve.force[rows], color=colour, label=label, **ROWS)
+        upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
+        upper.set_title(curve.name, fontsize="medium")
+        lower.plot(curve.time[one.compared], one.residuals[one.compared], color=SERIES[0], **ROWS)
+        lower.axhline(0.0, color=INK, linewidth=0.8)
         first = place % MOST_COLUMNS == 0
-        driven = "penetration" if one.curve.stage is None else "position of the stage"
+        for axes in (upper, lower):
+            format_axes(axes)
+            axes.locator_params(axis="x", nbins=5)
+        driven = "penetration" if curve.stage is None else "position of the stage"
         label_axes(upper, driven + length, f"force{force}" if first else "")
         label_axes(lower, f"time{time}", "(measured - fit)/noise" if first else "")
     panels[0][0].legend(**LEGEND)
@@ -325,24 +340,6 @@ def _panels(
     for axes in (axes for group in groups[count:] for axes in group):
         axes.set_axis_off()
     return groups, figure
-
-
-def _draw_curve(upper: Axes, lower: Axes, one: FittedCurve, explained: bool) -> None:
-    kept, force, time = one.compared, one.curve.force, one.curve.time
-    upper.plot(one.position[kept], force[kept], color=SERIES[0], label="measured", **ROWS)
-    if not kept.all():
-        upper.plot(one.position[~kept], force[~kept], color=GREY, label="not compared", **ROWS)
-    if not explained and one.worst_stretch:
-        missed = one.position[one.stretch], force[one.stretch]
-        upper.plot(*missed, color=SERIES[1], label="not explained", **ROWS)
-        lower.axvspan(*one.worst_stretch, color=SERIES[1], alpha=0.2, linewidth=0)
-    upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
-    upper.set_title(one.curve.name, fontsize="medium")
-    lower.plot(time[kept], one.residuals[kept], color=SERIES[0], **ROWS)
-    lower.axhline(0.0, color=INK, linewidth=0.8)
-    for axes in (upper, lower):
-        format_axes(axes)
-        axes.locator_params(axis="x", nbins=5)
 
 
 def draw_profiles(profiles: Sequence[Any]) -> Drawing:

@@ -14,6 +14,7 @@ import warnings
 import zipfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from shutil import copyfile
 from tempfile import TemporaryDirectory
@@ -98,18 +99,15 @@ def _read_archive(path: Path, given: Given) -> list[MeasuredCurve]:
     curves = []
     try:
         with zipfile.ZipFile(path) as archive, TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            inside = [
-                one for one in archive.infolist() if not one.is_dir() and "__MACOSX" not in one.filename
-            ]
-            if sum(one.file_size for one in inside) > LARGEST_FILE:
+            if sum(one.file_size for one in archive.infolist()) > LARGEST_FILE:
                 raise SceneError("", f"unpacks to more than {LARGEST_FILE // 10**6} MB", "less", str(path))
-            for one in sorted(inside, key=lambda one: one.filename):
-                name = Path(folder) / Path(one.filename).name
-                name.write_bytes(archive.read(one))
+            archive.extractall(folder)
+            inside = (one for one in sorted(Path(folder).rglob("*")) if "__MACOSX" not in one.parts)
+            for file in filter(Path.is_file, inside):
                 try:
-                    curves += read_file(name, given, si=True)
+                    curves += read_file(file, given, si=True)
                 except SceneError as error:
-                    raise SceneError(error.key, error.problem, error.allowed, f"{path}/{name.name}") from None
+                    raise replace(error, file=f"{path}/{file.name}") from None
     except zipfile.BadZipFile as error:
         reason = f"cannot be read: BadZipFile {error}"
         raise SceneError("", reason, "an archive of curves", str(path)) from None
