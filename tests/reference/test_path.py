@@ -256,6 +256,17 @@ def test_a_root_before_the_step_is_none():
     assert solve(scene_of("instruments:21030"), Options(resolution=8)).outcome.finished
 
 
+def test_a_step_ends_just_before_what_was_never_in_contact():
+    """Passed over at a row that rounding chooses, the corner would leave 5e-7 of the loop to it."""
+    scene = load("layer-repressed").scene
+    coarse = solve(scene, Options(resolution=8))
+    fine = solve(scene, Options(resolution=64))
+    begun, zone = coarse.contact_radius[0], scene.adhesion.zone
+    pressed = coarse.contact_radius[1:] - begun
+    assert np.abs(pressed).min() < 1e-5 * zone
+    assert coarse.external_work[-1] == pytest.approx(fine.external_work[-1], rel=2e-7)
+
+
 def test_no_row_lies_next_to_a_limit_point():
     """The radius of the loss would be told by what rounding leaves of that row."""
     trace = solve(load("cycle-v0.1").scene)

@@ -14,7 +14,8 @@ A step ends at an event, seen ahead on the predictor:
 - a turn of the edge; the start of one that has rested;
 - a fold: the load parameter has a maximum over the radius. It is approached from this side and landed on
   when its place no longer changes; there the contact jumps to another radius, or is lost;
-- the smallest contact that is followed, or the rim of the indenter.
+- the smallest contact that is followed, or the rim of the indenter;
+- just before what was never in contact, for an edge that closes over what was: a corner of the path.
 """
 
 from __future__ import annotations
@@ -114,6 +115,7 @@ class Ending(StrEnum):
     FOLD = "fold"
     LEAST = "smallest radius"
     RIM = "rim"
+    UNTOUCHED = "untouched surface"
     LOST = "lost"
 
 
@@ -121,6 +123,7 @@ SIGHTS = {
     Ending.END: (0, 0, 1.0),
     Ending.LEAST: (0, 1, -1.0),
     Ending.RIM: (0, 1, 1.0),
+    Ending.UNTOUCHED: (0, 1, 1.0),
     Ending.TURN: (1, 1, 0.0),
     Ending.FOLD: (1, 0, -1.0),
 }
@@ -580,11 +583,12 @@ class Continuation:
             Ending.END: (self.leg.end - self.state.parameter) / self.T,
             Ending.LEAST: (self.least_radius - self.state.radius) / self.L,
             Ending.RIM: (self.law.rim - self.state.radius) / self.L,
+            Ending.UNTOUCHED: self._untouched / self.L,
             Ending.TURN: 0.0,
             Ending.FOLD: 0.0,
         }
         rests = self.law.rests(self.state.radius) and not self.moving
-        at, kind = self._first(path, dict([*levels.items()][: 1 if rests else 5]), self.h / TOWARDS)
+        at, kind = self._first(path, dict([*levels.items()][: 1 if rests else 6]), self.h / TOWARDS)
         if kind is Ending.NONE:
             at = self.h
         elif at > self.h or (kind is Ending.FOLD and not self._settled(path, at)):
@@ -593,11 +597,18 @@ class Continuation:
         tangent = tangent / np.hypot(*tangent[:2])
         if kind is Ending.END:
             there[0] = levels[kind]
-        elif kind in (Ending.LEAST, Ending.RIM):
+        elif kind in (Ending.LEAST, Ending.RIM, Ending.UNTOUCHED):
             there[1] = levels[kind]
         moves = abs(tangent[1]) > MOVING and abs(there[1]) * self.L > self.still
         fixed = Fixed.RADIUS if moves and kind not in (Ending.END, Ending.TURN) else Fixed.LOAD
         return Plan(at, there, tangent, Fixed.REST if rests else fixed, kind)
+
+    @property
+    def _untouched(self) -> float:
+        """Way to just before what was never in contact, for an edge that closes over what was."""
+        edges = self.state.surface.edges
+        ahead = float(edges[-1]) - self.still if len(edges) else 0.0
+        return ahead if ahead > self.still else math.inf
 
     def _first(self, path: Predictor, levels: dict[Ending, float], reach: float) -> tuple[float, Ending]:
         """The first event within reach, and where it is."""
@@ -645,7 +656,7 @@ class Continuation:
                 self.moving = True
                 if self._runs_away():
                     plan.event = Ending.FOLD
-            case Ending.RIM:
+            case Ending.RIM | Ending.UNTOUCHED:
                 self._restart()
 
     def _accept(self, arrival: Arrival, s: float) -> None:
