@@ -67,7 +67,7 @@ def test_random_cycles_are_answered_as_by_the_reference(scene):
     if not answer.answered:
         assert "zones" in answer.reason
         return
-    assert difference(scene, answer) < min(3.0 * answer.errors["pull_off_force"] + 1e-5, 1e-3)
+    assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
 
 
 @given(scene=SLOW_TURNS)
@@ -79,7 +79,7 @@ def test_an_edge_that_closes_on_after_the_turn_comes_to_rest(scene):
         assert "differently" in answer.reason or "zones" in answer.reason
         return
     assert answer.errors["pull_off_force"] < 1e-3
-    assert difference(scene, answer) < 3.0 * answer.errors["pull_off_force"] + 1e-5
+    assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
 
 
 @pytest.mark.parametrize("name", ["cycle-v0.002", "cycle-v0.02", "cycle-v10", "three-branches"])
@@ -212,7 +212,7 @@ def test_memory_of_a_batch():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FAMILIES)
 def test_families_of_the_benchmark(name):
-    """Pull-off within 1e-5 of the reference in most scenes, 2e-4 in all, and its estimate is one."""
+    """Pull-off within 1e-5 of the reference in most scenes, 1e-4 in all, and its estimate is one."""
     scenes = [FAMILIES[name].scene(rng) for rng in [np.random.default_rng(1)] for _ in range(32)]
     answers = batch.solve(scenes)
     answered = [pair for pair in zip(scenes, answers, strict=True) if pair[1].answered]
@@ -220,5 +220,5 @@ def test_families_of_the_benchmark(name):
     apart, told = np.array(found).T
     assert len(answered) > 28  # others shrink to one and a half zones
     assert np.median(apart) < 1e-5
-    assert apart.max() < 2e-4
-    assert (apart <= 2.0 * told + 1e-5).all()
+    assert apart.max() < 1e-4
+    assert (apart <= told + 1e-5).all()

@@ -3,10 +3,10 @@
 This is the method of :mod:`validation.reference.path`, not a fourth opinion: the same closure of the same
 Prony elements in Abel space, and its kernel. What differs is who chooses the steps. There the loop does, for
 one scene; here a grid of travels ``g``, in process zones since the edge set off, is the same for all scenes,
-fine where the edge sets off and where the fields it set off with leave the zone (``g = 1``), and coarser by a
-ratio from there on. At a given travel quadrature points, passing order and interpolation do not depend on the
-scene, so a step costs one set-up shared by all, and each scene a root in one scalar: the time at which its
-edge gets there.
+even in the root of the travel where the edge sets off and where the fields it set off with leave the zone
+(``g = 1``), and coarser by a ratio from there on. At a given travel quadrature points, passing order and
+interpolation do not depend on the scene, so a step costs one set-up shared by all, and each scene a root in
+one scalar: the time at which its edge gets there.
 
 With ``v`` the share of the zone, ``x = a - d (1 - v)`` behind and ``y = a + d v`` ahead of the edge, and the
 openings ``D - G(y)`` less than ``w(y)``,
@@ -22,7 +22,7 @@ with the time ``t_r(y)`` at which it was passed. ``t_r`` and ``A_j`` are polynom
 of which is unknown: one more evaluation is as many exponentials as points, and sums. An edge that closes is
 the same with sides exchanged: ``b_k = E_k M_k + E_k (D - M_k - G)(t_c) exp(-(t - t_c)/tau_k)`` behind it,
 where it covered at ``t_c`` what was never touched. What it leaves is tabled where it comes to rest, at depths
-that all scenes share. An error is the change from a grid of half as many travels.
+that all scenes share. An error is the change from half as many rows of coarser quadrature.
 """
 
 from validation.reference.batch.solver import Solution, refusal, solve

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.zone import BEHIND, SHORTEST, SWEPT, Quadrature, quadrature
+from validation.reference.batch.zone import BEHIND, COUNT, SHORTEST, SWEPT, Quadrature, quadrature
 from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
@@ -17,8 +17,9 @@ Whole = NDArray[np.intp]
 Kind = Literal["opening", "closing", "turned"]
 """An edge that opens from rest on what is relaxed, one that closes, and one that opens where it closed."""
 
-WIDEST = 1.2
-"""Steps of a grid in travels or radii, times the resolution."""
+WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 0.6}
+"""Longest steps in travels or radii, times the resolution. An edge that opens where it closed comes by the
+place from which it closed, a corner between two rows."""
 ROWS = 6
 """Rows of a polynomial over the travel."""
 NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
@@ -105,6 +106,7 @@ class Grid:
     breaks: Whole
     kind: Kind
     least: float
+    count: int
     steps: dict[int, Travel] = field(default_factory=dict)
 
     @cached_property
@@ -132,7 +134,8 @@ class Grid:
         corners = now - self.g[self.breaks]
         if turned and now < 1.0:  # it may set off as a root, and comes by layers that relax
             corners = np.concatenate((corners, now - NEAR, 1.0 - NEAR))
-        points = quadrature(tuple(corners[(corners > 0.0) & (corners < 1.0)].tolist()), closing)
+        corners = corners[(corners > 0.0) & (corners < 1.0)]
+        points = quadrature(tuple(corners.tolist()), closing, self.count)
         points = points if closing else points.up_to(1.0 / max(self.least - now, SHORTEST))
         passed = now - (1.0 - points.v[:, 0] if closing else points.v[:, 0])
         passed = passed[passed > 0.0]
@@ -171,25 +174,17 @@ def lagrange(nodes: Array, at: Array) -> Array:
 
 
 @lru_cache(maxsize=128)
-def grid(resolution: int, size: int, kind: Kind) -> Grid:
+def grid(resolution: int, size: int, kind: Kind, count: int = COUNT) -> Grid:
     """For radii from ``2^size`` zones to twice that.
 
-    A corner is followed by a quarter of a ``resolution``-th of a zone, and steps that grow by a ratio to such
-    a part of the travel, or of what is left of the radius.
+    Where an edge sets off from rest its travel goes like the square of the time. Rows even in the root of the
+    travel follow that, and layers beside the corner far shorter than the zone; in the next zone too, as the
+    edge then leaves the fields it set off with. Beyond, a step is a part of the travel, or of what is left of
+    the radius. ``count``: points of Gauss between two breaks.
     """
-    least, ratio, radius = 0.25 / resolution, 1.0 + 1.6 / resolution, 2.0**size
-    g, breaks = [np.zeros(1)], [0]
-    for begin in (0.0, 1.0):
-        steps = np.minimum(least * ratio ** np.arange(8 * resolution), 0.25)
-        ends = steps.cumsum()
-        last = int(ends.searchsorted(1.0)) + 1
-        g.append(begin + ends[:last] / ends[last - 1])
-        breaks.append(breaks[-1] + last)
-    travel, step, rest = 2.0, 2.0 * least, []
-    while travel < 2.0 * radius:
-        travel += step
-        rest.append(travel)
-        step = min(
-            step * ratio, WIDEST / resolution * min(travel, max(radius - travel, 0.25 * max(radius, travel)))
-        )
-    return Grid(np.concatenate((*g, rest)), np.array(breaks), kind, radius)
+    radius, graded, rest = 2.0**size, (np.arange(1, resolution + 1) / resolution) ** 2, [2.0]
+    while (travel := rest[-1]) < 2.0 * radius:
+        left = max(radius - travel, 0.25 * max(radius, travel))
+        rest.append(travel + WIDEST[kind] / resolution * min(travel - 1.0, left))
+    breaks = np.array([0, resolution, 2 * resolution])
+    return Grid(np.concatenate(([0.0], graded, 1.0 + graded, rest[1:])), breaks, kind, radius, count)

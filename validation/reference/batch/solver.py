@@ -31,7 +31,7 @@ from validation.reference.batch.march import (
 )
 from validation.reference.batch.scenes import Bodies, LoadRamp, refusal
 from validation.reference.batch.turn import Held, Left, turned
-from validation.reference.batch.zone import SHARES, SHORTEST, SWEPT
+from validation.reference.batch.zone import COUNT, SHARES, SHORTEST, SWEPT
 from validation.reference.path.rheology import Rheology, rheology
 
 Array = NDArray[np.float64]
@@ -182,13 +182,13 @@ class Retraction:
         return np.array([bodies.turn, self.held.second.depth, before.at(before.force, place), edge])
 
     @classmethod
-    def of(cls, bodies: Bodies, start: Array, resolution: int, cycle: bool) -> Retraction:
+    def of(cls, bodies: Bodies, start: Array, resolution: int, count: int, cycle: bool) -> Retraction:
         """From the start, or as the approach leaves it."""
         none = np.zeros_like(bodies.moduli)
         if not cycle:
             leg = LoadRamp(bodies, bodies.depth, bodies.rate, none)
             return cls(leg, bodies.duration, start, 0.0 * start, None, None)
-        before, first = approach(bodies, start, grid(resolution, ANY, "closing"))
+        before, first = approach(bodies, start, grid(resolution, ANY, "closing", count))
         held, when = turned(bodies, first, before, resolution)
         leg = held.second.after(when - bodies.turn, bodies.rate)
         radius = held.radius[held.last, np.arange(len(start))]
@@ -217,15 +217,16 @@ class Retraction:
 
 
 def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
-    """Answers of scenes, with the change from half the resolution as their errors."""
+    """Answers of scenes; their errors are the change from half as many rows, and a point of Gauss less."""
     start = start_radius(bodies)
-    fine, coarse = (Retraction.of(bodies, start, n, cycle) for n in (resolution, resolution // 2))
+    pair = (resolution, COUNT), (resolution // 2, COUNT - 1)
+    fine, coarse = (Retraction.of(bodies, start, *each, cycle) for each in pair)
     solutions = [Solution(REASONS[FAILED])] * len(start)
     sizes = np.floor(np.log2(fine.radius / bodies.zone))
     for size in np.unique(sizes[np.isfinite(sizes)]).tolist():
         chosen = filled(np.flatnonzero(sizes == size))
         kind: Kind = "turned" if cycle else "opening"
-        steps = [grid(n, int(size), kind) for n in (resolution, resolution // 2)]
+        steps = [grid(n, int(size), kind, count) for n, count in pair]
         runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
         before = fine.before(chosen, runs[0][3])
         found = answers([run[:3] for run in runs], fine.when[chosen], coarse.when[chosen], before)

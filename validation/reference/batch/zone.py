@@ -19,7 +19,9 @@ SHORTEST = 1.5
 """Process zones in the radius down to which the series of the kernel reaches."""
 LAYERS = (4e-3, 3e-2, 0.2, 0.6)
 """Breaks of the quadrature, from the edge: a layer that recovers behind a slow edge is an exponential."""
-POINTS, WEIGHTS = gauss(4)
+COUNT = 4
+"""Points of Gauss between two breaks; the coarser of two resolutions has one less."""
+POINTS, WEIGHTS = gauss(COUNT)
 _BREAKS = 1.0 - np.array([1.0, *LAYERS[::-1], 0.0])
 SWEPT = (_BREAKS[:-1, None] + np.diff(_BREAKS)[:, None] * POINTS).ravel()
 SHARES = (np.diff(_BREAKS)[:, None] * WEIGHTS).ravel()
@@ -123,10 +125,11 @@ class Quadrature:
 
 
 @lru_cache(maxsize=4096)
-def quadrature(corners: tuple[float, ...], closing: bool = False) -> Quadrature:
-    """By Gauss between breaks from the edge, some of which are corners."""
+def quadrature(corners: tuple[float, ...], closing: bool = False, count: int = COUNT) -> Quadrature:
+    """By ``count`` points of Gauss between breaks from the edge, some of which are corners."""
+    points, weights = gauss(count)
     breaks = np.unique((0.0, *LAYERS, *corners, 1.0))
     width = np.diff(breaks)[:, None]
-    v = (breaks[:-1, None] + width * POINTS).ravel()
+    v = (breaks[:-1, None] + width * points).ravel()
     v = 1.0 - v if closing else v
-    return Quadrature(v[:, None], (width * WEIGHTS).ravel()[:, None], _inner(v, closing), closing)
+    return Quadrature(v[:, None], (width * weights).ravel()[:, None], _inner(v, closing), closing)
