@@ -132,6 +132,7 @@ def fit(
     check_solver: str | None = "bem",
     max_steps: int | None = None,
     within: float | None = None,
+    posterior: bool = False,
     executor: Executor | None = None,
     out: str | os.PathLike[str] | None = None,
     progress: Callable[[str], None] | None = None,
@@ -170,6 +171,8 @@ def fit(
         Bounds accepted and rejected steps together; by default a bound that no sound run comes near.
     within : float, optional
         Share of the range of the force that the model may miss, where a white noise is no yardstick: 0.01.
+    posterior : bool
+        Sample the posterior about the best point: intervals of walkers beside those of the least squares.
     executor : Executor, optional
         Any of ``concurrent.futures``; carries out the runs of a derivative side by side.
     out : path, optional

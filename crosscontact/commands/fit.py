@@ -49,6 +49,7 @@ OPTIONS: shared.Options = {
     "--starts": value("N", "default: 3, with --each 1", type=option_type(COUNT)),
     "--seed": value("N", "of the starts that are drawn", type=int, default=0),
     "--within": value("SHARE", "of the range that the model may miss, as 1%%", type=_share, default=None),
+    "--posterior": shared.flag("sample it: intervals of walkers beside those of the least squares"),
     **shared.resolution("default: by the noise"),
     **shared.MAX_STEPS,
     "--regularisation": value("X", "weight of the bending of these moduli; default: 0.1", type=float),

@@ -53,7 +53,7 @@ REQUIRED = {
 FLAG, TEXT, EMPTY = "truth value", "text", "empty array"
 TIMES = ("stop_times", "profile_times", "prony")
 TAKEN = {
-    FLAG: ("estimate_errors", "with_reference"),
+    FLAG: ("estimate_errors", "posterior", "with_reference"),
     TEXT: ("folder", "path", "out", "name", "remark", "solver"),
     "array": TIMES,
     "list": TIMES,

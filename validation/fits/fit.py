@@ -21,7 +21,16 @@ from contact_scene import Scene, SceneError
 from validation.fits import data_checks
 from validation.fits.contact import Array
 from validation.fits.model import CurveModel, first_passing
-from validation.fits.problem import FitProblem, FitSettings, Point, first_guess, question, unknowns
+from validation.fits.posterior import sampled, sampler_module
+from validation.fits.problem import (
+    ERROR_SHARE,
+    FitProblem,
+    FitSettings,
+    Point,
+    first_guess,
+    question,
+    unknowns,
+)
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import (
     CHI_SQUARED,
@@ -44,9 +53,8 @@ MOST_ROWS = 20_000
 TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
 """Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
 is four steps per process zone, the fewest that resolve one."""
-ERROR_SHARE, ORDER_TWO = 0.05, 4.0 / 3.0
-"""Error of a run over the noise, at most: it moves a parameter by a twentieth of its deviation at the worst;
-and over its difference from a run of half the step, for a method of second order."""
+ORDER_TWO = 4.0 / 3.0
+"""Error of a run over its difference from a run of half the step, for a method of second order."""
 SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
 """Bounds of the step of differences, the root of the relative error of a run: the best if the errors of two
 neighbouring runs have nothing in common."""
@@ -75,6 +83,8 @@ def fit_curves(
     interrupted fit goes on."""
     began = time.perf_counter()
     curves = named_apart(curves)
+    if settings.posterior:
+        sampler_module()
     asked = question(curves, scene, settings)
     scene = first_guess(curves, scene, settings)
     shortened = [curve.means(MOST_ROWS) for curve in curves]
@@ -103,6 +113,13 @@ def fit_curves(
         places = [place for place, name in named if {"all", name} & set(settings.profile)]
         profiles = tuple(search.profile(place, best, result) for place in places)
         check = search.by_second_solver(result)
+        result = replace(result, profiles=profiles, check=check, error_share=share)
+        if settings.posterior:
+            price = (time.perf_counter() - began) / problem.runs
+            try:
+                result = replace(result, posterior=sampled(problem, best, result, price, search.tell))
+            except SceneError as error:
+                result = replace(result, warnings=(*result.warnings, str(error)))
     except KeyboardInterrupt:
         if not np.isfinite(search.least):
             raise InterruptedFit(None) from None
@@ -112,7 +129,6 @@ def fit_curves(
         with suppress(KeyboardInterrupt):
             kept = found()
         raise InterruptedFit(kept) from None
-    result = replace(result, profiles=profiles, check=check, error_share=share)
     return replace(result, runs=problem.runs, seconds=time.perf_counter() - began)
 
 

@@ -40,6 +40,7 @@ CAPTIONS = {
     "the noise. Grey rows around jumps of the force are not compared, the moments of the jumps are.",
     "profiles": "Increase of the least sum of squares as one parameter is held at a value and all others are "
     "fitted anew, over the variance of a residual; at 3.84 the 95 % interval ends.",
+    "posterior": "Each pair of parameters as the walkers found them, and how often each value.",
     "each": "Every parameter over the curves, with its 95 % interval.",
 }
 COMBINATIONS = """\
@@ -54,6 +55,7 @@ OF_CURVE = (
     "worst_stretch",
 )
 PROFILED = ("profile from", "low", "no lower end"), ("profile to", "high", "no upper end")
+SAMPLED = {"posterior from": "low", "posterior median": "median", "posterior to": "high"}
 MOST_COLUMNS = 4  # curves or profiles side by side
 ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.2, "rasterized": True}
 EXPLAINED = {"color": SERIES[0], "label": "explained"}
@@ -81,6 +83,8 @@ def of_fit(result: FitResult) -> dict[str, Any]:
         "goodness": asdict(result.goodness),
         "profiles": [asdict(one) for one in result.profiles],
         "second_solver": None if result.check is None else asdict(result.check),
+        "posterior": result.posterior
+        and {name: at for name, at in vars(result.posterior).items() if name != "samples"},
         "curves": curves,
         "statements": statements(result),
         "settings": asdict(result.settings),
@@ -136,6 +140,10 @@ def _sections(result: FitResult, curves: Drawing) -> Iterator[Section]:
     yield Section("What the data tell apart", (Paragraph(COMBINATIONS), *apart))
     if result.profiles:
         yield Section("Profile likelihood", (_figure("profiles", draw_profiles(result.profiles)),))
+    if result.posterior:
+        yield Section(
+            "Posterior", (Paragraph(_sampled(result)), _figure("posterior", draw_posterior(result)))
+        )
     if result.check:
         shifts = (
             {"parameter": name, "shift, to first order, over its deviation": format(shift, "+.3f")}
@@ -257,6 +265,7 @@ def _percent(share: float) -> str:
 def table(result: FitResult) -> DataTable:
     """Every parameter with its error."""
     profiles = {one.name: one for one in result.profiles}
+    sampled = result.posterior.intervals if result.posterior else {}
 
     def row(one: Estimate) -> Record:
         ends = (one.low, one.high) if math.isfinite(one.deviation) else (None, None)
@@ -267,6 +276,9 @@ def table(result: FitResult) -> DataTable:
             "first guess": number(one.start, 4),
             "note": VerdictCell(one.note, False) if one.note else ABSENT,
         }
+        if sampled:
+            own = sampled.get(one.name, {})
+            record |= {title: number(own.get(end), 5) for title, end in SAMPLED.items()}
         for title, end, without in PROFILED if profiles else ():
             at = getattr(profiles.get(one.name), end, ABSENT)
             record[title] = without if at is None else number(at, 5)
@@ -355,6 +367,33 @@ def draw_profiles(profiles: Sequence[Any]) -> Drawing:
         if place % MOST_COLUMNS == 0:
             axes.set_ylabel("increase of the sum of squares", color=INK)
     panels[0][0].legend(**LEGEND)
+    return figure
+
+
+def _sampled(result: FitResult) -> str:
+    """How the posterior was sampled."""
+    one = result.posterior
+    assert one is not None
+    return (
+        f"{one.walkers} walkers by {one.solver}, {one.steps} steps each, the first {one.discarded} left out; "
+        f"autocorrelation over {one.autocorrelation:.0f} steps, {one.acceptance:.0%} accepted. Flat in the "
+        "logarithms of positive numbers, within their bounds."
+    )
+
+
+def draw_posterior(result: FitResult) -> Drawing:
+    """All pairs of parameters, and each by itself."""
+    import corner
+
+    assert result.posterior is not None
+    names, size = [*result.posterior.intervals], 1.8 * len(result.posterior.intervals)
+    figure, _ = drawing((size, size), len(names), len(names), layout=None)
+    look: dict[str, Any] = {"color": SERIES[0], "label_kwargs": {"fontsize": "small", "color": INK}}
+    look |= {"plot_datapoints": False, "max_n_ticks": 4}
+    quantiles = [0.025, 0.5, 0.975]
+    corner.corner(
+        result.posterior.samples, labels=names, fig=figure, quantiles=quantiles, labelpad=0.2, **look
+    )
     return figure
 
 

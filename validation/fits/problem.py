@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -47,6 +47,8 @@ CONTACT_POINT, TIME_OFFSET = "contact_point", "time_offset"
 INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)
 SPRING = ("machine.stiffness", "loading.machine.stiffness")
 """Paths of the spring between stage and indenter."""
+ERROR_SHARE = 0.05
+"""Error of a run over the noise, at most: it moves a parameter by a twentieth of its deviation at worst."""
 RANGE, TIME_SHARE = 1e3, 0.1
 """Factor about the scene's value within which a positive parameter is searched, if no bounds are given; and
 time offset over the duration of a record, at most."""
@@ -77,6 +79,7 @@ class FitSettings(Checked):
     check_solver: str | None = "bem"
     max_steps: Annotated[int, whole_from(1)] | None = None
     within: Annotated[float, SHARE] | None = None
+    posterior: bool = False
 
     def __post_init__(self) -> None:
         for name in ("vary", "tie", "per_curve", "free", "profile"):
@@ -332,7 +335,17 @@ class FitProblem:
 
     def at(self, x: Array) -> Point:
         """A point of the search."""
-        predicted, bending = self.predictions(self._calls(x)), self._bending(x)
+        return self.all_at([x])[0]
+
+    def all_at(self, points: Iterable[Array]) -> list[Point]:
+        """Points of the search, whose runs are carried out together."""
+        places, count = list(points), len(self.models)
+        predicted = self.predictions([call for x in places for call in self._calls(x)])
+        return [self._point(x, predicted[n * count : (n + 1) * count]) for n, x in enumerate(places)]
+
+    def _point(self, x: Array, predicted: list[Prediction]) -> Point:
+        """A point with its runs and the background that makes its residuals least."""
+        bending = self._bending(x)
         compared = np.concatenate([*(one.hold for one in predicted), np.ones(bending.size, bool)])
         raw = np.concatenate([*(one.residuals for one in predicted), bending])
         raw, columns = np.where(compared, raw, 0.0), np.where(compared[:, None], self.columns, 0.0)
@@ -375,18 +388,31 @@ class FitProblem:
                 key, begin = str(error), float(model.curve.time[-1])
                 self._kept[key] = replace(NO_CONTACT, failure=key)
             asked.append((key, begin))
-        executor = self.executor if len(tasks) > 1 else None
-        run_tasks(tasks.values(), executor, self.store, on_result=self._keep)
+        self.carry_out(tasks)
         made = []
         for (curve, values), (key, begin) in zip(points, asked, strict=True):
             offset = values.get(TIME_OFFSET, 0.0)
             made.append(self.models[curve].prediction(self._kept[key], begin, offset))
         return made
 
-    def _keep(self, result: TaskResult) -> None:
-        self._kept[result.task.key] = result.value or replace(NO_CONTACT, failure=result.failure)
+    def carry_out(self, tasks: Mapping[str, Task]) -> None:
+        """Runs that are kept, by their keys, side by side."""
+
+        def keep(result: TaskResult) -> None:
+            self.keep(result.task.key, result.value or replace(NO_CONTACT, failure=result.failure))
+
+        executor = self.executor if len(tasks) > 1 else None
+        run_tasks(tasks.values(), executor, self.store, on_result=keep)
+
+    def keep(self, key: str, run: FitRun) -> None:
+        """Keep a run that was carried out."""
+        self._kept[key] = run
         self.runs += 1
         self.on_run()
+
+    def forget(self) -> None:
+        """Keep no run any more."""
+        self._kept.clear()
 
     def _calls(self, x: Array) -> list[tuple[int, dict[str, float]]]:
         return [(curve, self.unknowns.values(x, curve)) for curve in range(len(self.models))]

@@ -163,6 +163,22 @@ class SecondSolver:
 
 
 @dataclass(frozen=True)
+class Posterior:
+    """What walkers found: ``median``, ``low`` and ``high`` of the 95 % interval of each parameter; how many
+    ``steps`` they made, ``discarded`` at first, of how long an ``autocorrelation``, by which ``solver``; and
+    all ``samples`` behind, shape (N, P)."""
+
+    solver: str
+    walkers: int
+    steps: int
+    discarded: int
+    autocorrelation: float
+    acceptance: float
+    intervals: dict[str, dict[str, float]]
+    samples: Array
+
+
+@dataclass(frozen=True)
 class FitResult:
     """What a fit found, with its errors, as ``fit.json`` has them; ``scene`` has the fitted numbers
     that all curves share."""
@@ -183,6 +199,7 @@ class FitResult:
     runs: int = 0
     profiles: tuple[LikelihoodProfile, ...] = ()
     check: SecondSolver | None = None
+    posterior: Posterior | None = None
     error_share: float | None = None
     seconds: float = 0.0
     question: dict[str, str] | None = None

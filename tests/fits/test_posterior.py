@@ -1,0 +1,120 @@
+"""Posteriors: intervals of walkers where those of the least squares hold, and runs in batches."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.recorded import GUESS, elastic_scene, hertz_curve, settings_of
+from support.unlaid_figures import without_layout
+
+import crosscontact as cc
+from contact_scene import Adhesion, Branch, Hold, Loading, Material, Ramp, Scene, SceneError, Sphere, Table
+from contact_scene.scene import with_values
+from validation.fits import posterior
+from validation.fits.fit import fit_curves
+from validation.fits.model import CurveModel
+from validation.fits.posterior import BatchProblem, as_ramps
+from validation.fits.problem import ERROR_SHARE, FitProblem, FitSettings, unknowns
+from validation.fits.result import rms
+from validation.fits.synthetic import synthetic
+
+WORK, ZONE = "adhesion.work", "adhesion.zone"
+
+
+@pytest.fixture
+def few_samples(monkeypatch):
+    """Intervals to a third of a deviation."""
+    pytest.importorskip("emcee", reason="the optional extra `fit` is not installed")
+    for name, value in (("WALKERS", 16), ("CHECKED", 50), ("ENOUGH", 50)):
+        monkeypatch.setattr(posterior, name, value)
+
+
+def test_intervals_of_a_nearly_linear_fit_are_those_of_the_least_squares(closed_form, few_samples, tmp_path):
+    settings = settings_of("material.modulus", free=("contact_point", "baseline"), posterior=True)
+    found = fit_curves([hertz_curve(noise=2e-4, offset=0.004)], elastic_scene(GUESS), settings)
+    assert found.posterior is not None
+    assert found.posterior.solver == "closed-form"
+    for one in found.estimates[:2]:
+        sampled, size = found.posterior.intervals[one.name], (one.high - one.low) / 3.92
+        for end, at in (("low", one.low), ("median", one.value), ("high", one.high)):
+            assert sampled[end] == pytest.approx(at, abs=0.7 * size)
+    with without_layout():
+        cc.Fit(found).save(tmp_path)
+    written = json.loads((tmp_path / "fit.json").read_text())["posterior"]
+    assert written["intervals"] == found.posterior.intervals
+    assert "samples" not in written
+    assert "posterior from" in (tmp_path / "index.html").read_text()
+
+
+def retraction(rate=0.02, work=5e-4, zone=0.013):
+    """A relaxed contact pulled off at one speed."""
+    loading = Loading("relaxed", 0.02, (Ramp(-0.3, rate),))
+    return Scene(Material(0.75, 0.5, (Branch(6.75, 1.0),)), Sphere(1.0), loading, Adhesion(work, zone))
+
+
+def problem_of(scene):
+    settings = FitSettings(vary=(WORK, ZONE), check_solver=None)
+    models = [CurveModel.of(synthetic(scene, 0.01), scene)]
+    return FitProblem(models, unknowns(models, scene, settings), settings, tolerance=4e-5)
+
+
+def test_a_retraction_is_solved_in_batches_as_the_reference_solves_it():
+    problem = problem_of(retraction())
+    x = problem.unknowns.start
+    together = BatchProblem.of(problem, x)
+    assert together is not None
+    points = [x + shift for shift in np.random.default_rng(0).normal(0.0, 0.1, (4, 2))]
+    for point, own in zip(points, together.all_at(points), strict=True):
+        assert rms(own.residuals - problem.residuals(point)) < ERROR_SHARE * (1.0 + rms(own.residuals))
+    assert together.runs == 5
+    resting = replace(retraction().loading, steps=(Hold(0.5), Ramp(-0.3, 0.02)))
+    rested = problem_of(replace(retraction(), loading=resting))
+    assert BatchProblem.of(rested, rested.unknowns.start) is None
+
+
+def test_a_table_of_a_motion_is_its_ramps():
+    def driven(*values):
+        return replace(retraction(), loading=Loading("relaxed", 0.25, (Table((1.0, 2.0, 6.0), values),)))
+
+    assert as_ramps(driven(0.25, 0.5, -0.5)).loading.steps == (Ramp(0.5, 0.25), Ramp(-0.5, 0.25))
+    assert as_ramps(driven(0.25, 0.25, -0.5)) == driven(0.25, 0.25, -0.5)
+
+
+def test_a_posterior_that_takes_too_long_is_told_and_costs_no_fit(closed_form, few_samples, monkeypatch):
+    monkeypatch.setattr(posterior, "AFFORDABLE", 0.0)
+    settings = settings_of("material.modulus", posterior=True)
+    found = fit_curves([hertz_curve(noise=2e-4)], elastic_scene(GUESS), settings)
+    assert found.posterior is None
+    assert found.goodness.explained
+    assert any("points by closed-form take up to" in text for text in found.warnings)
+
+
+def test_without_its_package_a_posterior_is_refused_at_once(closed_form, monkeypatch):
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    with pytest.raises(SceneError, match="emcee is not installed"):
+        fit_curves([hertz_curve()], elastic_scene(), settings_of("material.modulus", posterior=True))
+
+
+@pytest.mark.slow
+def test_most_intervals_hold_the_truth(few_samples):
+    """Of ten retractions with two numbers each: fewer than 16 of 20 by chance once in 400."""
+    inside = []
+    for number in range(10):
+        draw = np.random.default_rng(number)
+        truth = {
+            WORK: 5e-4 * math.exp(draw.uniform(-0.4, 0.4)),
+            ZONE: 0.013 * math.exp(draw.uniform(-0.3, 0.3)),
+        }
+        scene = with_values(retraction(0.02 * math.exp(draw.uniform(-1.0, 1.0))), truth)
+        settings = FitSettings(vary=(WORK, ZONE), check_solver=None, posterior=True)
+        found = fit_curves([synthetic(scene, 0.02, seed=number)], with_values(scene, {WORK: 6e-4}), settings)
+        assert found.posterior is not None
+        assert found.posterior.solver == "batch"
+        ends = found.posterior.intervals
+        inside += [ends[name]["low"] <= at <= ends[name]["high"] for name, at in truth.items()]
+    assert sum(inside) >= 16
