@@ -28,9 +28,6 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_SAME = 1e-9
-"""Distance, in process zones, at which two nodes are one; rounding beyond that is interpolated. As a share of
-the radius it would be a whole element where the zone is 1e-8 of it."""
 LEAST_ZONE = 1e-2
 """Shortest zone of fixed stress that is followed, in zones at rest: a tenth of an element."""
 
@@ -38,15 +35,9 @@ LEAST_ZONE = 1e-2
 class ZoneShift:
     """Between which nodes the point one zone outside each node lies.
 
-    On a uniform mesh with a whole number of elements per zone that is a node; otherwise the gap there is
-    interpolated between the neighbouring nodes *of the same kind*: vertices or mid-side nodes.
-
-    Parameters
-    ----------
-    radii : ndarray, shape (n,)
-        Surface nodes, vertices and mid-side nodes in turn, from the axis.
-    zone : float
-        Process-zone length.
+    ``radii`` are those of vertices and mid-side nodes in turn, from the axis. On a uniform mesh with a whole
+    number of elements per zone that point is a node; otherwise the gap there is interpolated between the
+    neighbouring nodes *of the same kind*.
     """
 
     def __init__(self, radii: Array, zone: float) -> None:
@@ -59,7 +50,7 @@ class ZoneShift:
             nodes = np.arange(kind, count, 2)
             own = radii[nodes]
             targets = own + zone
-            right = np.clip(np.searchsorted(own, targets - _SAME * zone), 1, len(nodes) - 1)
+            right = np.clip(np.searchsorted(own, targets), 1, len(nodes) - 1)
             width = own[right] - own[right - 1]
             share = np.clip((targets - own[right - 1]) / width, 0.0, 1.0)
             self.low[nodes], self.high[nodes], self.share[nodes] = nodes[right - 1], nodes[right], share

@@ -10,7 +10,7 @@ follows from the displacements imposed on the nodes up to j: what a component ha
 the penetration and from the moment at which the edge passed its node. Energies are sums over components.
 
 Where shear and bulk relax apart, the modulus is that of the surface, with the energies of the body (see
-``series_modulus``), and ``C`` the compliance at the glassy ``G/K``.
+``moduli``), and ``C`` the compliance at the glassy ``G/K``.
 """
 
 from __future__ import annotations
@@ -26,12 +26,7 @@ VariablesOfParts = tuple[Array, Array]
 
 
 class Components:
-    """Laws of single components; ``v`` has shape (m,), ``b`` (branches, m), durations are (m,) or numbers.
-
-    Parameters
-    ----------
-    modulus : Prony
-    """
+    """Laws of single components; ``v`` has shape (m,), ``b`` (branches, m), durations are (m,) or numbers."""
 
     def __init__(self, modulus: Prony) -> None:
         self.modulus = modulus

@@ -11,7 +11,7 @@ partly. A step may pass over any number of nodes. A node that the edge leaves be
 A node that the edge covers goes through them in reverse; partly covered, ``v_j`` is the mean of what is
 imposed and what recovers, by its share. Component j stands for the radii between two positions of the edge:
 both are the means over them of what a continuous edge leaves there. The times follow from its path (see
-``path``). Where all happens at once (a load jump, the start) every node has the second time only.
+``edge_path``). Where all happens at once (a load jump, the start) every node has the second time only.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from contact_scene.loading import Control
 from fem_solver.closure import ZoneShift, zone_of_stress
 from fem_solver.components import Components
-from fem_solver.edge_path import NO_CONTACT, EdgeMotion, EdgeOrigin, EdgePolynomial, EdgePosition
+from fem_solver.edge_path import NO_CONTACT, EdgeMotion, EdgePolynomial, EdgePosition
 from fem_solver.nodes import NodePassage, NodeStrips, PartlyReleased
 from fem_solver.placement import Placement
 from fem_solver.state import ComponentState
@@ -35,33 +35,14 @@ from fem_solver.surface_record import SurfaceRecord
 
 Array = NDArray[np.float64]
 
-_LEAST_CHANGE = 1e-6
-"""Change of the penetration from which the stiffness is told, at least, relative to it: near the axis of a
-flat profile its height is below a rounding error of the penetration."""
-
 
 class ContactProblem:
     """All contact states possible at one instant, as functions of the edge position.
 
-    Parameters
-    ----------
-    placement : Placement
-    solid : Components
-    state : ComponentState
-        At the begin of the step, at this place of the mesh.
-    dt : float
-        Length of the step; 0 for a glassy response, infinite for a relaxed one.
-    control : "penetration", "force" or "stage"
-    value : float
-        Of the controlled quantity.
-    compliance : float
-        Of the machine, through which the stage acts.
-
-    Attributes
-    ----------
-    stiffness, held_force : ndarray, shape (n,)
-        Of contact of the nodes ``0..m`` throughout the step, for every m: force per unit of penetration, and
-        the force that is left at none.
+    The step of length ``dt`` (0 for a glassy response, infinite for a relaxed one) begins with ``state``, at
+    this place of the mesh; ``compliance`` is that of the machine, through which the stage acts. ``stiffness``
+    and ``held_force`` of contact of the nodes ``0..m`` throughout the step, for every m, are the force per
+    unit of penetration, and the force that is left at none.
     """
 
     control: Control
@@ -84,8 +65,9 @@ class ContactProblem:
         # of the edge asked for last: penetration and nodes in motion; all components and branch variables
         self._passage: tuple[float, float, NodePassage] | None = None
         self._arrival: tuple[float, Array, Array] | None = None
-        self._partly = int(np.floor(state.edge)) + 1 if state.edge > NO_CONTACT else None
         step = solid.modulus.increment(dt)
+        remembers = state.edge > NO_CONTACT and step.gain.size  # an elastic node has no past
+        self._partly = int(np.floor(state.edge)) + 1 if remembers else None
         self.modulus, start = step.modulus, -placement.profile - state.components
         # in contact throughout, per unit of penetration and without it
         self._gain = step.gain[:, None]
@@ -95,11 +77,6 @@ class ContactProblem:
         self.held_force = np.cumsum(placement.unit * (memory - self.modulus * placement.profile))
         self._memory = memory / (self.modulus * placement.unit)  # as depths
         self._free, self._free_branches = self._freed(state.components, state.branches)
-
-    @property
-    def origin(self) -> EdgeOrigin | None:
-        """Where the edge starts the step, at this place of the mesh; ``None`` without contact."""
-        return self.state.origin
 
     def penetration(self, s: float) -> float:
         """Penetration at edge position ``s``."""
@@ -123,8 +100,7 @@ class ContactProblem:
         if self.control == "penetration":
             return self.value, pass_at(self.value, False)
         first = self.state.penetration
-        change = max(float(self.placement.height[int(s) + 1]), _LEAST_CHANGE * abs(first))
-        second = first + (change or self.placement.scale)
+        second = first + max(abs(first), self.placement.scale)
         one, other = pass_at(first, False), pass_at(second, False)
         low, high = self._force_of(s, first, one), self._force_of(s, second, other)
         stiffness = (high - low) / (second - first)  # the force is linear in the penetration
@@ -287,7 +263,7 @@ class ContactProblem:
         """Strips of the node in contact in part at the end of the step; their mean is that of the node."""
         state, solid, node = self.state, self.solid, int(np.floor(s)) + 1
         share, before = s - np.floor(s), state.edge - np.floor(state.edge)
-        if s <= NO_CONTACT:
+        if s <= NO_CONTACT or not self._gain.size:
             return None
         if state.strips is None or np.floor(s) != np.floor(state.edge):
             free = (b[:, node] - share * held) / (1.0 - share)

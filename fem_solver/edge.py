@@ -15,14 +15,14 @@ from contact_scene import Adhesion
 from fem_solver.contact_problem import ContactProblem
 from fem_solver.edge_path import NO_CONTACT, EdgeGeometry, EdgeMotion, EdgePosition
 
-_NODE_TOLERANCE = 1e-10
-"""Accuracy of the edge position, in node spacings."""
-_STRIDE, _NARROW_STRIDE = 0.25, 2.0**-12
-"""First stride of a search, in node spacings: the usual one, and that next to the last root."""
+_STRIDE = 0.5
+"""First stride of a search, in node spacings, and the widest, in shortest zones: the closure, a mean over a
+zone, hardly turns within it."""
+_NARROW_STRIDE = 2.0**-12
+"""First stride of a search, in node spacings, after one that has ended in a receding edge: next to the last
+root the interval between two roots is narrower than the usual stride."""
 _LEAST_PRESSED = -1.0 + 1e-3
 """Least edge position without adhesion: of contact in a point, a thousandth of the first node's radius."""
-_WIDEST_STRIDE = 0.5
-"""Widest stride of a search, in shortest zones: the closure, a mean over a zone, hardly turns within it."""
 
 
 class AdhesiveEdge:
@@ -36,7 +36,7 @@ class AdhesiveEdge:
         self.geometry, self.work = geometry, work
         # contact of less than one element cannot be distinguished from no contact
         self.lowest = 2.0
-        self.widest = max(_WIDEST_STRIDE * (geometry.shortest or 0.0) / geometry.spacing, _STRIDE)
+        self.widest = max(_STRIDE * (geometry.shortest or 0.0) / geometry.spacing, _STRIDE)
         self.first_strides: tuple[float, ...] = (_STRIDE, _NARROW_STRIDE)
 
     def taken(self, problem: ContactProblem, s: float) -> float:
@@ -67,24 +67,15 @@ class AdhesiveEdge:
         return EdgePosition(EdgeMotion.RECEDING, self.lowest)
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
-        """Expand a bracket from ``s`` in the direction in which the closure moves the edge.
-
-        Next to the last root the interval between two roots is narrower than the usual stride, so a search
-        that ends in a receding edge is repeated with a far shorter one.
-        """
-        for stride in self.first_strides:
-            search = self._expand(problem, s, low, high, stride)
-            if search.motion is not EdgeMotion.RECEDING:
-                break
-        return search
-
-    def _expand(
-        self, problem: ContactProblem, s: float, low: float, high: float, stride: float
-    ) -> EdgePosition:
+        """Expand a bracket from ``s`` in the direction in which the closure moves the edge."""
         low, high = max(low, self.lowest), min(high, float(self.geometry.last))
         here = min(max(s, low), high)
         excess = self._excess(problem, here)
-        return self._towards(problem, here, excess, (low, high), stride)
+        for stride in self.first_strides:
+            found = self._towards(problem, here, excess, (low, high), stride)
+            if found.motion is not EdgeMotion.RECEDING:
+                break
+        return found
 
     def _towards(
         self,
@@ -113,22 +104,14 @@ class AdhesiveEdge:
         Arguments are not kept, as what a function holds would be in a reference cycle of scipy's.
         """
         known = problem, ends
-        root = brentq(self._known_excess, min(ends), max(ends), known, xtol=_NODE_TOLERANCE, rtol=1e-15)
-        return float(root)
+        return float(brentq(self._known_excess, min(ends), max(ends), known))
 
     def _known_excess(self, s: float, problem: ContactProblem, ends: dict[float, float]) -> float:
         return ends[s] if s in ends else self._excess(problem, s)
 
 
 class PressedEdge(AdhesiveEdge):
-    """Without adhesion: nothing presses at the edge, and nothing beyond it.
-
-    Parameters
-    ----------
-    geometry : EdgeGeometry
-    plane_tip : float
-        Radius of a plane tip, all of which is in contact if any is; 0 without one.
-    """
+    """Without adhesion: nothing presses at the edge, nor beyond it; a plane tip touches as a whole."""
 
     def __init__(self, geometry: EdgeGeometry, plane_tip: float) -> None:
         super().__init__(geometry, 0.0)
@@ -172,25 +155,13 @@ class IrreversibleEdge(AdhesiveEdge):
 
     def taken(self, problem: ContactProblem, s: float) -> float:
         """Energy per area that the edge takes up on its way to ``s``; at rest that at which it opens."""
-        origin = problem.origin
-        if origin is None or s > origin.edge:
+        begin = problem.state
+        if begin.edge <= NO_CONTACT or s > begin.edge:
             return self.adhesion.closing
-        if s == origin.edge or self.adhesion.rate is None:
+        if s == begin.edge or self.adhesion.rate is None:
             return self.adhesion.work
-        speed = origin.opening_speed(self.geometry.radius(s), problem.dt)
+        speed = begin.opening_speed(self.geometry.radius(s), problem.dt)
         return self.adhesion.opening(max(speed, 0.0))
-
-    def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
-        """Leave the edge where it is pinned, or follow it in the direction in which it moves."""
-        origin = problem.origin
-        if origin is None or s != origin.edge:
-            return super().seek(problem, s, low, high)
-        motion = self.departure(problem, s)
-        if motion is EdgeMotion.RECEDING:
-            return super().seek(problem, s, low, s)
-        if motion is EdgeMotion.ADVANCING:
-            return super().seek(problem, s, s, high)
-        return EdgePosition(EdgeMotion.RESTING, s)
 
     def departure(self, problem: ContactProblem, s: float) -> EdgeMotion:
         """Which way the edge leaves the position ``s`` where a step begins, or whether it is pinned there."""

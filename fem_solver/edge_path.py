@@ -22,8 +22,6 @@ SURFACE_MARGIN = 1.2
 """Radius up to which surface nodes enter the compliance, relative to the largest contact radius."""
 _MARGIN_OF_STRESS = 2.05
 """The same for a zone of fixed stress: it may be as long as its contact, and the closure looks as far."""
-_LEAST_SPEED = 0.01
-"""Speed at the end of a step, relative to its mean, that the formula is not allowed to fall below."""
 
 
 def surface_margin(stress: float | None) -> float:
@@ -47,53 +45,13 @@ class EdgePosition:
     s: float
 
 
-@dataclass(frozen=True)
-class EdgeOrigin:
-    """Where the edge starts a step, and how it came there.
-
-    Parameters
-    ----------
-    edge, radius : float
-        Edge position in nodes, and the contact radius.
-    rate, duration : float
-        Mean rate of the radius over the step before, and the length of that; ``duration`` 0 after a kink.
-    """
-
-    edge: float
-    radius: float
-    rate: float = 0.0
-    duration: float = 0.0
-
-    def opening_speed(self, radius: float, dt: float) -> float:
-        """Speed at which the edge recedes at the end of a step to ``radius``; infinite in no time."""
-        if dt <= 0.0:
-            return math.inf
-        mean = (self.radius - radius) / dt
-        if self.duration <= 0.0:
-            return mean
-        slope = mean + (mean + self.rate) * dt / (dt + self.duration)
-        return max(slope, _LEAST_SPEED * mean)
-
-
 class EdgeGeometry:
     """Radii that belong to edge positions, and the shift by one process zone.
 
-    Parameters
-    ----------
-    radii : ndarray, shape (n,)
-        Surface nodes, vertices and mid-side nodes in turn, from the axis.
-    effective : ndarray, shape (n,)
-        Contact radius of the sets ``0..m``.
-    zone : float or None
-        Process-zone length, at fixed stress that at rest; ``None`` without adhesion.
-    reach : float
-        Radius up to which the mesh is made for a contact edge.
-    stress : float, optional
-        Cohesive stress of a process zone whose length follows from it.
-    shortest : float, optional
-        Shortest length of the zone at rest, that of a closing edge; default ``zone``.
-    margin : float, optional
-        Distance that an edge keeps from ``reach``; default ``zone``, to which the closure looks.
+    ``effective`` are the contact radii of the sets ``0..m``, ``zone`` is the length of the process zone, at
+    fixed stress that at rest, ``None`` without adhesion, ``shortest`` that of a closing edge. The mesh is
+    made for contact edges up to ``reach``, from which they keep a ``margin``: the zone, to which the closure
+    looks.
     """
 
     def __init__(
@@ -111,7 +69,8 @@ class EdgeGeometry:
         self.shortest = zone if shortest is None else shortest
         self.effective = effective
         span = reach - (zone or 0.0 if margin is None else margin)
-        self.last = min(int(np.searchsorted(radii, span * (1.0 + 1e-9))) - 1, len(radii) - 2)
+        beyond = min(int(np.searchsorted(radii, span, side="right")), len(radii) - 1)
+        self.last = min(beyond if math.isclose(radii[beyond], span) else beyond - 1, len(radii) - 2)
         self.shift = None if zone is None else ZoneShift(radii, zone)
         spacings = np.diff(radii[: self.last + 1])
         self.spacing = float(np.median(spacings)) if spacings.size else math.inf
@@ -133,30 +92,15 @@ class EdgeGeometry:
 Row = tuple[float, float]
 """Time from an earlier row to the begin of the step, and the contact radius at that row."""
 
-_ITERATIONS = 60
-"""Most iterations for the moment at which the edge is at a radius: halvings alone would take as many."""
-_MOMENT_TOLERANCE = 1e-14
-"""Accuracy of that moment, relative to the step."""
-
 
 @dataclass(frozen=True)
 class EdgePolynomial:
     """A cubic in time through the last three rows and the trial row; of lower order where rows are missing.
 
-    ``a = start + travel p(theta)`` with the share ``theta`` of the step and
-    ``p = theta + bend theta (theta - 1) + twist theta (theta - 1) (theta + earlier)``: Newton's form. It is
-    bent and twisted no further than it is monotonic. The speed at the end of the step is that of the backward
-    differentiation formula of the same order.
-
-    Parameters
-    ----------
-    start, travel : float
-        Contact radius at the begin of the step and its change.
-    bend : float
-        Between -1 and 1.
-    twist : float
-    earlier : float
-        Length of the step before, relative to this one.
+    ``a = start + travel p(theta)`` with the share ``theta`` of the step and ``p = theta + bend theta (theta -
+    1) + twist theta (theta - 1) (theta + earlier)``: Newton's form, with the length ``earlier`` of the step
+    before relative to this one. It is bent and twisted no further than it is monotonic. The speed at the end
+    of the step is that of the backward differentiation formula of the same order.
     """
 
     start: float
@@ -211,7 +155,8 @@ class EdgePolynomial:
         # p in powers of the share
         cubic, square = self.twist, self.bend + self.twist * (self.earlier - 1.0)
         line = 1.0 - self.bend - self.twist * self.earlier
-        for _ in range(_ITERATIONS):
+        moved = np.inf
+        while moved > np.sqrt(np.finfo(float).eps):  # which leaves its square
             excess = share * (line + share * (square + share * cubic)) - way
             rate = line + share * (2.0 * square + share * (3.0 * cubic))
             low, high = np.where(excess <= 0.0, share, low), np.where(excess >= 0.0, share, high)
@@ -219,16 +164,16 @@ class EdgePolynomial:
             inside = (ahead >= low) & (ahead <= high) & (rate > 0.0)
             ahead = np.where(inside, ahead, 0.5 * (low + high))
             moved, share = np.abs(ahead - share).max(initial=0.0), ahead
-            if moved < _MOMENT_TOLERANCE:
-                break
         return share
 
 
-def missed_by_extrapolation(start: float, end: float, dt: float, before: tuple[Row, ...]) -> float:
-    """Distance by which the end of a step misses the parabola through the three rows before it."""
-    if len(before) < 2:
-        return 0.0
-    (length, radius), (age, oldest) = before[:2]
-    slope = (start - radius) / length
-    curvature = (slope - (radius - oldest) / (age - length)) / age
-    return abs(end - start - dt * (slope + (dt + length) * curvature))
+def extrapolated(radius: float, dt: float, before: tuple[Row, ...]) -> float:
+    """Radius after a further time, on the parabola through the last three rows; a line through two."""
+    if not before:
+        return radius
+    length, last = before[0]
+    slope, curvature = (radius - last) / length, 0.0
+    if len(before) > 1:
+        age, oldest = before[1]
+        curvature = (slope - (last - oldest) / (age - length)) / age
+    return radius + dt * (slope + (dt + length) * curvature)

@@ -1,7 +1,7 @@
 """Contact state at the end of a trial step: where the edge rests, with the mesh placed around it.
 
 The mesh is placed where the edge is expected, and moved on where it is not. A trial changes nothing but the
-work counters; what it returns is accepted, or dropped, by ``stepping``. Where a sharp edge comes to rest
+work counters; what it returns is accepted, or dropped, by ``time_step``. Where a sharp edge comes to rest
 needs no resolved process zone, so any place of the mesh serves. Penetration is positive downwards, force
 positive in compression.
 """
@@ -18,7 +18,7 @@ from contact_scene import Counters
 from contact_scene.loading import Control
 from fem_solver.contact_problem import ContactCandidate, ContactProblem
 from fem_solver.edge import AdhesiveEdge, IrreversibleEdge, edge_law
-from fem_solver.edge_path import NO_CONTACT, EdgeMotion, EdgePosition, missed_by_extrapolation
+from fem_solver.edge_path import NO_CONTACT, EdgeMotion, EdgePosition, extrapolated
 from fem_solver.placement import Placement
 from fem_solver.setup import Setup
 
@@ -70,94 +70,15 @@ def sharp_release_rates(problem: ContactProblem) -> Array:
     return 0.5 * np.divide(twice, areas, out=np.zeros_like(areas), where=areas > 0.0)
 
 
-_STRIDE_OF_TRAVEL = 0.1
-"""Widest stride of a search, relative to the travel expected of the step: within a step the closure changes
-on the scale of its travel."""
 _STRIDE_OF_RADIUS = 0.02
 """Farthest that a search goes to the next place of the mesh, relative to the contact radius: stable and
 unstable contact are farther apart."""
-_SHARP_SEARCHES = 4
-"""Places at which the radius of a sharp edge is sought, each finer around it than the one before."""
 _MOST_PLACES = 400
 """Places of the mesh that a search asks at most: over the whole range of radii it takes some tens."""
 
 
 class EdgeNotFound(Exception):
     """The places of the mesh around the edge do not agree on where it rests."""
-
-
-class ContactSolver:
-    """Solves for the contact state at one instant and counts the work.
-
-    Positions of the edge that come in are nodes of the surface of the accepted state, those of candidates are
-    nodes of the surface of their problem.
-    """
-
-    def __init__(self, setup: Setup, counters: Counters) -> None:
-        self.setup, self.counters = setup, counters
-
-    def start(self, control: Control, value: float, relaxed: bool) -> ContactCandidate:
-        """Glassy or relaxed equilibrium, undeformed before; a flat face touches up to its rim."""
-        search = EdgeSearch(self.setup, self.counters, math.inf if relaxed else 0.0, control, value)
-        if self.setup.adhesion is None:
-            return search.followed(0.0, 0.0, math.inf)
-        if math.isfinite(self.setup.surfaces.rim):
-            whole = search.held(self.setup.surfaces.rim)
-            if whole.problem.closure(whole.edge.s) <= self.setup.adhesion.work:
-                return whole
-        radius = search.sharp_radius(self.setup.surfaces.largest)
-        return search.first_contact() if radius == 0.0 else search.followed(radius, 0.0, math.inf)
-
-    def trial(
-        self, dt: float, control: Control, value: float, limits: tuple[float, float]
-    ) -> ContactCandidate:
-        """Equilibrium of the edge at the end of a step."""
-        geometry, state, adhesion = self.setup.geometry, self.setup.state, self.setup.adhesion
-        low = geometry.radius(limits[0]) if limits[0] > self.setup.law.lowest else 0.0
-        high = geometry.radius(limits[1]) if math.isfinite(limits[1]) else math.inf
-        radius = state.radius
-        if state.before and 0.0 < dt < math.inf:
-            radius += (state.radius - state.before[0][1]) / state.before[0][0] * dt
-        search = EdgeSearch(self.setup, self.counters, dt, control, value)
-        if adhesion is not None and not adhesion.reversible:
-            return search.leaving(radius, low, high)
-        starts = [radius]
-        if adhesion is not None and not self.setup.has_history:  # each state is an equilibrium by itself
-            starts.insert(0, search.sharp_radius(state.radius) or radius)
-        for start in dict.fromkeys(starts):
-            found = search.expected(start, low, high)
-            if found.in_equilibrium:
-                break
-        return found
-
-    def held(self, dt: float, control: Control, value: float, radius: float) -> ContactCandidate:
-        """State at the end of a step with the edge at a given radius, in equilibrium or not."""
-        return EdgeSearch(self.setup, self.counters, dt, control, value).held(radius)
-
-    def plane_contact(self, dt: float, control: Control, value: float) -> ContactCandidate | None:
-        """Contact of all of a plane tip, as it touches or is let go; ``None`` without one."""
-        tip = self.setup.plane_tip
-        return self.held(dt, control, value, tip) if tip > 0.0 else None
-
-    def extended(self, candidate: ContactCandidate) -> ContactCandidate:
-        """An edge that has left the range of its search, followed to where it rests again, or is lost."""
-        problem, radius, outwards = candidate.problem, candidate.radius, _outwards(candidate)
-        if not outwards and candidate.edge.s <= self.setup.law.lowest:
-            return candidate
-        limits = (radius, math.inf) if outwards else (0.0, radius)
-        search = EdgeSearch(self.setup, self.counters, problem.dt, problem.control, problem.value)
-        return search.followed(radius, *limits)
-
-    def missed_by_extrapolation(self, candidate: ContactCandidate) -> float:
-        """Distance by which the edge misses the extrapolation of its path; none within an element, over
-        which the passage of nodes ripples the path more than its steps do."""
-        state, radius, dt = self.setup.state, candidate.radius, candidate.problem.dt
-        if not self.setup.has_history or not 0.0 < dt < math.inf or radius <= 0.0:
-            return 0.0
-        radii, node = candidate.problem.geometry.radii, int(candidate.edge.s)
-        if abs(radius - state.radius) < radii[node + 2] - radii[node]:
-            return 0.0
-        return missed_by_extrapolation(state.radius, radius, dt, state.before)
 
 
 class EdgeSearch:
@@ -185,6 +106,39 @@ class EdgeSearch:
         self.counters.linear_solves += 1
         return ContactCandidate(problem, edge)
 
+    def start(self) -> ContactCandidate:
+        """Glassy or relaxed equilibrium, undeformed before; a flat face touches up to its rim."""
+        surfaces, adhesion = self.setup.surfaces, self.setup.adhesion
+        if adhesion is None:
+            return self.followed(0.0, 0.0, math.inf)
+        if math.isfinite(surfaces.rim):
+            whole = self.held(surfaces.rim)
+            if whole.problem.closure(whole.edge.s) <= adhesion.work:
+                return whole
+        found = self.followed(surfaces.largest, 0.0, math.inf)
+        return self.first_contact() if found.edge.motion is EdgeMotion.RECEDING else found
+
+    def trial(self, low: float, high: float) -> ContactCandidate:
+        """Equilibrium of the edge at the end of a step, within a range of radii."""
+        state, adhesion = self.setup.state, self.setup.adhesion
+        takes_time = 0.0 < self.dt < math.inf
+        expected = extrapolated(state.radius, self.dt, state.before) if takes_time else state.radius
+        if adhesion is not None and not adhesion.reversible:
+            return self.leaving(expected, low, high)
+        # an elastic edge rests wherever it is in equilibrium, and is sought from where it is
+        return self.followed(expected if self.setup.has_history else state.radius, low, high)
+
+    def extended(self, candidate: ContactCandidate) -> ContactCandidate:
+        """An edge that has left the range of its search, followed to where it rests again, or is lost."""
+        radius, outwards = candidate.radius, _outwards(candidate)
+        if not outwards and candidate.edge.s <= self.setup.law.lowest:
+            return candidate
+        return self.followed(radius, *((radius, math.inf) if outwards else (0.0, radius)))
+
+    def plane_contact(self) -> ContactCandidate | None:
+        """Contact of all of a plane tip, as it touches or is let go; ``None`` without one."""
+        return self.held(self.setup.plane_tip) if self.setup.plane_tip > 0.0 else None
+
     def held(self, radius: float) -> ContactCandidate:
         """State with the edge at a given radius, in equilibrium or not."""
         here = self.setup.placement if radius <= 0.0 else self.setup.surfaces.around(radius)
@@ -202,40 +156,35 @@ class EdgeSearch:
         radius = self.setup.state.radius
         placement = self.setup.surfaces.around(radius)
         problem, law = self.problem(placement), self._law(placement, 0.0)
-        assert problem.origin is not None
         assert isinstance(law, IrreversibleEdge)
-        here = problem.origin.edge
+        here = problem.state.edge
         motion = law.departure(problem, here)
         pinned = self.candidate(problem, EdgePosition(EdgeMotion.RESTING, here))
         if motion is EdgeMotion.RESTING:
             return pinned
         low, high = (radius, high) if motion is EdgeMotion.ADVANCING else (low, radius)
-        found = self.expected(expected, low, high)
+        found = self.followed(expected, low, high)
         # another place of the mesh may see the closure on the other side of what moves the edge
         return found if found.in_equilibrium or found.edge.motion is motion else pinned
 
-    def expected(self, radius: float, low: float, high: float) -> ContactCandidate:
-        """The edge in a range of radii, sought from where it is expected at the end of the step."""
-        radius = min(max(radius, low), high)
-        return self.followed(radius, low, high, abs(radius - self.setup.state.radius))
-
-    def followed(self, radius: float, low: float, high: float, travel: float = 0.0) -> ContactCandidate:
+    def followed(self, radius: float, low: float, high: float) -> ContactCandidate:
         """Follow the edge from a radius, moving the mesh on where the edge leaves its fine strip."""
         surfaces, adhesion = self.setup.surfaces, self.setup.adhesion
         high = min(high, surfaces.reach)
-        radius = min(radius, high)
+        radius = min(max(radius, low), high)
         far, stride = low == 0.0 or high == surfaces.reach, 0.0
         within, beyond = 0.0, math.inf  # radii at which the edge advances, and recedes
         passed = 0.0  # without a look at the closure, from the place before
         for _ in range(_MOST_PLACES):
-            found, ended = self._sought(radius, low, high, travel, passed)
+            found, ended = self._sought(radius, low, high, passed)
             reached, outwards = found.radius, _outwards(found)
             if ended and outwards and high == surfaces.rim:  # held by the rim of the indenter
                 return replace(found, edge=EdgePosition(EdgeMotion.RESTING, found.edge.s))
             if found.in_equilibrium or ended:
                 return found
             assert adhesion is not None  # otherwise the first place serves all radii
-            work = adhesion.closing if outwards else adhesion.opening(math.inf)
+            closes = outwards or found.problem.state.edge <= NO_CONTACT
+            work = adhesion.closing if closes else adhesion.opening(math.inf)
             if far and math.isfinite(work):
                 radius, far = sharp_rest(found.problem, self.setup, reached, work, outwards), False
                 if radius == 0.0:
@@ -258,12 +207,10 @@ class EdgeSearch:
             law.widest = max(law.widest, stride / (placement.fine_range / placement.fine_intervals))
         return law
 
-    def _sought(
-        self, radius: float, low: float, high: float, travel: float, passed: float
-    ) -> tuple[ContactCandidate, bool]:
+    def _sought(self, radius: float, low: float, high: float, passed: float) -> tuple[ContactCandidate, bool]:
         """The search from one place of the mesh, and whether the edge has come to the end of the range."""
         placement = self.setup.surfaces.around(radius)
-        geometry, law = placement.geometry, self._law(placement, max(_STRIDE_OF_TRAVEL * travel, passed))
+        geometry, law = placement.geometry, self._law(placement, passed)
         if passed > 0.0:
             law.first_strides = (law.widest,)
         problem = self.problem(placement)
@@ -272,19 +219,6 @@ class EdgeSearch:
         if _outwards(found):
             return found, found.edge.s >= ends[1]
         return found, found.edge.s <= max(ends[0], self.setup.law.lowest)
-
-    def sharp_radius(self, radius: float) -> float:
-        """Contact radius of a sharp edge if all happens at once: the outermost stable, or 0.
-
-        The first search has the mesh at ``radius``, each other one where the one before has found the edge.
-        """
-        assert self.setup.adhesion is not None
-        for _ in range(_SHARP_SEARCHES):
-            problem = self.problem(self.setup.surfaces.around(radius))
-            radius = sharp_rest(problem, self.setup, math.inf, self.setup.adhesion.closing)
-            if radius == 0.0 or problem.placement.stays:
-                break
-        return radius
 
 
 def _outwards(candidate: ContactCandidate) -> bool:

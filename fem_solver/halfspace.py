@@ -49,6 +49,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sparse
 from numpy.typing import NDArray
+from scipy.linalg.blas import dsyr2
 from scipy.linalg.lapack import dlauum, dtrtri
 from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, MeshTri
@@ -69,8 +70,6 @@ def boussinesq_shapes(points: Array) -> tuple[Array, Array]:
 
 _QUADRATURE_ORDER = 5
 """Polynomial order that the quadrature of the elements integrates exactly."""
-_BLOCK = 256
-"""Rows and columns that are symmetrised at a time; bounds the memory that takes."""
 _UNPIVOTED = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
 """Options of SuperLU for a symmetric matrix that needs no pivoting."""
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A"} | _UNPIVOTED
@@ -80,15 +79,9 @@ SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A"} | _UNPIVOTED
 class HalfSpace:
     """Finite-element spaces and unit matrices on a mesh.
 
-    Parameters
-    ----------
-    mesh : object
-        With ``points`` (2, n), ``triangles`` (3, m) and ``boundaries`` "surface", "axis", "far" as (2, k)
-        vertex pairs.
-    far_field : bool
-        Prescribe the displacement of the total force on the far boundary; otherwise zero.
-    sliding : bool
-        Hold the lowest nodes of the far boundary, which are those of a base, vertically alone.
+    It has ``points`` (2, n), ``triangles`` (3, m) and ``boundaries`` "surface", "axis", "far" as (2, k)
+    vertex pairs. ``far_field`` prescribes the displacement of the total force on the far boundary, otherwise
+    zero; ``sliding`` holds the lowest nodes of the far boundary, those of a base, vertically alone.
     """
 
     def __init__(self, mesh: Any, far_field: bool = True, sliding: bool = False) -> None:
@@ -136,7 +129,7 @@ class HalfSpace:
                 self.far_shapes[row, radial], self.far_shapes[row, vertical] = shape
         if sliding:
             depth = -self.basis.doflocs[1, radial]
-            radial = radial[depth < depth.max() * (1.0 - 1e-9)]
+            radial = radial[~np.isclose(depth, depth.max())]
         held = np.concatenate([rollers, radial, vertical])
         self.far_shapes[:, rollers] = 0.0
         self.free = np.setdiff1d(np.arange(self.unknowns), held)
@@ -178,22 +171,10 @@ class HalfSpace:
 
 @dataclass
 class Factorisation:
-    """Factors of the constrained system for one ratio of moduli.
+    """Factors of the constrained system for one ratio ``G/K``; ``count`` surface nodes are eliminated last.
 
-    Parameters
-    ----------
-    space : HalfSpace
-    ratio : float
-        ``G/K``.
-    count : int
-        Number of surface nodes, the last unknowns that are eliminated.
-    order : ndarray of int
-        Unknowns in the order of their elimination.
-    factor : SuperLU
-    lifted : ndarray, shape (2, len(order))
-        Forces on them per amplitude of the far shapes.
-    solves : int
-        Back-substitutions so far.
+    ``order`` are the unknowns in the order of their elimination, ``lifted`` the forces on them per amplitude
+    of each far shape.
     """
 
     space: HalfSpace
@@ -225,25 +206,17 @@ class Factorisation:
         return far / far[0] if self.space.far_field else np.zeros(len(far))
 
     def condensed(self) -> Array:
-        """Displacements of the surface nodes per force on them, with the far boundary held."""
+        """Lower triangle of the displacements of surface nodes per force on them, the far boundary held."""
         last = self.factor.perm_c[-self.count :]
         lower = np.asfortranarray(self.factor.L[last][:, last].toarray())
         inverse = dtrtri(lower, lower=1, unitdiag=1, overwrite_c=1)[0]
         inverse /= np.sqrt(self.factor.U.diagonal()[last])[:, None]
-        whole = dlauum(inverse, lower=1, overwrite_c=1)[0]
-        for begin in range(0, self.count, _BLOCK):
-            part = slice(begin, begin + _BLOCK)
-            whole[part, part] += np.tril(whole[part, part], -1).T
-            whole[:begin, part] = whole[part, :begin].T
-        return whole
+        return dlauum(inverse, lower=1, overwrite_c=1)[0]
 
     def compliance(self) -> tuple[Array, Array]:
-        """Surface compliance with the far field of the load, and the weights of that far field."""
-        whole, self.solves = self.condensed(), self.solves + 1
+        """Surface compliance with the far field of the load, its lower triangle, and the weights of that."""
+        held, self.solves = self.condensed(), self.solves + 1
         # displacement of the surface per amplitude of the Boussinesq field of an elastic solid
         far = -self.factor.solve(self.far_mix @ self.lifted)[-self.count :]
         weights = self._weights_of(far)
-        for begin in range(0, self.count, _BLOCK):
-            part = slice(begin, begin + _BLOCK)
-            whole[:, part] += 0.5 * (np.outer(far, weights[part]) + np.outer(weights, far[part]))
-        return whole, weights
+        return dsyr2(0.5, far, weights, a=held, lower=1, overwrite_a=1), weights

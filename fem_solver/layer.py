@@ -78,19 +78,8 @@ def ring_fields(points: Array, radius: float, ratio: float) -> tuple[Array, Arra
 class LayerDifference:
     """Surface compliance of a layer of unit thickness and unit shear modulus, minus that of the half-space.
 
-    Parameters
-    ----------
-    mesh : object
-        With ``points`` (2, n) of a rectangle of unit depth, ``triangles`` (3, m), and radii ``uniform``.
-    base : "bonded" or "frictionless"
-    ratio : float
-        ``G/K``.
-
-    Attributes
-    ----------
-    rings : ndarray, shape (m,)
-    matrix : ndarray, shape (m, m)
-        Displacement at one ring per unit force on another.
+    The mesh is a rectangle of unit depth; ``matrix`` holds the displacement at one of the ``rings`` per unit
+    force on another; ``ratio`` is ``G/K``.
     """
 
     def __init__(self, mesh: Any, base: Literal["bonded", "frictionless"], ratio: float) -> None:

@@ -32,15 +32,14 @@ from contact_scene import BulkRelaxation, Material
 
 Array = NDArray[np.float64]
 
-_SHORT = 1e-4
+_SHORT = 1e-3
 """Time, relative to a relaxation or retardation time, below which a series replaces a difference of nearly
-equal numbers; the error of both is below 1e-11."""
+equal numbers."""
 
 
 def phi(y: Array) -> Array:
     """``(1 - exp(-y))/y`` with ``phi(0) = 1`` and ``phi(inf) = 0``."""
-    with np.errstate(invalid="ignore"):
-        return np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
+    return np.divide(-np.expm1(-y), y, out=np.ones_like(y), where=y > 0.0)
 
 
 def mean_phi(y: Array) -> Array:
@@ -107,7 +106,7 @@ class Prony:
         y = dt / self.times
         one, two = phi(y), phi(2.0 * y)
         with np.errstate(invalid="ignore", divide="ignore"):
-            curved = np.where(y < 1e-3, y / 3.0 - y**2 / 4.0, (1.0 - 2.0 * one + two) / y)
+            curved = np.where(y < _SHORT, y / 3.0 - y**2 / 4.0, (1.0 - 2.0 * one + two) / y)
         return np.stack([y * two, 2.0 * (one - two), curved])
 
     def mean_loss_weights(self, dt: float) -> Array:
@@ -119,7 +118,7 @@ class Prony:
         y = dt / self.times
         one, two = mean_phi(y), mean_phi(2.0 * y)
         with np.errstate(invalid="ignore", divide="ignore"):
-            curved = np.where(y < 1e-3, y / 12.0 - y**2 / 20.0, (0.5 - 2.0 * one + two) / y)
+            curved = np.where(y < _SHORT, y / 12.0 - y**2 / 20.0, (0.5 - 2.0 * one + two) / y)
         return np.stack([y * two, 2.0 * (one - two), curved])
 
 
@@ -134,14 +133,6 @@ class OneModulus:
     ``m(0) x^2/2 - x g.q + q.H q/2`` once the strain of the first modulus is eliminated, with the loss
     ``sum_k m_k tau_k q_k'^2``: in the eigenvectors of ``H`` with respect to that loss each internal variable
     goes its own way, as in a Maxwell branch, with the same energies. What no strain reaches is left out.
-
-    Parameters
-    ----------
-    one, other : Prony
-
-    Attributes
-    ----------
-    modulus : Prony
     """
 
     def __init__(self, one: Prony, other: Prony) -> None:
@@ -206,7 +197,7 @@ class Moduli:
 
     @property
     def surface(self) -> Prony:
-        """``E*(t)`` over :attr:`unit_plane_modulus`, what the surface answers with (``series_modulus``)."""
+        """``E*(t)`` over :attr:`unit_plane_modulus`, what the surface answers with (``series``)."""
         return self.shear if self.series is None else self.series.modulus
 
     @property

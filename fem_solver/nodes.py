@@ -21,26 +21,21 @@ from fem_solver.components import Components, VariablesOfParts
 
 Array = NDArray[np.float64]
 
-_MOST_STRIPS = 16
-"""Strips kept of a node: an edge that swings within it leaves one in each step, and a few that differ."""
-_LEAST_FREE = 1e-3
-"""Share of a node that is free below which its mean does not tell what the free radii have been through: mean
-and radii in contact agree to the second order of a step, which is divided by this share."""
+_MOST = 64
+"""Strips kept of a node, and borders: an edge that swings leaves one in each step, and few hold much or
+differ. The energy of borders that hold least counts as dissipated."""
+_LEAST_SHARE = 1e-3
+"""Share of a node in contact, or free, below which its mean does not tell what those radii have been through:
+mean and radii of the other part agree to the second order of a step, which is divided by this share."""
 
 
 @dataclass(frozen=True)
 class NodeStrips:
     """Strips of the node in contact in part, from the inner to the outer, each with a past of its own.
 
-    What an edge has left last it covers first, and what it has covered last it leaves first.
-
-    Parameters
-    ----------
-    shares : ndarray, shape (strips,)
-        Of the node; 1 in sum.
-    b : ndarray, shape (branches, strips)
-    turned : bool
-        Whether the edge has begun to recede within the node, where the fields jump.
+    What an edge has left last it covers first, and what it has covered last it leaves first. ``shares`` of
+    the node are 1 in sum, ``b`` has shape (branches, strips). ``turned``: the edge has begun to recede within
+    the node, where the fields jump.
     """
 
     shares: Array
@@ -69,7 +64,7 @@ class NodeStrips:
 
     def few(self) -> NodeStrips:
         """The two neighbours most alike as one, where there are too many."""
-        if self.shares.size <= _MOST_STRIPS:
+        if self.shares.size <= _MOST:
             return self
         one, other = self.shares[:-1], self.shares[1:]
         weights = one * other / (one + other)
@@ -82,15 +77,9 @@ class NodeStrips:
 
 @dataclass(frozen=True)
 class NodeParts:
-    """A node in contact in part; each pair is ``v`` of shape (1,) and ``b`` of shape (branches, 1).
+    """A node of which a ``share`` below 1 is in contact: the mean of its radii, and those in contact.
 
-    Parameters
-    ----------
-    solid : Components
-    share : float
-        Of it, in contact; below 1.
-    mean, contact : tuple of ndarray
-        Of all its radii, and of those in contact.
+    Each pair is ``v`` of shape (1,) and ``b`` of shape (branches, 1).
     """
 
     solid: Components
@@ -101,7 +90,7 @@ class NodeParts:
     @property
     def free_known(self) -> bool:
         """Whether the mean tells what the free radii have been through."""
-        return 1.0 - self.share >= _LEAST_FREE
+        return 1.0 - self.share >= _LEAST_SHARE
 
     @property
     def free(self) -> VariablesOfParts:
@@ -142,20 +131,9 @@ class NodeParts:
         return weight * (left - v), weight * (released - b)
 
 
-_MOST = 64
-"""Borders that are kept: an edge that has rested, or jumped, leaves a few that hold much, one that goes on
-leaves one in each step. The energy of those that hold least counts as dissipated."""
-
-
 @dataclass(frozen=True)
 class NodeBorders:
-    """What radii hold beyond the means of their nodes, each at the contact radius at which a step began.
-
-    Parameters
-    ----------
-    radii, v : ndarray, shape (m,)
-    b : ndarray, shape (branches, m)
-    """
+    """What radii hold beyond the means of their nodes, each at the contact radius at which a step began."""
 
     radii: Array
     v: Array
@@ -206,10 +184,6 @@ class NodeBorders:
         """Covered and released: what the edge has not passed stays."""
         v = np.where(holds, 0.0, solid.relieved(self.v, self.b, 0.0))
         return NodeBorders(self.radii, v, solid.linear(self.v, self.b, 0.0, v))
-
-
-_LEAST_SHARE = 1e-6
-"""Share of a node's contact below which what it would have in full contact is that of one just covered."""
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,8 @@ _ZONE = 1.5
 """Length of the zone for which the closure is told, in units of the mesh: between the one for which the mesh
 is made and twice that, of a mesh scaled down to half. The scale differs by some 1e-6 between the two."""
 _LEAST_RADIUS = 2.0
-"""Least contact radius over the zone at which the closure is told."""
+"""Least contact radius over the zone at which the closure is told: under a smaller one elements of an edge's
+zone reach the axis."""
 _ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 
 
@@ -62,7 +63,7 @@ def punch_closure(radius: float, zone: float) -> float:
 
 
 def triangular(compliance: Array) -> Array:
-    """``L`` of a compliance at unit shear modulus, which it overwrites if that is in Fortran's order."""
+    """``L`` of the lower triangle of a compliance, which it overwrites if that is in Fortran's order."""
     root, failed = dpotrf(compliance, lower=1, clean=1, overwrite_a=1)
     if failed:
         raise ArithmeticError("the compliance of the surface is not positive definite")
@@ -117,21 +118,9 @@ _PLACES = 8
 class UnscaledSurface:
     """A mesh that is not scaled: its surface nodes and their compliance ``L L^T`` at unit shear modulus.
 
-    Parameters
-    ----------
-    radii : ndarray, shape (n,)
-    root : ndarray, shape (n, n)
-        ``L``.
-    unit : ndarray, shape (n,)
-        ``L^-1 1``.
-    effective, positions : ndarray, shape (n,)
-        Radius of the flat punch as stiff as contact of the nodes ``0..m``, and radius at which each component
-        sits (see ``surface``).
-    closure_scale : ndarray, shape (n,)
-    height_stretch : float
-        See ``elastic_scales``.
-    strip : tuple of float
-        Radii between which the surface is fine.
+    ``root`` is ``L`` (n, n), ``unit`` is ``L^-1 1``; ``effective`` is the radius of the flat punch as stiff
+    as contact of the nodes ``0..m``, ``positions`` where each component sits, ``strip`` the radii between
+    which the surface is fine.
     """
 
     radii: Array
@@ -182,28 +171,10 @@ class UnscaledSurface:
 class Placement:
     """An unscaled surface, scaled: ``root`` is that of the mesh, everything else is in the scene's units.
 
-    Parameters
-    ----------
-    place : object
-        Names the place.
-    root : ndarray, shape (n, n)
-    scale : float
-    unit, radii, positions, height, profile : ndarray, shape (n,)
-        ``L^-1 1``, radii of the nodes and of the components, the indenter's height at the nodes and its
-        transform ``L^-1 h``.
-    closure_scale : ndarray, shape (n,)
-        Closure integral on the mesh over the energy that contact up to each node releases.
-    geometry : EdgeGeometry
-    lowest : float
-        Least edge position, in nodes, around which the mesh resolves the process zone.
-    stretch : float
-        Contact radius of an edge in the fine strip over the radius of its node.
-    rim : float
-        Largest radius the indenter touches.
-    stays : bool
-        Whether this place serves every radius of the run.
-    plane_tip : float
-        Radius of a plane tip; 0 without one.
+    ``height`` is that of the indenter at the nodes, ``profile`` its transform ``L^-1 h``; ``closure_scale``
+    is the closure integral on the mesh over the energy that contact up to each node releases. Around edge
+    positions from ``lowest`` on the mesh resolves the process zone; ``rim`` is the largest radius the
+    indenter touches. ``stays``: this place serves every radius of the run.
     """
 
     place: Any
@@ -269,17 +240,10 @@ class Placement:
 class Surfaces:
     """Surfaces at all places, made when they are first asked for.
 
-    Parameters
-    ----------
-    scene : Scene
-    meshes : object
-        With ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest``, for a layer ``layer(reach)``,
-        ``layer_below(level, thickness)`` and ``among_fewer(place)``, and places that have a ``level``. The
-        one at the axis is not scaled but by the length that an edge keeps from the ends of the fine strip:
-        the process zone, or less.
-    material : Moduli
-    far_field
-        As of :class:`~fem_solver.setup.Options`.
+    The meshes have ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest``, for a layer
+    ``layer(reach)``, ``layer_below(level, thickness)`` and ``among_fewer(place)``, and places that have a
+    ``level``. The one at the axis is scaled by the length that an edge keeps from the ends of the fine strip:
+    the process zone, or less.
     """
 
     def __init__(self, scene: Scene, meshes: Any, material: Moduli, far_field: bool) -> None:

@@ -6,7 +6,7 @@ nodes. It stores and dissipates it in its branches; both are sums over component
 know nothing of the work. ``balance_residual`` is what is left of that identity, and measures steps and nodes.
 
 The parts of the node next to the edge, in contact and free, hold an energy beyond that of their mean (see
-``node_parts``). It belongs to ``stored_energy``, which without it would sag between any two nodes by up
+``nodes``). It belongs to ``stored_energy``, which without it would sag between any two nodes by up
 to an eighth of what the edge releases there. The balance of the half-space alone does without it.
 
 ``dissipated_energy`` is the loss of the balance ``F dD + dg dA = dU + dL``. It differs from the branch
@@ -111,14 +111,7 @@ class SurfaceStep:
 
 @dataclass
 class SurfaceRecorder:
-    """Accumulates rows and the work between them.
-
-    Parameters
-    ----------
-    adhesion : Adhesion, optional
-    keeps : bool
-        Whether every surface is kept, and the step that led to it.
-    """
+    """Accumulates rows and the work between them; ``keeps`` every surface, and the step that led to it."""
 
     adhesion: Adhesion | None
     keeps: bool = False

@@ -6,6 +6,7 @@ Stops and kinks of the loading are stepped onto exactly; between them the steps 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NoReturn
 
@@ -16,32 +17,26 @@ from contact_scene.loading import Control
 from contact_scene.run_control import Stop, interruption, stops_within
 from fem_solver.contact_problem import ContactCandidate
 from fem_solver.edge_path import EdgeMotion
-from fem_solver.edge_search import ContactSolver, EdgeNotFound
+from fem_solver.edge_search import EdgeNotFound, EdgeSearch
 from fem_solver.recorder import SurfaceState, work_of_bends
 from fem_solver.step_control import DyadicInterval, swing
 from fem_solver.time_step import RunEnded, SteppedStates
 
+Search = Callable[[float, Control, float], EdgeSearch]
+
 _SHORTEST = 1e-8
 """Shortest step, relative to the shortest relaxation time or the interval: below it the edge is unstable. Its
 radius goes with the root of the time to a limit point."""
-_SHORTEST_PRESSED = 1e-6
-"""The same without adhesion, where no contact is lost at a limit point."""
-_SHORTEST_RATED = 1e-12
-"""The same where the energy follows the speed: such an edge always has one, until rounding hides it."""
-_TOUCHING = 1e-12
-"""Distance from the touch that is rounding, relative to the way that is prescribed, or its duration."""
-_FIRST = 1.0 / 64.0
-"""First step, relative to the interval; twice that relative to the shortest relaxation time."""
 _LONGEST = 0.125
 """Longest step of a load step that does work on a relaxing solid, relative to the load step: in one much
-shorter than all relaxation, force over penetration is straight but for what a cycle loses."""
+shorter than all relaxation, force over penetration is straight but for what a cycle loses. The first step,
+which nothing is known of, is its square of the interval, or of twice the shortest relaxation time."""
 _JUMP_TOLERANCE = 0.1
 """Deviation from a linear response over a part of a load jump, per tolerance of the steps: a jump passes over
 many zones, and its work is that of its chords, whose errors all have one sign."""
 _SHORTEST_PART = 2.0**-10
-"""Least part of a load jump where the response is curved, relative to the jump."""
-_LAST_PART = 2.0**-24
-"""Least part of a load jump before contact counts as lost, relative to the jump."""
+"""Least part of a load jump where the response is curved, relative to it; its square is the least before
+contact counts as lost."""
 
 
 class NodeReleaseRun(SteppedStates):
@@ -49,9 +44,9 @@ class NodeReleaseRun(SteppedStates):
 
     def start(self, loading: Loading) -> Outcome | None:
         """Accept the start state; an outcome if there is none."""
-        relaxed = loading.start == "relaxed"
+        dt = math.inf if loading.start == "relaxed" else 0.0
         try:
-            candidate = self.solver.start(loading.start_control, loading.penetration, relaxed)
+            candidate = self.search(dt, loading.start_control, loading.penetration).start()
             if candidate.edge.motion is EdgeMotion.RECEDING:
                 self._end(OutcomeKind.NO_EQUILIBRIUM, loading.without_start)
             if not candidate.in_equilibrium:
@@ -133,7 +128,7 @@ class NodeReleaseRun(SteppedStates):
             return
         self._on_stop()
         if stop.kink:
-            self.estimator.reset(self._continuous_rates())
+            self.estimator.reset()
         self.step = None if stop.kink else interval.dt
 
     @property
@@ -143,13 +138,14 @@ class NodeReleaseRun(SteppedStates):
 
     def _touches(self, segment: Segment, stop: float) -> bool:
         """Whether an indenter without contact or adhesion touches now, and is pressed on."""
-        return self._hovers and abs(segment.value(self.time)) <= _TOUCHING * segment.value(stop)
+        way = segment.value(stop)
+        return self._hovers and way > 0.0 and math.isclose(way - segment.value(self.time), way)
 
     def _lower(self, segment: Segment) -> None:
         """Lower an indenter without contact or adhesion that a force presses, until it touches."""
         if not self._hovers or segment.control != "force":
             return
-        touching = self.solver.held(0.0, "force", 0.0, 0.0)
+        touching = self.search(0.0, "force", 0.0).held(0.0)
         pressed = segment.value(segment.start) > 0.0 or segment.rate(segment.start) > 0.0
         if pressed and touching.penetration != self.state.penetration:
             self._commit(touching, contact=False)
@@ -157,7 +153,7 @@ class NodeReleaseRun(SteppedStates):
 
     def _touch(self, control: Control, value: float) -> None:
         """Where a plane tip touches, all of it is in contact; others begin from a point."""
-        whole = self.solver.plane_contact(0.0, control, value)
+        whole = self.search(0.0, control, value).plane_contact()
         if whole is not None:
             self.estimator.reset()
             self._commit(whole)
@@ -170,7 +166,8 @@ class NodeReleaseRun(SteppedStates):
             or not segment.value(start) < 0.0 < segment.value(stop)
         ):
             return stop
-        return float(brentq(segment.value, start, stop, xtol=_TOUCHING * (stop - start)))
+        length = stop - start
+        return start + length * float(brentq(lambda share: segment.value(start + share * length), 0.0, 1.0))
 
     def _longest(self, segment: Segment) -> float:
         """Longest step within a load step; none where no work is done, or nothing lost."""
@@ -181,25 +178,22 @@ class NodeReleaseRun(SteppedStates):
         """The interval between two stops, with the first of its steps."""
         length, relaxation = end - start, self.setup.shortest_time
         interval = DyadicInterval(start, end, ceiling=longest)
-        first = self.step or min(_FIRST * length, 2.0 * _FIRST * relaxation)
-        usual = _SHORTEST_PRESSED if self.setup.adhesion is None else _SHORTEST
-        shortest = _SHORTEST_RATED if self._has_rate else usual
-        interval.limit(first, shortest * min(relaxation, length))
+        first = self.step or _LONGEST**2 * min(length, 2.0 * relaxation)
+        interval.limit(first, _SHORTEST * min(relaxation, length))
         return interval
 
     def _load_jump(self, segment: Segment) -> None:
         """The load jump, if any, with which a load step begins."""
         state, target = self.state, segment.value(segment.start)
         before = segment.present(state.penetration, state.force)
-        if abs(target - before) <= 1e-12 * max(abs(before), abs(target)):
-            self.estimator.reset(self._continuous_rates())
-            return
         self.estimator.reset()
+        if math.isclose(target, before):
+            return
         tolerance = _JUMP_TOLERANCE * self.estimator.tolerance
         jump = LoadJump(segment.control, before, target, state)
         while not jump.complete:
             self._check_budget()
-            candidate = jump.trial(self.solver, self.state, tolerance)
+            candidate = jump.trial(self.search, self.state, tolerance)
             if candidate is None:
                 self.counters.rejected_steps += 1
                 jump.halve()
@@ -226,10 +220,6 @@ class NodeReleaseRun(SteppedStates):
         if moves and 0.0 < self.estimator.tolerance * length < math.ulp(segment.end):
             reason = f"a load step of {length:.6g} cannot be resolved after a time of {segment.start:.6g}"
             self._end(OutcomeKind.STEP_UNDERFLOW, reason)
-
-    def _continuous_rates(self) -> dict[str, float]:
-        """Rates that do not jump at a kink of the loading: that of an edge whose energy follows its speed."""
-        return {"radius": self.state.rate} if self._has_rate else {}
 
 
 @dataclass
@@ -259,13 +249,13 @@ class LoadJump:
         """Whether the whole jump is accepted."""
         return self.done >= 1.0
 
-    def trial(self, solver: ContactSolver, state: SurfaceState, tolerance: float) -> ContactCandidate | None:
+    def trial(self, search: Search, state: SurfaceState, tolerance: float) -> ContactCandidate | None:
         """The next part; ``None`` if it has to be shorter, without equilibrium where contact is lost."""
         self.part = min(self.part, 1.0 - self.done)
-        end = self._at(solver, self.done + self.part)
+        end = self._at(search, self.done + self.part)
         if not end.in_equilibrium:
-            return None if self.part > _LAST_PART else end
-        middle = self._at(solver, self.done + 0.5 * self.part)
+            return None if self.part > _SHORTEST_PART**2 else end
+        middle = self._at(search, self.done + 0.5 * self.part)
         change = abs(end.response - self._response(self.begin))
         self.response_scale = max(self.response_scale, change)
         deviation = abs(middle.response - 0.5 * (self._response(state) + end.response))
@@ -291,8 +281,8 @@ class LoadJump:
     def _response(self, state: SurfaceState) -> float:
         return state.penetration if self.control == "force" else state.force
 
-    def _at(self, solver: ContactSolver, share: float) -> ContactCandidate:
-        return solver.trial(0.0, self.control, self.value(share), (solver.setup.law.lowest, math.inf))
+    def _at(self, search: Search, share: float) -> ContactCandidate:
+        return search(0.0, self.control, self.value(share)).trial(0.0, math.inf)
 
 
 def _work_of_bend(first: SurfaceState, middle: ContactCandidate, last: ContactCandidate) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,18 +22,15 @@ from fem_solver.state import ComponentState, interface_energy, transferred, unde
 
 Array = NDArray[np.float64]
 
-DEFAULT_TOLERANCE = 1e-3
-"""Relative accuracy of the force in time at the usual number of elements."""
-_TRAVEL = 0.03
-"""Edge travel allowed per step, relative to the contact radius: on that scale the field away from the edge
-changes, and with it what drives the edge."""
-_DIVISIONS, _PRESSED_DIVISIONS = 10.0, 4.0
-"""Elements per process zone, or without adhesion per twentieth of the largest contact radius, to which the
-usual tolerance of the steps belongs; it goes with their square: steps and mesh are refined together."""
-_PRESSED_TRAVEL = 0.02, 0.25
-"""Edge travel allowed per step without adhesion, relative to the largest contact radius, and the present."""
+_TOLERANCE, _PRESSED_TOLERANCE = 0.1, 0.016
+"""Relative accuracy of the force in time, with adhesion and without, times the square of the elements per
+process zone, or per twentieth of the largest contact radius: steps and mesh are refined together."""
+_TRAVEL, _PRESSED_TRAVEL = 0.03, 0.25
+"""Edge travel allowed per step, relative to the contact radius, with adhesion and without: on that scale the
+field away from the edge changes, and with it what drives the edge."""
 _LEAST_RADIUS = 0.1
-"""Radius, relative to the largest, below which errors of the radius are relative to this."""
+"""Radius, relative to the largest, below which errors and travel of an edge without adhesion are relative to
+this: contact begins in a point."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +40,8 @@ class Options:
     Parameters
     ----------
     tolerance : float, optional
-        Relative accuracy of the force in time, between 0 and 1; by default 1e-3 at the usual number
-        of elements, and with its square.
+        Relative accuracy of the force in time, between 0 and 1; by default 1e-3 at ten elements a process
+        zone, or four a twentieth of the contact without adhesion, and with the square of their size.
     stop_times : tuple of float
         Times stepped onto exactly.
     profile_times : tuple of float
@@ -98,37 +96,21 @@ class Options:
 class Setup:
     """Surfaces of a scene and the accepted state on them.
 
-    Parameters
-    ----------
-    scene : Scene
-    meshes : object
-        As of :func:`~fem_solver.solver.solve`.
-    options : Options
-
-    Attributes
-    ----------
-    state : ComponentState
-        Accepted last.
-    begin : ComponentState
-        The state at the begin of the step that led there, on the mesh of that step.
-    tolerance : float
-        Relative accuracy of the force in time.
+    The step to ``state`` started from ``begin``, on the mesh of the step; ``tolerance`` is the relative
+    accuracy of the force in time.
     """
 
     def __init__(self, scene: Scene, meshes: Any, options: Options) -> None:
         self.options, self.relaxed_modulus = options, scene.material.relaxed_plane_modulus
         self.adhesion = scene.adhesion if scene.is_adhesive else None
-        self.compliance, self.plane_tip, self.body = (
-            scene.loading.compliance,
-            scene.bare_plane_tip,
-            scene.body,
-        )
+        self.compliance, self.body = scene.loading.compliance, scene.body
+        self.plane_tip = scene.bare_plane_tip
         self.material = moduli(scene.material)
         self.solid = Components(self.material.surface)
         self.surfaces = Surfaces(scene, meshes, self.material, options.far_field)
-        times, usual = self.solid.modulus.times, _DIVISIONS if self.adhesion else _PRESSED_DIVISIONS
+        times, usual = self.solid.modulus.times, _TOLERANCE if self.adhesion else _PRESSED_TOLERANCE
         self.shortest_time, self.has_history = float(times.min(initial=math.inf)), times.size > 0
-        self.tolerance = options.tolerance or DEFAULT_TOLERANCE * (usual / meshes.divisions) ** 2
+        self.tolerance = options.tolerance or usual / meshes.divisions**2
         self.state = self.begin = undeformed(self.surfaces.around(self.surfaces.largest), len(times))
         self._moved = self.state, self.state
 
@@ -150,13 +132,19 @@ class Setup:
     @property
     def travel(self) -> float:
         """Edge travel allowed per step."""
-        if self.adhesion is None:
-            return max(_PRESSED_TRAVEL[0] * self.surfaces.largest, _PRESSED_TRAVEL[1] * self.state.radius)
-        return _TRAVEL * self.state.radius
+        share = _TRAVEL if self.adhesion is not None else _PRESSED_TRAVEL
+        return share * self.radius_scale(self.state.radius)
 
     def radius_scale(self, radius: float) -> float:
-        """Radius to which errors of a radius are relative; without adhesion contact begins in a point."""
+        """Radius to which errors of a radius are relative."""
         return radius if self.adhesion is not None else max(radius, _LEAST_RADIUS * self.surfaces.largest)
+
+    @cached_property
+    def least_force(self) -> float:
+        """Force to which errors of a force are relative at least without adhesion: that of a relaxed flat
+        punch, where contact of the least radius ends."""
+        radius = _LEAST_RADIUS * self.surfaces.largest
+        return 2.0 * self.relaxed_modulus * radius * self.placement.depth(radius)
 
     def at(self, placement: Placement) -> ComponentState:
         """The accepted state with the mesh at another place."""

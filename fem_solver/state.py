@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_solver.components import Components
-from fem_solver.edge_path import NO_CONTACT, EdgeOrigin, Row
+from fem_solver.edge_path import NO_CONTACT, Row
 from fem_solver.nodes import NodeBorders, NodeParts, NodeStrips
 from fem_solver.placement import Placement
 from fem_solver.surface_record import SurfaceRecord, averaged, interpolated
@@ -21,40 +22,15 @@ Array = NDArray[np.float64]
 class ComponentState:
     """Internal variables of the components at one place of the mesh, and where the edge is.
 
-    Parameters
-    ----------
-    place : object
-        Names the place.
-    components : ndarray, shape (n,)
-        ``v``.
-    branches : ndarray, shape (branches, n)
-        ``b_k``.
-    penetration, radius, edge : float
-        The last two are the contact radius and the edge position in nodes; ``edge = -1`` without contact.
-    strips : NodeStrips, optional
-        Of that node.
-    left : dict of int to NodeStrips
-        Of nodes within which the edge has begun to recede, and that it has left, as far out as the closure
-        looks: it sees of a node the radii within its zone, and where the edge turned they jump.
-    at_edge : ndarray, shape (branches,)
-        Branch variables of a component at the edge, over ``e``, without adhesion: nothing jumps there.
-    before : tuple of Row
-        The rows before this one from which on the path of the edge is smooth, the last one first (see
-        ``path``).
-    held : ndarray, shape (branches,)
-        Branch variables that the partly released node would have if it had stayed in contact.
-    dissipated, received : float
-        Energy dissipated in the branches, and work done on the surface, so far.
-    updates : int
-        Accepted steps so far.
-    unresolved : ndarray, shape (branches,)
-        Energy of the surface outside, by modes, that is finer than the elements there hold.
-    uneven : ndarray, shape (branches,)
-        Energy of each branch in contact that is finer than the elements there hold.
-    borders : NodeBorders
-        What steps have left within nodes.
-    record : SurfaceRecord, optional
-        The surface where earlier meshes were finer.
+    ``components`` are ``v`` (n,), ``branches`` ``b_k`` (branches, n), ``edge`` is the position in nodes, -1
+    without contact. ``held`` are the branch variables that the partly released node would have if it had
+    stayed in contact, ``strips`` those of its radii, ``left`` those of the nodes within which the edge has
+    begun to recede, and that it has left, as far out as the closure looks; it sees of a node the radii within
+    its zone, and where the edge turned they jump. ``at_edge`` are those of a component at the edge, over
+    ``e``, without adhesion: nothing jumps there. ``before`` are the rows from which on the path of the edge
+    is smooth, the last one first. Energy that is finer than the elements hold is ``unresolved`` outside, by
+    modes, ``uneven`` in contact, by branches, and ``borders`` where steps have left it within nodes;
+    ``record`` is the surface where earlier meshes were finer.
     """
 
     place: Any
@@ -76,15 +52,18 @@ class ComponentState:
     borders: NodeBorders = field(default_factory=lambda: NodeBorders.none(0))
     record: SurfaceRecord | None = None
 
-    @property
-    def origin(self) -> EdgeOrigin | None:
-        """Where the edge starts a step from here; ``None`` without contact."""
-        if self.edge <= NO_CONTACT:
-            return None
+    def opening_speed(self, radius: float, dt: float) -> float:
+        """Speed at which the edge recedes at the end of a step to ``radius``; infinite in no time.
+
+        By the backward differentiation formula through the row before, where there is one.
+        """
+        if dt <= 0.0:
+            return math.inf
+        mean = (self.radius - radius) / dt
         if not self.before:
-            return EdgeOrigin(self.edge, self.radius)
-        duration, radius = self.before[0]
-        return EdgeOrigin(self.edge, self.radius, (self.radius - radius) / duration, duration)
+            return mean
+        duration, earlier = self.before[0]
+        return mean + (mean + (self.radius - earlier) / duration) * dt / (dt + duration)
 
     def rows_and_this(self, dt: float) -> tuple[Row, ...]:
         """The two rows before the end of a step from here, through which the path of the next one goes."""

@@ -11,22 +11,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact_scene import Segment
 
-_LEVELS = 448
-"""Halvings of an interval that the position within it resolves: from the longest time to the shortest."""
-_WHOLE = 1 << _LEVELS
-"""The interval's length in units of its finest division."""
+Array = NDArray[np.float64]
+
 _ROUNDING = 8.0
 """Shortest step in units of the spacing of floats at the present time."""
 
 
 @dataclass
 class DyadicInterval:
-    """Position within an interval ``start..end`` and the present step, in units of ``2^-448`` of it.
+    """Position within an interval ``start..end`` and the present step, dyadic shares of it.
 
     Steps are not shorter than ``floor``, nor than a few spacings of floats at the present time: what happens
     at the begin of a long interval is resolved in its own time. They are not longer than ``ceiling``.
@@ -34,8 +34,8 @@ class DyadicInterval:
 
     start: float
     end: float
-    position: int = 0
-    step: int = _WHOLE
+    position: Fraction = Fraction(0)
+    step: Fraction = Fraction(1)
     floor: float = 0.0
     ceiling: float = math.inf
 
@@ -57,7 +57,7 @@ class DyadicInterval:
     @property
     def done(self) -> bool:
         """Whether the end is reached."""
-        return self.position >= _WHOLE
+        return self.position >= 1
 
     @property
     def shortest(self) -> bool:
@@ -73,44 +73,41 @@ class DyadicInterval:
     def halve(self) -> None:
         """Try again with half the step, if it may be halved."""
         if not self.shortest:
-            self.step //= 2
+            self.step /= 2
 
     def advance(self) -> None:
         """Accept the step."""
         self.position += self.step
 
-    def divisible(self, position: int) -> bool:
+    def divisible(self, position: Fraction) -> bool:
         """Whether the step that led here from an earlier position can be halved."""
         return self._length(self.position - position) > self._shortest(position)
 
-    def take_back(self, position: int) -> None:
+    def take_back(self, position: Fraction) -> None:
         """Return to an earlier position, with half the step that led from there."""
         self.step, self.position = self.position - position, position
         self.halve()
 
     def double(self) -> None:
         """Take twice the step from here, where that stays aligned and below the ceiling."""
-        aligned = self.position % (2 * self.step) == 0 and self.position + 2 * self.step <= _WHOLE
+        aligned = self.position % (2 * self.step) == 0 and self.position + 2 * self.step <= 1
         if aligned and self._length(2 * self.step) <= self.ceiling:
             self.step *= 2
 
-    def _at(self, position: int) -> float:
-        if position >= _WHOLE:
+    def _at(self, position: Fraction) -> float:
+        if position >= 1:
             return self.end
         return self.start + self._length(position)
 
-    def _length(self, units: int) -> float:
-        return (self.end - self.start) * (units / _WHOLE)
+    def _length(self, share: Fraction) -> float:
+        return (self.end - self.start) * float(share)
 
-    def _shortest(self, position: int) -> float:
+    def _shortest(self, position: Fraction) -> float:
         return max(self.floor, _ROUNDING * math.ulp(self._at(position)))
 
 
-def _power_below(share: float) -> int:
-    if share >= 1.0:
-        return _WHOLE
-    exponent = _LEVELS + math.floor(math.log2(max(share, 2.0**-_LEVELS)))
-    return 1 << max(exponent, 0)
+def _power_below(share: float) -> Fraction:
+    return min(Fraction(2) ** (math.frexp(share)[1] - 1), Fraction(1))
 
 
 def missed_peak(earlier: float, rise: float, fall: float, length: float) -> float:
@@ -151,18 +148,18 @@ class SlopeErrorEstimator:
         """Store the slopes of an accepted step."""
         self.slopes = slopes
 
-    def reset(self, continuous: dict[str, float] | None = None) -> None:
-        """Drop the slopes at a kink or a jump, but for those that are ``continuous`` there."""
-        self.slopes = continuous or {}
+    def reset(self) -> None:
+        """Drop the slopes at a kink or a jump."""
+        self.slopes = {}
 
 
-_SAMPLES = (0.273, 0.618, 1.0)
-"""Uneven shares of a step at which the deviation is sampled: an oscillation cannot vanish at all of them."""
-_STRAIGHT = 1e-12
-"""Swing, relative to the largest value, below which a law is straight but for rounding, as a smooth table of
-rows on a line."""
 _SPREAD = 256
 """Samples over a load step from which the swing is read."""
+
+
+def _spread(count: int) -> Array:
+    """Uneven shares of an interval, at no two of which an oscillation repeats itself: golden ratios."""
+    return np.mod(np.arange(count) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
 
 
 def swing(segment: Segment) -> float:
@@ -172,16 +169,17 @@ def swing(segment: Segment) -> float:
     """
     if segment.linear:
         return 0.0
-    shares = np.mod(np.arange(_SPREAD) * 0.5 * (math.sqrt(5.0) - 1.0), 1.0)
     length, change = segment.end - segment.start, segment.value(segment.end) - segment.value(segment.start)
-    values = [segment.value(segment.start + length * x) - change * x for x in shares]
+    values = [segment.value(segment.start + length * x) - change * x for x in _spread(_SPREAD)]
     spread = max(values) - min(values)
     largest = max(abs(change), *(abs(value) for value in values))
-    return spread if spread > _STRAIGHT * largest else 0.0
+    return (
+        0.0 if math.isclose(largest + spread, largest) else spread
+    )  # as of a smooth table of rows on a line
 
 
 def deviation_from_tangent(segment: Segment, start: float, end: float) -> float:
     """Largest deviation of the prescribed value from its tangent at ``start``, at samples up to ``end``."""
     value, rate = segment.value(start), segment.rate(start)
-    ahead = [(end - start) * share for share in _SAMPLES]
+    ahead = [(end - start) * (1.0 - share) for share in _spread(3)]
     return max(abs(segment.value(start + x) - value - rate * x) for x in ahead)

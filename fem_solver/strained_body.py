@@ -201,8 +201,6 @@ def _names(modulus: Prony, kind: str = "") -> tuple[str, ...]:
 
 CUT = 1e-8
 """Energy left out by the truncation, relative to the energy of all vectors."""
-_BLOCK = 256
-"""Vectors added between two truncations; bounds the memory."""
 
 
 class Losses:
@@ -213,7 +211,6 @@ class Losses:
         times = springs.times
         self._law = Prony(0.0, np.ones_like(times), times)
         self._vectors: list[list[Array]] = [[] for _ in times]
-        self._full = _BLOCK
 
     def add(self, dt: float, begin: ComponentState, end: ComponentState) -> None:
         """Add a step, both ends of which are on this mesh."""
@@ -226,9 +223,8 @@ class Losses:
             mixed = second / (2.0 * first)
             vectors.append(np.sqrt(first) * (spring + mixed * change))
             vectors.append(np.sqrt(max(third - 0.5 * second * mixed, 0.0)) * change)
-        if any(len(vectors) >= self._full for vectors in self._vectors):
+        if any(len(vectors) > vectors[0].size for vectors in self._vectors):  # no more are independent
             self._vectors = [_leading(vectors) for vectors in self._vectors]
-            self._full = max(map(len, self._vectors)) + _BLOCK
 
     def density(self, body: StrainedBody, here: Placement) -> Array:
         """Densities of all added; shape (branches, points)."""

@@ -24,24 +24,14 @@ _STRAIGHT = 1e-5
 """Deviation from a line between its neighbours below which a point is dropped, relative to the largest
 intensity of the branch: a tenth of what the path of an edge may miss in a step, relative to its radius, so
 that an edge that comes back does not have to make steps for points that are gone."""
-_WORTHWHILE = 0.1
-"""Share of the points below which none is dropped: to see which may go takes longer than to keep them."""
 
 
 @dataclass(frozen=True)
 class SurfaceRecord:
-    """Intensities of the branch variables at radii.
+    """Intensities (branches, m) of the branch variables at radii ``positions``, rising.
 
-    Parameters
-    ----------
-    positions : ndarray, shape (m,)
-        Radii, rising.
-    intensity : ndarray, shape (branches, m)
-    profile : ndarray, shape (m,)
-        The indenter's height, transformed, over ``L^-1 1``: the penetration at which contact without adhesion
-        ends there.
-    edge : int
-        Number of points in contact; the next one is the node that is released in part.
+    ``profile`` is the penetration at which contact without adhesion ends there; ``edge`` points are in
+    contact, the next one is the node that is released in part.
     """
 
     positions: Array
@@ -172,7 +162,7 @@ def _needed(x: Array, values: Array, count: int) -> NDArray[np.bool_]:
     line = (1.0 - share) * values[:, middle - 1] + share * values[:, middle + 1]
     allowed = _STRAIGHT * np.abs(values).max(axis=1, keepdims=True)
     dropped = middle[(np.abs(values[:, middle] - line) <= allowed).all(axis=0)]
-    if dropped.size < _WORTHWHILE * len(x):
+    if not dropped.size:
         return kept
     at = 0.5 * np.stack([x[dropped - 1] + x[dropped], 2.0 * x[dropped], x[dropped] + x[dropped + 1]])
     known = interpolated(x, values, at.ravel()).reshape(len(values), *at.shape)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import NoReturn
 
 import numpy as np
@@ -21,8 +22,8 @@ from contact_scene.loading import Control
 from contact_scene.run_control import below_zone_outcome, budget_outcome, outgrown_outcome
 from fem_solver.contact_problem import ContactCandidate
 from fem_solver.edge import energy_spent
-from fem_solver.edge_path import EdgeMotion
-from fem_solver.edge_search import ContactSolver
+from fem_solver.edge_path import EdgeMotion, extrapolated
+from fem_solver.edge_search import EdgeSearch
 from fem_solver.recorder import SurfaceRecorder, SurfaceState, SurfaceStep, Totals, profile
 from fem_solver.setup import Setup
 from fem_solver.state import ComponentState
@@ -33,27 +34,14 @@ from fem_solver.step_control import (
     missed_peak,
 )
 
-_ELASTIC_TOLERANCE = 0.04
-"""Allowed error of the rows of an elastic solid per that of others: steps are few, and of its work a small
-difference, the hysteresis of the jumps, is what counts."""
-_ELASTIC_TRAVEL = 4.0
-"""Factor on the edge travel per step of an elastic solid, which has no history to resolve."""
-_ZONE_END_SHARE = 1e-4
-"""Longest step, in intervals, within which a zone of fixed stress may come to fill its contact: the end."""
 _DEVIATION_PER_TOLERANCE = 10.0
 """Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its swing."""
-_RADIUS_SCALE = 10.0
-"""Allowed error of the radius per that of the force, relative to their sizes: the travel bounds it closer."""
-_MISSED_RADIUS = 0.1
-"""Distance by which the edge may miss the extrapolation of its path, per allowed error of the force, relative
-to the sizes of radius and force. It is less than one: an edge that is too far inside recedes faster from
-then on, so that what it misses grows towards the pull-off."""
+_MISSED = 0.1
+"""What rows may miss, per allowed error of the force: of the largest tension, which may lie between two rows,
+and of the path of the edge, extrapolated, relative to its radius. It is less than one: an edge that is too
+far inside recedes faster from then on, so that what it misses grows towards the pull-off."""
 _REJECT = 2.0
 """A step is rejected if its estimated error exceeds this multiple of the allowed one."""
-_MISSED_TENSION = 0.1
-"""Tension that rows may miss of its largest value, relative to the allowed error of the force."""
-_EVENT_TRAVEL = 4.0
-"""An edge jump is recorded as an event if it exceeds this multiple of the edge travel allowed per step."""
 
 
 class RunEnded(Exception):
@@ -81,7 +69,7 @@ class StepBefore:
     """
 
     time: float
-    position: int
+    position: Fraction
     slopes: dict[str, float]
     totals: Totals
     state: ComponentState
@@ -104,15 +92,17 @@ class SteppedStates:
     ) -> None:
         self.setup, self.options, self.monitor, self.progress = setup, setup.options, monitor, progress
         self.recorder = SurfaceRecorder(setup.adhesion, self.options.records)
-        tolerance = setup.tolerance * (1.0 if setup.has_history else _ELASTIC_TOLERANCE)
-        self.estimator = SlopeErrorEstimator(tolerance)
+        self.estimator = SlopeErrorEstimator(setup.tolerance)
         self.cursor, self.counters = LoadingCursor(), Counters()
-        self.solver = ContactSolver(setup, self.counters)
         self.time = 0.0
         self.rows_at: dict[float, int] = {}
         self.interval: DyadicInterval | None = None
         self.step: float | None = None
         self.before: StepBefore | None = None
+
+    def search(self, dt: float, control: Control, value: float) -> EdgeSearch:
+        """For the edge at the end of a step from the accepted state."""
+        return EdgeSearch(self.setup, self.counters, dt, control, value)
 
     @property
     def state(self) -> SurfaceState:
@@ -130,13 +120,13 @@ class SteppedStates:
         What a relaxing contact bears when it is pulled follows from the steps before, and after a hard press
         it is far less than the largest force of the run. There errors are relative to the larger of the
         present force and its part due to adhesion, that of the flat punch with the same edge singularity.
-        Without adhesion, or without a history, the largest force serves. The scale is at least the pull-off
-        force of a relaxed punch of the contact radius that adheres, ``F = sqrt(8 pi E* a^3 w)`` (Kendall,
-        J. Phys. D 4 (1971)).
+        Without adhesion, or without a history, the largest force serves. The scale is at least that of a
+        small contact without adhesion, which begins in a point, and with adhesion the pull-off force of a
+        relaxed punch of the contact radius, ``F = sqrt(8 pi E* a^3 w)`` (Kendall, J. Phys. D 4 (1971)).
         """
         scale, adhesion = self.recorder.totals.largest_force, self.setup.adhesion
         if adhesion is None:
-            return scale
+            return max(scale, self.setup.least_force)
         if self.setup.has_history:
             scale = min(max(abs(force), abs(singular)), scale)
         return max(scale, math.sqrt(8.0 * math.pi * self.setup.relaxed_modulus * radius**3 * adhesion.work))
@@ -228,8 +218,8 @@ class SteppedStates:
         """
         value = 0.0 if control == "force" else value
         self.time += dt
-        plane = self.solver.plane_contact(dt, "force", 0.0)  # bears nothing as it is let go
-        self._commit(plane or self.solver.held(dt, control, value, 0.0))
+        plane = self.search(dt, "force", 0.0).plane_contact()  # bears nothing as it is let go
+        self._commit(plane or self.search(dt, control, value).held(0.0))
 
     def _pulled_off(self, control: Control) -> NoReturn:
         setup = self.setup
@@ -238,7 +228,7 @@ class SteppedStates:
         # the spring takes the indenter to where the stage is; a given force takes the stage along
         if setup.compliance > 0.0 and control != "force":
             stage = self.state.penetration + setup.compliance * self.state.force
-            self._commit(self.solver.held(0.0, "stage", stage, 0.0), contact=False)
+            self._commit(self.search(0.0, "stage", stage).held(0.0), contact=False)
         self._end(OutcomeKind.DETACHED, reason)
 
     def _below_zone(self, candidate: ContactCandidate) -> bool:
@@ -254,14 +244,14 @@ class SteppedStates:
         zone = self.setup.adhesion.zone
 
         def excess(share: float) -> float:
-            held = self.solver.held(*load(share), zone)
+            held = self.search(*load(share)).held(zone)
             problem, s = held.problem, held.edge.s
             self.counters.closure_evaluations += 1
             return max(problem.closure(s) / self.setup.law.taken(problem, s), 0.0) - 1.0
 
         if not excess(0.0) < 0.0 <= excess(1.0):
             self._pulled_off(load(0.0)[1])
-        reached = self.solver.held(*load(float(brentq(excess, 0.0, 1.0))), zone)
+        reached = self.search(*load(float(brentq(excess, 0.0, 1.0)))).held(zone)
         self.time += reached.problem.dt
         self._commit(reached)
         self._end_below_zone()
@@ -271,50 +261,45 @@ class SteppedStates:
     def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
         """A step with its edge within one step's travel."""
         now = self.state
-        contact = self.solver.trial(dt, segment.control, segment.value(end), self._reach(now))
+        contact = self.search(dt, segment.control, segment.value(end)).trial(*self._reach())
         if not contact.in_equilibrium:
             return StepCandidate(contact, {}, math.inf)
         radius, force = contact.radius, contact.force
         singular = contact.problem.singular_force(contact.edge.s)
         quantities = {
             "force": (force, now.force, self.force_scale(force, singular, radius)),
-            "radius": (radius, now.radius, _RADIUS_SCALE * self.setup.radius_scale(radius)),
         }
         if segment.control != "penetration":
             scale = self.recorder.depth_scale()
             quantities["penetration"] = contact.penetration, now.penetration, scale
         slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
         scales = {name: scale for name, (_, _, scale) in quantities.items()}
-        error = max(self.estimator.error(slopes, scales, dt), self._path_error(contact, radius))
+        error = max(self.estimator.error(slopes, scales, dt), self._path_error(contact, dt))
         return StepCandidate(contact, slopes, error)
 
-    def _path_error(self, contact: ContactCandidate, radius: float) -> float:
+    def _path_error(self, contact: ContactCandidate, dt: float) -> float:
         """Error of the edge's path over a step, relative to the allowed one.
 
         The force does not show it where it follows the loading whatever the edge does, as on a soft spring.
-        The missed distance is of the third order in the step; errors are of the second.
+        The missed distance is of the third order in the step; errors are of the second. None counts within an
+        element, over which the passage of nodes ripples the path more than its steps do.
         """
-        if radius <= 0.0:
+        state, radius = self.setup.state, contact.radius
+        if not self.setup.has_history or radius <= 0.0 or len(state.before) < 2:
             return 0.0
-        allowed = _MISSED_RADIUS * self.estimator.tolerance * self.setup.radius_scale(radius)
-        return (self.solver.missed_by_extrapolation(contact) / allowed) ** (2.0 / 3.0)
+        radii, node = contact.problem.geometry.radii, int(contact.edge.s)
+        if abs(radius - state.radius) < radii[node + 2] - radii[node]:
+            return 0.0
+        allowed = _MISSED * self.estimator.tolerance * self.setup.radius_scale(radius)
+        missed = abs(radius - extrapolated(state.radius, dt, state.before))
+        return (missed / allowed) ** (2.0 / 3.0)
 
-    def _travel(self) -> float:
-        """Edge travel allowed in the present step.
-
-        Without a history each state is an equilibrium by itself, and the edge may pass many zones in a step;
-        the shortest step alone keeps to the travel of the others: what lies farther is reached in a jump.
-        """
-        travel, interval = self.setup.travel, self.interval
-        if self.setup.has_history or interval is None or interval.shortest:
-            return travel
-        return _ELASTIC_TRAVEL * travel
-
-    def _reach(self, now: SurfaceState) -> tuple[float, float]:
-        """Edge positions within one step's travel, at least one node either way."""
-        geometry, travel = self.setup.geometry, self._travel()
-        low, high = geometry.position(now.radius - travel), geometry.position(now.radius + travel)
-        return min(low, now.edge - 1.0), max(high, now.edge + 1.0)
+    def _reach(self) -> tuple[float, float]:
+        """Radii within one step's travel, at least one node either way."""
+        geometry, radius, travel = self.setup.geometry, self.state.radius, self.setup.travel
+        low = min(geometry.position(radius - travel), self.state.edge - 1.0)
+        high = max(geometry.position(radius + travel), self.state.edge + 1.0)
+        return geometry.radius(low) if low > self.setup.law.lowest else 0.0, geometry.radius(high)
 
     def _deviation(self, segment: Segment, interval: DyadicInterval, span: float) -> float:
         """Deviation of the prescribed value from its tangent over a step, relative to the allowed one."""
@@ -342,7 +327,7 @@ class SteppedStates:
                 self._commit(at_level)
                 self.cursor.level_reached()
                 return
-        radius, travel, jumped = self.state.radius, self._travel(), not contact.in_equilibrium
+        radius, travel, jumped = self.state.radius, self.setup.travel, not contact.in_equilibrium
         if jumped:
             contact, slopes, error = self._edge_jump(contact, segment, interval.dt), {}, 0.0
         elif self._below_zone(contact):
@@ -375,8 +360,7 @@ class SteppedStates:
             if self._first_step_was_too_long(candidate, interval):
                 continue
             contact = candidate.contact
-            long = interval.dt > _ZONE_END_SHARE * (interval.end - interval.start) and not interval.shortest
-            if long and self._zone_fills_contact(contact):
+            if self._zone_fills_contact(contact) and not interval.shortest:
                 self._reject(interval)
                 continue
             if error > _REJECT and not interval.shortest:
@@ -402,7 +386,7 @@ class SteppedStates:
         """The turn of the tension at the last row, if it is the largest so far."""
         tension = -self.state.force
         rise, fall = -self.estimator.slopes.get("force", 0.0), candidate.slopes.get("force", math.inf)
-        allowed = _MISSED_TENSION * self.estimator.tolerance * self._present_force_scale()
+        allowed = _MISSED * self.estimator.tolerance * self._present_force_scale()
         turns = rise > 0.0 and fall > 0.0 and tension + allowed > self.recorder.totals.largest_tension
         return TensionPeak(rise, fall, allowed) if turns else None
 
@@ -451,12 +435,13 @@ class SteppedStates:
 
         Where the energy follows the speed, an edge that a short step takes beyond the zone has passed it.
         """
-        landed = self.solver.extended(candidate)
+        problem = candidate.problem
+        landed = self.search(dt, problem.control, problem.value).extended(candidate)
         if not landed.in_equilibrium or self._below_zone(landed) or self._zone_fills_contact(landed):
             if self._has_rate and landed.edge.motion is not EdgeMotion.ADVANCING:
                 self._end_in_step(segment, dt)
             self._contact_lost(landed)
-        if abs(landed.radius - self.state.radius) > _EVENT_TRAVEL * self.setup.travel:
+        if abs(landed.radius - self.state.radius) > self.setup.travel:
             advancing = candidate.edge.motion is EdgeMotion.ADVANCING
             self.recorder.event("snap-in" if advancing else "pull-off")
         return landed

@@ -42,15 +42,7 @@ Form = Callable[[Array, Array], float]
 
 @dataclass(frozen=True)
 class RelaxingField:
-    """A relaxing modulus with the strain it acts on and its branch variables.
-
-    Parameters
-    ----------
-    modulus : Prony
-    x : ndarray, shape (m,)
-        A strain-like quantity.
-    branches : ndarray, shape (branches, m)
-    """
+    """A relaxing modulus with the strain-like ``x`` (m,) it acts on and its ``branches`` (branches, m)."""
 
     modulus: Prony
     x: Array
@@ -83,17 +75,7 @@ class QuadratureState:
 
 
 class QuadratureHistory:
-    """Internal variables in the volume.
-
-    Parameters
-    ----------
-    space : HalfSpace
-    shear : Prony
-    bulk : Prony or None
-        ``None``: incompressible.
-    count : int
-        Number of surface nodes offered to the indenter.
-    """
+    """Internal variables in the volume, of which ``count`` surface nodes are offered to the indenter."""
 
     def __init__(self, space: HalfSpace, shear: Prony, bulk: Prony | None, count: int) -> None:
         self.space, self.count = space, count
@@ -223,13 +205,8 @@ class QuadratureHistory:
 class VolumeAnswer:
     """What the volume answers to the forces of a run, and what the surface has said; by row.
 
-    Parameters
-    ----------
-    time : ndarray, shape (rows,)
-    apart : ndarray, shape (rows,)
-        Largest difference of a node's displacement, over the largest displacement of the run.
-    stored, dissipated : ndarray, shape (2, rows)
-        Energies of the body by the volume, and by the surface.
+    ``apart`` is the largest difference of a node's displacement, over the largest displacement of the run;
+    ``stored`` and ``dissipated`` are energies (2, rows) of the body by the volume, and by the surface.
     """
 
     time: Array

@@ -21,6 +21,8 @@ from contact_scene import (
 from fem_solver import Options, record, solve
 from fem_solver.contact_problem import ContactProblem
 from meshes import EdgeMeshes
+from validation.cases import load
+from validation.solvers import SOLVERS
 from validation.solvers.finite_elements import FiniteElements
 
 LONG = 0.08
@@ -72,6 +74,15 @@ def test_a_limit_point_above_the_zone_is_a_detachment():
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert trace.contact_radius[-1] > 1.2 * LONG
     assert [event.kind for event in trace.events] == ["pull-off"]
+
+
+@pytest.mark.parametrize(("name", "apart"), [("elastic-glassy", 3e-3), ("retraction-v2e-4", 2e-2)])
+def test_contact_is_lost_at_its_limit_point(name, apart):
+    """The radius there goes with the root of the distance: it shows what force and time do not."""
+    scene = load(name).scene
+    found = SOLVERS["fem"].solve(scene, 5)
+    known = SOLVERS["reference"].solve(scene)
+    assert found.events[-1].contact_radius == pytest.approx(known.events[-1].contact_radius, rel=apart)
 
 
 @pytest.mark.slow

@@ -29,7 +29,7 @@ from fem_solver import setup
 from fem_solver.closure import ZoneShift
 from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
-from fem_solver.edge_path import EdgePolynomial, missed_by_extrapolation
+from fem_solver.edge_path import EdgePolynomial, extrapolated
 from fem_solver.moduli import Prony, phi
 from fem_solver.nodes import NodeBorders, NodeParts, NodePassage, PartlyReleased
 from fem_solver.state import ComponentState
@@ -268,15 +268,14 @@ def test_the_end_of_a_path_is_passed_at_the_end_of_the_step_to_the_last_bit(twis
 
 
 def test_a_parabola_through_three_rows_misses_a_cubic_by_its_third_difference():
-    def rows(path):
-        return path(0.7), path(1.2), 0.5, ((0.3, path(0.4)), (0.7, path(0.0)))
+    def missed(path):
+        return path(1.2) - extrapolated(path(0.7), 0.5, ((0.3, path(0.4)), (0.7, path(0.0))))
 
-    assert missed_by_extrapolation(*rows(lambda t: 1.0 - 0.1 * t + 0.02 * t**2)) == pytest.approx(
-        0.0, abs=1e-15
-    )
-    cubic = missed_by_extrapolation(*rows(lambda t: 1.0 - 0.02 * t**3))
-    assert cubic == pytest.approx(0.02 * 0.5 * (0.5 + 0.3) * (0.5 + 0.7), rel=1e-12)
-    assert missed_by_extrapolation(1.0, 0.5, 0.1, ((0.1, 1.0),)) == 0.0
+    assert missed(lambda t: 1.0 - 0.1 * t + 0.02 * t**2) == pytest.approx(0.0, abs=1e-15)
+    cubic = missed(lambda t: 1.0 - 0.02 * t**3)
+    assert cubic == pytest.approx(-0.02 * 0.5 * (0.5 + 0.3) * (0.5 + 0.7), rel=1e-12)
+    assert extrapolated(1.0, 0.1, ((0.2, 1.5),)) == pytest.approx(0.75)
+    assert extrapolated(1.0, 0.1, ()) == 1.0
 
 
 def test_places_cover_every_radius_with_meshes_whose_number_grows_with_the_logarithm():
@@ -434,12 +433,12 @@ def test_an_edge_jump_without_a_place_to_rest_loses_contact():
     assert solved.outcome.kind.value == "detached"
 
 
-def test_penetration_under_a_force_near_the_axis_of_a_flat_profile(monkeypatch):
-    """Heights there are below a rounding error of the penetration."""
+def test_penetration_under_a_force_where_elements_are_tiny(monkeypatch):
+    """Their size is below a rounding error of the penetration."""
     problem = object.__new__(ContactProblem)
     problem.control, problem.value = "force", 2.0
     problem.state = SimpleNamespace(penetration=1e-3)
-    problem.placement, problem._passage = SimpleNamespace(height=np.array([0.0, 1e-26, 1e-25, 1e-24])), None
+    problem.placement, problem._passage = SimpleNamespace(scale=1e-26), None
     nodes = SimpleNamespace(towards=lambda *_: None)
     monkeypatch.setattr(ContactProblem, "_passages", lambda self, s: lambda *_: nodes)
     monkeypatch.setattr(ContactProblem, "_force_of", lambda self, s, depth, _: 1.0 + 500.0 * depth)

@@ -16,7 +16,6 @@ from contact_scene import (
     Adhesion,
     Branch,
     Cone,
-    Counters,
     FlatPunch,
     Hold,
     Loading,
@@ -29,8 +28,8 @@ from contact_scene import (
 )
 from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
-from fem_solver.edge_search import ContactSolver
 from fem_solver.moduli import Prony
+from fem_solver.run import NodeReleaseRun
 from fem_solver.state import interface_energy, transferred
 from validation.measure.observables import observe
 from validation.solvers.finite_elements import FiniteElements
@@ -113,12 +112,12 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
 
 @pytest.mark.slow
 def test_the_path_of_an_edge_is_judged_over_elements_not_over_the_nodes_it_passes():
-    state, solver = moved_on().state, ContactSolver(moved_on(), Counters())
+    state, run = moved_on().state, NodeReleaseRun(moved_on(), None, None)
     dt, element = 0.5 * state.before[0][0], 0.25 * ZONE
 
     def missed(travel):
-        held = solver.held(dt, "stage", 0.015, state.radius - travel)
-        return solver.missed_by_extrapolation(held)
+        held = run.search(dt, "stage", 0.015).held(state.radius - travel)
+        return run._path_error(held, dt) ** 1.5 * 0.1 * run.estimator.tolerance * held.radius
 
     assert missed(0.8 * element) == 0.0
     assert missed(9.0 * element) - missed(8.0 * element) == pytest.approx(element, rel=1e-6)

@@ -28,6 +28,11 @@ def factors(nu):
     return HalfSpace(mesh()).factorise(ratio(nu), 61)
 
 
+def symmetric(lower):
+    """The whole of a matrix of which the lower triangle is given."""
+    return np.tril(lower) + np.tril(lower, -1).T
+
+
 def surface_field(nu, node):
     """Downward and radial surface displacement per unit force on one node's ring, unit shear modulus."""
     factor = factors(nu)
@@ -100,23 +105,21 @@ def test_elimination_without_pivoting_is_as_good_as_a_refined_solution(nu):
     found = factor.factor.solve(load)
     missed = factor.factor.solve(load - matrix @ found)
     assert np.abs(missed).max() < 1e-11 * np.abs(found).max()
-    clamped = factor.condensed()
+    clamped = symmetric(factor.condensed())
     unit = np.eye(1, len(load), len(load) - factor.count + 7)[0]
     assert np.allclose(factor.factor.solve(unit)[-factor.count :], clamped[7], rtol=1e-9, atol=0.0)
 
 
 @pytest.mark.parametrize("nu", [0.3, 0.5])
-def test_surface_compliance_is_symmetric_and_positive(nu):
+def test_surface_compliance_is_positive(nu):
     factor = factors(nu)
-    clamped = factor.condensed()
-    assert np.abs(clamped - clamped.T).max() < 1e-10 * clamped.max()
     whole, weights = factor.compliance()
     assert np.abs(weights - 1.0).max() < 1e-4
-    assert np.linalg.eigvalsh(whole).min() > 0.0
+    assert np.linalg.eigvalsh(symmetric(whole)).min() > 0.0
 
 
 def test_leading_blocks_of_one_factor_serve_every_contact():
-    compliance = factors(0.3).compliance()[0]
+    compliance = symmetric(factors(0.3).compliance()[0])
     root = triangular(compliance.copy(order="F"))
     imposed = np.cos(3.0 * np.arange(61) / 61)
     unit, y = np.linalg.solve(root, np.stack([np.ones(61), imposed], axis=1)).T
@@ -132,7 +135,7 @@ def test_leading_blocks_of_one_factor_serve_every_contact():
 def punch_radius(nu, far_field=True, domain=400.0):
     """Of the flat punch as stiff as contact up to a node, over the radius of that node."""
     space = HalfSpace(mesh(domain), far_field)
-    compliance = space.factorise(ratio(nu), 61).compliance()[0][:41, :41]
+    compliance = symmetric(space.factorise(ratio(nu), 61).compliance()[0])[:41, :41]
     stiffness = np.linalg.solve(compliance, np.ones(41)).sum()
     return stiffness * (1.0 - nu) / 4.0 / space.radii[40]
 

@@ -23,8 +23,9 @@ from contact_scene import (
     Sphere,
 )
 from fem_solver import Options, solve
+from fem_solver.contact_problem import ContactCandidate
 from fem_solver.edge_path import EdgeGeometry
-from fem_solver.edge_search import ContactSolver
+from fem_solver.edge_search import EdgeSearch
 from fem_solver.setup import Setup
 from meshes import EdgeMeshes
 from validation.cases import load
@@ -37,16 +38,20 @@ APART = Material(0.75, 0.3, (Branch(6.0, 1.0),), bulk=BulkRelaxation(1.0, (Branc
 LOADING = Loading("relaxed", DEPTH, (Hold(1.0),))
 
 
-def contact(material: Material) -> ContactSolver:
+def contact(material: Material) -> Setup:
     scene = Scene(material, Sphere(1.0), LOADING, Adhesion(WORK, ZONE))
-    return ContactSolver(Setup(scene, EdgeMeshes(ZONE, 1, 0.16), Options()), Counters())
+    return Setup(scene, EdgeMeshes(ZONE, 1, 0.16), Options())
 
 
-def accepted(solver: ContactSolver, dt: float, penetration: float, radius: float) -> np.ndarray:
+def held(setup: Setup, dt: float, radius: float) -> ContactCandidate:
+    return EdgeSearch(setup, Counters(), dt, "penetration", DEPTH).held(radius)
+
+
+def accepted(setup: Setup, dt: float, radius: float) -> np.ndarray:
     """Nodal forces after a step that ends with the edge at a radius."""
-    candidate = solver.held(dt, "penetration", penetration, radius)
+    candidate = held(setup, dt, radius)
     forces = candidate.problem.forces(candidate.edge.s)
-    solver.setup.begin, solver.setup.state = (
+    setup.begin, setup.state = (
         candidate.problem.state,
         candidate.problem.accepted(candidate.edge.s),
     )
@@ -60,37 +65,37 @@ def radii_within_a_node(geometry: EdgeGeometry) -> list[float]:
 @pytest.mark.parametrize("material", [TWO, APART], ids=["alike", "apart"])
 def test_nothing_changes_in_no_time_where_nothing_moves(material):
     """Ten times stiffer at once, the half-space bears what the relaxed one bore, whatever came before."""
-    solver = contact(material)
-    first, *others = radii_within_a_node(solver.setup.geometry)
-    accepted(solver, math.inf, DEPTH, first)
+    setup = contact(material)
+    first, *others = radii_within_a_node(setup.geometry)
+    accepted(setup, math.inf, first)
     for radius, dt in zip(others, (0.3, 2.0, 10.0), strict=True):
-        before = accepted(solver, dt, DEPTH, radius)
-        after = solver.held(0.0, "penetration", DEPTH, radius)
+        before = accepted(setup, dt, radius)
+        after = held(setup, 0.0, radius)
         error = after.problem.forces(after.edge.s) - before
         assert np.abs(error).max() < 1e-9 * np.abs(before).max()
 
 
 def test_what_has_just_closed_opens_first():
     """In no time the half-space is elastic: closed and opened again, a relaxed contact bears what it bore."""
-    solver = contact(TWO)
-    inner, outer = (solver.setup.geometry.radius(edge) for edge in (12.3, 12.6))
-    rested = accepted(solver, math.inf, DEPTH, inner)
-    closed = accepted(solver, 0.0, DEPTH, outer)
+    setup = contact(TWO)
+    inner, outer = (setup.geometry.radius(edge) for edge in (12.3, 12.6))
+    rested = accepted(setup, math.inf, inner)
+    closed = accepted(setup, 0.0, outer)
     assert np.abs(closed - rested).max() > 0.1 * np.abs(rested).max()
-    opened = accepted(solver, 0.0, DEPTH, inner)
+    opened = accepted(setup, 0.0, inner)
     assert np.abs(opened - rested).max() < 1e-9 * np.abs(rested).max()
 
 
 def test_what_has_just_opened_closes_first():
     """The other way about."""
-    solver = contact(TWO)
-    outer, inner = (solver.setup.geometry.radius(edge) for edge in (12.5, 12.1))
-    rested = accepted(solver, math.inf, DEPTH, outer)
-    held = solver.setup.interface_energy
-    accepted(solver, 0.0, DEPTH, inner)
-    closed = accepted(solver, 0.0, DEPTH, outer)
+    setup = contact(TWO)
+    outer, inner = (setup.geometry.radius(edge) for edge in (12.5, 12.1))
+    rested = accepted(setup, math.inf, outer)
+    held = setup.interface_energy
+    accepted(setup, 0.0, inner)
+    closed = accepted(setup, 0.0, outer)
     assert np.abs(closed - rested).max() < 1e-9 * np.abs(rested).max()
-    assert solver.setup.interface_energy == pytest.approx(held, rel=1e-9)
+    assert setup.interface_energy == pytest.approx(held, rel=1e-9)
 
 
 def test_energy_where_an_edge_swings_over_the_place_where_it_had_rested():
@@ -107,12 +112,12 @@ def test_energy_where_an_edge_swings_over_the_place_where_it_had_rested():
 def test_strips_of_a_node_are_joined_where_they_are_many():
     """Closed in a hundred parts, a node relaxes as one that is closed in two."""
     few, many = contact(TWO), contact(TWO)
-    radius, dt = few.setup.geometry.radius, 1e-3
-    for solver, edges in ((few, (16.5, 16.9)), (many, np.linspace(16.1, 16.9, 100))):
-        accepted(solver, math.inf, DEPTH, radius(16.1))
+    radius, dt = few.geometry.radius, 1e-3
+    for setup, edges in ((few, (16.5, 16.9)), (many, np.linspace(16.1, 16.9, 100))):
+        accepted(setup, math.inf, radius(16.1))
         for edge in edges:
-            accepted(solver, dt / len(edges), DEPTH, radius(edge))
-    last = [accepted(solver, 0.2, DEPTH, radius(16.05)) for solver in (few, many)]
+            accepted(setup, dt / len(edges), radius(edge))
+    last = [accepted(setup, 0.2, radius(16.05)) for setup in (few, many)]
     assert np.abs(last[1] - last[0]).max() < 1e-3 * np.abs(last[0]).max()
 
 
@@ -128,10 +133,10 @@ def test_an_edge_that_swings_within_an_element():
 
 def test_the_part_in_contact_relaxes_as_a_whole_node_would():
     """At a fixed penetration all forces fall by the same share, from glass on."""
-    solver = contact(TWO)
-    radius = solver.setup.geometry.radius(16.4)
-    glassy = accepted(solver, 0.0, DEPTH, radius)
-    later = solver.held(0.4, "penetration", DEPTH, radius)
+    setup = contact(TWO)
+    radius = setup.geometry.radius(16.4)
+    glassy = accepted(setup, 0.0, radius)
+    later = held(setup, 0.4, radius)
     falls = (0.75 + 6.0 * math.exp(-0.4) + 0.75 * math.exp(-8.0)) / 7.5
     in_contact = slice(0, 18)
     ratio = later.problem.forces(later.edge.s)[in_contact] / glassy[in_contact]
