@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact_scene import Adhesion, Branch, Indenter, Loading, Material, PowerLaw, Ramp, Scene, Sphere
+from contact_scene import Adhesion, Branch, Hold, Indenter, Loading, Material, PowerLaw, Ramp, Scene, Sphere
 from validation.reference import batch
 from validation.reference.path import Options, solve
 
@@ -39,6 +39,7 @@ class Family:
     any_indenter: bool = False
     cycle: bool = False
     closing: float | None = None
+    dwell: bool = False
 
     def scene(self, rng: np.random.Generator) -> Scene:
         """One of them: a retraction from a relaxed start, or a cycle from jump-in."""
@@ -59,6 +60,10 @@ class Family:
         loading = Loading("relaxed", depth, (away,))
         if self.cycle:
             loading = Loading("jump-in", 0.0, (Ramp(depth, rate), away))
+        if self.dwell:
+            level = 10.0 ** float(rng.uniform(-4.5, -3.0)) if rng.random() < 0.5 else None
+            hold = Hold(10.0 ** float(rng.uniform(-2.0, 1.5)))
+            loading = Loading("jump-in", 0.0, (Ramp(depth, rate, until_force=level), hold, away))
         adhesion = Adhesion(work, zone * WIDTH, self.closing and self.closing * work)
         return Scene(Material(0.75, 0.5, branches), indenter, loading, adhesion)
 
@@ -78,6 +83,9 @@ FAMILIES = {
     "cycles, three branches": Family(cycle=True, branches=3, decades=4.0, zones=(-2.0, -2.0)),
     "cycles, ten branches over six decades": Family(cycle=True, branches=10, decades=6.0, zones=(-2.0, -2.0)),
     "cycles, slow turns": Family(cycle=True, zones=(-4.0, -1.7), speeds=(-4.0, -1.0), works=(-5.0, -3.0)),
+    "cycles with a dwell, half ended by a force": Family(
+        cycle=True, speeds=(-1.0, 3.0), dwell=True, closing=0.5, any_indenter=True, zones=(-2.0, -2.0)
+    ),
     "cycles, zone 1e-5 of the radius": Family(cycle=True, zones=(-5.0, -5.0), speeds=(-1.0, 3.0)),
 }
 

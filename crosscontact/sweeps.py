@@ -57,7 +57,8 @@ def sweep(
     solver : str
         One of :func:`crosscontact.solvers`, or "batch": the reference's method, hundreds of scenes together.
         It takes power-law indenters with a fixed zone on a rigid machine, one ramp away or a cycle of two
-        ramps, and gives no energies. What has no answer there the reference solves, as
+        ramps, with a hold between them and a force that ends the first, and gives no energies. What has no
+        answer there the reference solves, as
         ``solved_by`` says, and a hundredth of the runs, at least twenty, again: ``solved_again`` and
         ``largest_difference`` in the attributes.
     resolution : int, optional

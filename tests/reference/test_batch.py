@@ -18,6 +18,7 @@ from validation.reference.path import Options
 from validation.reference.path import solve as by_reference
 
 RETRACTION = load("retraction-v0.02").scene
+STEPS = RETRACTION.loading.steps
 COLUMNS = "time", "penetration", "force", "contact_radius"
 
 
@@ -43,6 +44,20 @@ CYCLES = st.builds(
 )
 
 
+DWELLS = st.builds(
+    lambda seed, closing: drawn(
+        1,
+        seed,
+        zones=(-3.0, -1.2),
+        any_indenter=True,
+        cycle=True,
+        dwell=True,
+        speeds=(-1.0, 3.0),
+        closing=closing,
+    )[0],
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([None, 0.3]),
+)
 SLOW_TURNS = st.builds(
     lambda seed: FAMILIES["cycles, slow turns"].scene(np.random.default_rng(seed)), st.integers(0, 2**32 - 1)
 )
@@ -68,6 +83,53 @@ def test_random_cycles_are_answered_as_by_the_reference(scene):
         assert "zones" in answer.reason
         return
     assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
+
+
+@given(scene=DWELLS)
+@settings(max_examples=6)
+def test_random_dwells_are_answered_as_by_the_reference(scene):
+    """The same of cycles with a hold, some of which turn at a force."""
+    [answer] = batch.solve([scene])
+    if not answer.answered:
+        assert "zones" in answer.reason or "differ" in answer.reason
+        return
+    assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
+
+
+@pytest.mark.parametrize("name", ["dwell-1", "dwell-10"])
+def test_an_edge_closes_on_while_the_load_is_held(name):
+    """Largest radius, at the end of the hold or later; pull-off; loss; penetrations while it is held."""
+    scene = load(name).scene
+    [answer], trace = batch.solve([scene]), by_reference(scene, Options(resolution=32))
+    assert answer.contact_radius.max() == pytest.approx(trace.contact_radius.max(), rel=1e-5)
+    assert answer.pull_off_force == pytest.approx(-trace.force.min(), rel=1e-5)
+    assert answer.time[-1] == pytest.approx(trace.time[-1], rel=1e-6)
+    first, hold, _ = scene.loading.steps
+    begin = (first.to - scene.loading.penetration) / first.rate
+    held = (answer.time >= begin * (1.0 + 1e-12)) & (answer.time <= begin + hold.duration)
+    assert held.any()
+    assert answer.penetration[held] == pytest.approx(first.to, rel=1e-12)
+
+
+def test_a_hold_of_what_is_relaxed_only_takes_time():
+    [alone], [held] = (batch.solve([scene]) for scene in (RETRACTION, changed(steps=(Hold(3.0), *STEPS))))
+    assert held.pull_off_force == pytest.approx(alone.pull_off_force, rel=1e-5)
+    assert held.time[-1] == pytest.approx(alone.time[-1] + 3.0, rel=1e-6)
+
+
+def test_an_approach_ends_at_a_force():
+    """The largest force of the run, as nothing is held; the largest penetration is the reference's."""
+    scene = load("cycle-v0.02").scene
+    first, last = scene.loading.steps
+    steps = replace(first, until_force=1e-3), last
+    scene = replace(scene, loading=replace(scene.loading, steps=steps))
+    [answer], trace = batch.solve([scene]), by_reference(scene, Options(resolution=32))
+    assert answer.force.max() == pytest.approx(1e-3, rel=1e-6)
+    too_much = replace(scene, loading=replace(scene.loading, steps=(replace(first, until_force=1.0), last)))
+    assert "not reached" in batch.solve([too_much])[0].reason
+    assert answer.penetration.max() == pytest.approx(trace.penetration.max(), rel=1e-6)
+    assert answer.time[-1] == pytest.approx(trace.time[-1], rel=1e-5)
+    assert answer.pull_off_force == pytest.approx(-trace.force.min(), rel=1e-5)
 
 
 @given(scene=SLOW_TURNS)
@@ -156,7 +218,12 @@ def same(one: batch.Solution, other: batch.Solution) -> bool:
 
 
 def test_neither_order_nor_company_changes_an_answer():
-    scenes = [*drawn(24, branches=2), *drawn(8, zones=(-6.0, -1.2), any_indenter=True), *drawn(8, cycle=True)]
+    scenes = [
+        *drawn(24, branches=2),
+        *drawn(8, zones=(-6.0, -1.2), any_indenter=True),
+        *drawn(8, cycle=True),
+        *drawn(8, cycle=True, dwell=True),
+    ]
     together = batch.solve(scenes)
     order = np.random.default_rng(1).permutation(len(scenes))
     for i, answer in zip(order, batch.solve([scenes[i] for i in order]), strict=True):
@@ -180,7 +247,7 @@ REFUSED = {
     "power of the radius": changed(indenter=TabulatedProfile((0.0, 0.5, 1.0), (0.0, 0.1, 0.5))),
     "spring": changed(machine=Machine(0.1)),
     "snap-in": changed(start="snap-in"),
-    "one ramp or two": changed(steps=(Hold(1.0), *RETRACTION.loading.steps)),
+    "one ramp or two": changed(steps=(*STEPS, Hold(1.0))),
     "level": changed(steps=(Ramp(-0.5, 0.02, until_force=0.0),)),
     "retract": changed(steps=(Ramp(0.05, 0.02),)),
     "approach": changed(steps=(Ramp(0.02, 0.02), Ramp(0.0, 0.02))),

@@ -37,7 +37,8 @@ def check(scene: Scene, at: str) -> None:
     reason = batch.refusal(scene)
     if reason:
         allowed = (
-            "a rigid machine, a power of the radius, a fixed zone, one ramp away or a cycle of two ramps"
+            "a rigid machine, a power of the radius, a fixed zone, one ramp away or a cycle of two ramps, "
+            "with a hold between them and a force that ends the first"
         )
         raise SceneError("solver", f"the batch solver does not take {reason}{at}", allowed)
 

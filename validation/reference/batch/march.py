@@ -26,10 +26,11 @@ ROUNDED = 1e-15
 """Share of the penetration that is lost in rounding, and so the time in which it is driven."""
 ROOM = 128
 """Rows for which there is room at first."""
-GOING, DETACHED, ENDED, SHORT, FAILED = range(5)
+GOING, DETACHED, ENDED, SHORT, FAILED, MISSED = range(6)
 REASONS = {
     SHORT: "the contact shrinks to one and a half process zones before it is lost",
     FAILED: "the time at which the edge gets somewhere is not found",
+    MISSED: "the force that ends the approach is not reached from below",
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -9,12 +10,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Ramp, Scene
+from contact_scene import Hold, Ramp, Scene
 from validation.reference.path.rheology import Rheology
 from validation.reference.sneddon import PowerTransform, transform
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
+
+
+PROGRAMMES = ["ramp"], ["hold", "ramp"], ["ramp", "ramp"], ["ramp", "hold", "ramp"]
+"""Kinds of load steps."""
 
 
 def refusal(scene: Scene) -> str:
@@ -35,11 +40,12 @@ def refusal(scene: Scene) -> str:
         return "a spring"
     if loading.start not in ("relaxed", "jump-in"):
         return f"the start {loading.start!r}"
-    if loading.has_triggers:
-        return "a level that ends a load step"
+    if [step.kind for step in loading.steps] not in PROGRAMMES:
+        return "load steps other than one ramp or two, and a hold before the last"
     ramps = [step for step in loading.steps if isinstance(step, Ramp)]
-    if not 1 <= len(ramps) == len(loading.steps) <= 2:
-        return "load steps other than one ramp or two"
+    levels = [None if step.trigger is None else step.trigger.quantity for step in loading.steps]
+    if levels[-1] or levels[0] not in (None, "force") or any(levels[1:]):
+        return "a level that ends a load step, but for a force at which an approach ends"
     if ramps[-1].to >= (ramps[0].to if len(ramps) == 2 else loading.penetration):
         return "a last ramp that does not retract"
     if len(ramps) == 2 and ramps[0].to <= loading.penetration:
@@ -50,16 +56,23 @@ def refusal(scene: Scene) -> str:
 def _numbers(scene: Scene) -> tuple[float, ...]:
     """Shape, adhesion and loading of a scene that is solved here, in the order of the fields of bodies."""
     shape, adhesion, loading = transform(scene.indenter), scene.adhesion, scene.loading
-    first, last = loading.steps[0], loading.steps[-1]
+    ramps = [step for step in loading.steps if isinstance(step, Ramp)]
+    first, last = ramps[0], ramps[-1]
     assert isinstance(shape, PowerTransform)
-    assert isinstance(first, Ramp)
-    assert isinstance(last, Ramp)
     assert adhesion is not None
     depth = loading.penetration
-    deepest = first.to if len(loading.steps) == 2 else depth
+    deepest = first.to if len(ramps) == 2 else depth
     parts = shape.coefficient, shape.exponent, adhesion.zone, adhesion.work, adhesion.closing
     approach, retraction = (deepest - depth) / first.rate, (deepest - last.to) / last.rate
-    return *parts, loading.start == "jump-in", depth, first.rate, approach, -last.rate, retraction
+    hold = sum(step.duration for step in loading.steps if isinstance(step, Hold))
+    level = math.inf if first.until_force is None else first.until_force
+    driven = first.rate, approach, level, hold, -last.rate, retraction
+    return *parts, loading.start == "jump-in", depth, *driven
+
+
+def turns(scene: Scene) -> bool:
+    """Whether anything goes before the last ramp that the edge may move in."""
+    return scene.loading.start == "jump-in" or len(scene.loading.steps) > 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +94,8 @@ class Bodies:
     depth: Array
     approach: Array
     turn: Array
+    level: Array
+    hold: Array
     rate: Array
     duration: Array
 
@@ -121,16 +136,18 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class LoadRamp:
-    """A ramp: penetration and branch forces ``E_k M_k`` where it begins, and its rate."""
+    """A ramp: penetration and branch forces ``E_k M_k`` where it begins, its rate, and a hold before it."""
 
     bodies: Bodies
     depth: Array
     rate: Array
     branches: Array
+    hold: Array | None = None
 
     def at(self, t: Array) -> tuple[Array, Array]:
         """Both at times (B,) or (m, B) since it began: (B,) and (n, B), or (m, B) and (n, m, B)."""
-        return self.depth + self.rate * t, self.faded(t)[1]
+        late = t if self.hold is None else np.maximum(t - self.hold, 0.0)
+        return self.depth + self.rate * late, self.faded(t)[1]
 
     def faded(self, t: Array) -> tuple[Array, Array]:
         """What times leave of what relaxes, and the branch forces then."""
@@ -138,7 +155,8 @@ class LoadRamp:
         if t.ndim == 2:
             times, begun, steady = times[:, None], begun[:, None], steady[:, None]
         faded = np.exp(-t / times)
-        return faded, steady + (begun - steady) * faded
+        driven = faded if self.hold is None else np.exp(-np.maximum(t - self.hold, 0.0) / times)
+        return faded, steady + begun * faded - steady * driven
 
     @cached_property
     def steady(self) -> Array:
@@ -151,10 +169,11 @@ class LoadRamp:
         force = self.bodies.force(D, b, radius, held[:, None] * np.exp(-t / self.bodies.times[:, None]))
         return np.array([t, D, force, radius + 0.0 * t])
 
-    def after(self, t: Array, rate: Array) -> LoadRamp:
+    def after(self, t: Array, rate: Array, hold: Array | None = None) -> LoadRamp:
         """One that follows at a time."""
-        return LoadRamp(self.bodies, *self.at(t)[:1], rate, self.at(t)[1])
+        return LoadRamp(self.bodies, *self.at(t)[:1], rate, self.at(t)[1], hold)
 
     def of_some(self, chosen: Whole, bodies: Bodies) -> LoadRamp:
         """Of some scenes."""
-        return LoadRamp(bodies, self.depth[chosen], self.rate[chosen], self.branches[:, chosen])
+        hold = None if self.hold is None else self.hold[chosen]
+        return LoadRamp(bodies, self.depth[chosen], self.rate[chosen], self.branches[:, chosen], hold)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,7 @@ from validation.reference.batch.march import (
     DETACHED,
     ENDED,
     FAILED,
+    MISSED,
     REASONS,
     ROUNDING,
     SHORT,
@@ -29,7 +30,7 @@ from validation.reference.batch.march import (
     secants,
     start_radius,
 )
-from validation.reference.batch.scenes import Bodies, LoadRamp, refusal
+from validation.reference.batch.scenes import Bodies, LoadRamp, refusal, turns
 from validation.reference.batch.turn import Held, Left, turned
 from validation.reference.batch.zone import COUNT, SHARES, SHORTEST, SWEPT
 from validation.reference.path.rheology import Rheology, rheology
@@ -69,8 +70,21 @@ def approach(bodies: Bodies, start: Array, steps: Grid) -> tuple[March, LoadRamp
         )
         rows.add(k, t, a, total, step.left_behind(t))
         rows.ending[going & (t <= before)] = FAILED
-        rows.ending[going & (t > before) & (t >= bodies.turn)] = ENDED
+        rows.ending[going & (t > before) & ((t >= bodies.turn) | (rows.force[k] >= bodies.level))] = ENDED
     return rows, leg
+
+
+def turn(bodies: Bodies, rows: March) -> tuple[Bodies, Array]:
+    """The bodies with the time at which the approach ends, by its ramp or by a force, and the travel then."""
+    last, scenes = rows.last, np.arange(len(rows.last))
+    place = np.where(last > 0, rows.reached(rows.time, bodies.turn), 0.0)
+    pressed = (rows.force[0] < bodies.level) & (rows.force[last, scenes] >= bodies.level)
+    rows.ending[~pressed & np.isfinite(bodies.level)] = MISSED
+    level = np.where(pressed, rows.reached(rows.force, bodies.level), np.inf)
+    place, sooner = np.minimum(place, level), level < place
+    time = np.where(sooner, rows.at(rows.time, place), bodies.turn)
+    duration = bodies.duration + (bodies.turn - time) * bodies.approach / bodies.rate
+    return replace(bodies, turn=time, duration=duration), place
 
 
 def retract(leg: LoadRamp, start: Array, duration: Array, steps: Grid, left: Left | None) -> March:
@@ -142,8 +156,7 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solutio
             continue
         if scene.material not in known:
             known[scene.material] = rheology(scene.material)
-        cycle = scene.loading.start == "jump-in" or len(scene.loading.steps) == 2
-        alike[len(known[scene.material].times), cycle].append(i)
+        alike[len(known[scene.material].times), turns(scene)].append(i)
     for (_, cycle), numbers in alike.items():
         for part in np.array_split(np.array(numbers), math.ceil(len(numbers) / LARGEST)):
             part = filled(part)
@@ -168,6 +181,7 @@ class Retraction:
     when: Array
     held: Held | None
     approach: March | None
+    travel: Array
 
     @cached_property
     def corner(self) -> Array:
@@ -177,9 +191,8 @@ class Retraction:
             none = np.zeros_like(bodies.moduli)
             force = bodies.force(bodies.depth, none, self.radius, none)
             return np.array([bodies.turn, bodies.depth, force, self.radius])
-        place = np.where(before.last > 0, before.reached(before.time, bodies.turn), 0.0)
-        edge = before.radius[0] + place * bodies.zone
-        return np.array([bodies.turn, self.held.second.depth, before.at(before.force, place), edge])
+        edge = before.radius[0] + self.travel * bodies.zone
+        return np.array([bodies.turn, self.held.second.depth, before.at(before.force, self.travel), edge])
 
     @classmethod
     def of(cls, bodies: Bodies, start: Array, resolution: int, count: int, cycle: bool) -> Retraction:
@@ -187,12 +200,13 @@ class Retraction:
         none = np.zeros_like(bodies.moduli)
         if not cycle:
             leg = LoadRamp(bodies, bodies.depth, bodies.rate, none)
-            return cls(leg, bodies.duration, start, 0.0 * start, None, None)
+            return cls(leg, bodies.duration, start, 0.0 * start, None, None, 0.0 * start)
         before, first = approach(bodies, start, grid(resolution, ANY, "closing", count))
-        held, when = turned(bodies, first, before, resolution)
-        leg = held.second.after(when - bodies.turn, bodies.rate)
-        radius = held.radius[held.last, np.arange(len(start))]
-        return cls(leg, bodies.duration - (when - bodies.turn), radius, when, held, before)
+        bodies, travel = turn(bodies, before)
+        held, when = turned(bodies, replace(first, bodies=bodies), before, travel, resolution)
+        since = when - bodies.turn
+        leg, radius = held.second.after(since, bodies.rate), held.radius[held.last, np.arange(len(start))]
+        return cls(leg, bodies.duration + bodies.hold - since, radius, when, held, before, travel)
 
     def before(self, chosen: Whole, left: Left | None) -> list[Part]:
         """Rows of some until the load turns, and until the edge rests."""
@@ -212,7 +226,8 @@ class Retraction:
             left = Left(self.held.of_some(chosen, bodies), steps.depths)
         found = retract(leg, self.radius[chosen], duration, steps, left)
         if self.approach is not None:
-            found.ending[self.approach.ending[chosen] != ENDED] = FAILED
+            ending = self.approach.ending[chosen]
+            found.ending[ending != ENDED] = np.where(ending == MISSED, MISSED, FAILED)[ending != ENDED]
         return found, leg, duration, left
 
 

@@ -165,30 +165,50 @@ class Left:
         return found
 
 
-def turned(bodies: Bodies, first: LoadRamp, closing: March, resolution: int) -> tuple[Held, Array]:
+def turned(
+    bodies: Bodies, first: LoadRamp, closing: March, travel: Array, resolution: int
+) -> tuple[Held, Array]:
     """What an edge leaves that has come to rest some time after the turn of the load, and when that was."""
     scenes, last = np.arange(len(bodies.zone)), closing.last
-    second = first.after(bodies.turn, bodies.rate)
+    second = first.after(bodies.turn, bodies.rate, bodies.hold if bodies.hold.any() else None)
     start = closing.radius[0]
-    edge = start + np.where(last > 0, closing.reached(closing.time, bodies.turn), 0.0) * bodies.zone
-    empty = np.zeros((LONGEST, len(last)))
+    edge = start + travel * bodies.zone
+    ends = [bodies.hold, np.full(len(last), np.inf)] if bodies.hold.any() else [np.full(len(last), np.inf)]
+    empty = np.zeros((len(ends) * LONGEST, len(last)))
     size = int(last.max()) + 1
     radius, time = (np.concatenate((part[:size], empty)) for part in (closing.radius, closing.time))
     radius[last, scenes], time[last, scenes] = edge, bodies.turn
     kinks = np.array([np.minimum(row, last) for row in (*closing.grid.breaks, last)])
-    held, top = Held(bodies, first, second, start, radius, time, last, kinks), last.copy()
+    held = Held(bodies, first, second, start, radius, time, last, kinks)
+    for until in ends:
+        held = _gone_on(held, closing, until, resolution)
+    size = int(held.last.max()) + 1
+    held = replace(held, radius=radius[:size], time=time[:size])
+    return held, held.time[held.last, scenes]
+
+
+def _gone_on(held: Held, closing: March, until: Array, resolution: int) -> Held:
+    """With rows up to where an edge rests, or to a time since the turn of the load, which has a row then."""
+    scenes, last, bodies = np.arange(len(held.last)), held.last, held.bodies
+    top, edge, since = last.copy(), held.radius[last, scenes], held.time[last, scenes] - bodies.turn
     if len(bodies.moduli):
-        step = _first_step(held)
-        moves = (closing.ending == ENDED) & (AfterTurn(held, step)(edge) < AfterTurn(held, 0.0 * step)(edge))
-        some = np.flatnonzero(moves)
+        step = np.minimum(_first_step(held), until - since)
+        falls = AfterTurn(held, since + step)(edge) < AfterTurn(held, since)(edge)
+        some = np.flatnonzero((closing.ending == ENDED) & falls & (step > 0.0))
         if len(some):
-            found = _closing_on(held.of_some(some, bodies.of_some(some)), step[some], resolution)
+            few = held.of_some(some, bodies.of_some(some))
+            found = _closing_on(few, step[some], until[some], resolution)
             rows = last[some] + np.arange(LONGEST)[:, None]
-            radius[rows, some], time[rows, some] = found[:2]
+            held.radius[rows, some], held.time[rows, some] = found[:2]
             top[some] += found[2]
             closing.ending[some[found[2] < 0]] = FAILED
-    radius, time = radius[: int(top.max()) + 1], time[: int(top.max()) + 1]
-    return Held(bodies, first, second, start, radius, time, top, kinks), time[top, scenes]
+    if np.isfinite(until).all():
+        early = held.time[top, scenes] < bodies.turn + until
+        place = held.radius[top, scenes]
+        top = np.where(early, top + 1, top)
+        held.radius[top, scenes] = place
+        held.time[top, scenes] = np.maximum(held.time[top, scenes], bodies.turn + until)
+    return replace(held, last=top, kinks=np.concatenate((held.kinks, top[None])))
 
 
 def _first_step(held: Held) -> Array:
@@ -219,8 +239,8 @@ class AfterTurn:
         return (q * (forms[1] - D * forms[0])).sum(axis=0) / (-(math.pi**2) * bodies.closing) - 1.0
 
 
-def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array, Whole]:
-    """Rows from the turn on of edges that go on closing; the last, where they rest, or -1.
+def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple[Array, Array, Whole]:
+    """Rows from the last on of edges that go on closing; the last, where they rest or time is over, or -1.
 
     The fall of the speed from row to row tells when an edge will rest, and the next row is no farther than
     ``NEARER`` of the way. Where the edge would have come back there is no row: it opens, which no closure of
@@ -229,12 +249,14 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
     scenes, zone, rest = np.arange(len(step)), held.bodies.zone, np.full(len(step), -1)
     local = held.last_rows(WINDOW)
     edge, rounding = local.radius[WINDOW], ROUNDING * local.radius[WINDOW] / zone
-    error = AfterTurn(local, 0.0 * step)(edge)  # of the place of the turn
+    error = AfterTurn(local, local.time[WINDOW] - local.bodies.turn)(edge)  # of the place of the last
     rows, first = np.zeros((2, LONGEST, len(step))), step
     since, speed, fall, slope = np.zeros((4, len(step)))
     for _ in range(LONGEST):
         here, last = np.arange(len(scenes)), local.last
         y, elapsed = (local.radius[last, here] - edge) / zone, local.time[last, here] - local.bodies.turn
+        over = elapsed + step >= until
+        step = np.where(over, until - elapsed, step)
         residual = AfterTurn(local, elapsed + step)
 
         def at(y: Array, residual: AfterTurn = residual, edge: Array = edge, error: Array = error) -> Array:
@@ -250,7 +272,8 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
         now = (place - y) / step
         fall = np.where(since > 0.0, 2.0 * (speed - now) / (since + step), 0.0)
         left = np.where(fall > 0.0, np.maximum(now / fall - 0.5 * step, 0.0), np.inf)
-        summit = rises & np.isfinite(left) & (fall * left * left < 2.0 * AT_REST)
+        over &= rises
+        summit = rises & np.isinf(until) & np.isfinite(left) & (fall * left * left < 2.0 * AT_REST)
         top = last + np.where(rises, 1, 0) + np.where(summit, 1, 0)
         for row, far, when, some in (
             (last + 1, place, elapsed + step, rises),
@@ -262,7 +285,7 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
                 (local.bodies.turn + when)[some],
             )
         still = ~rises & (np.where(since > 0.0, speed * step, step / first * AT_REST / 1e-3) < AT_REST)
-        ended = summit | still | (top > WINDOW + LONGEST - 4)
+        ended = summit | still | over | (top > WINDOW + LONGEST - 4)
         speed, since = np.where(rises, now, speed), np.where(rises, step, since)
         step = np.where(rises, np.minimum(step * (1.0 + 2.0 / resolution), NEARER * left), 0.25 * step)
         local = replace(local, last=top)
@@ -272,11 +295,12 @@ def _closing_on(held: Held, step: Array, resolution: int) -> tuple[Array, Array,
                 local.radius[WINDOW : WINDOW + LONGEST, ended],
                 local.time[WINDOW : WINDOW + LONGEST, ended],
             )
-            rest[out] = np.where(summit | still, top - WINDOW, -1)[ended]
+            rest[out] = np.where(summit | still | over, top - WINDOW, -1)[ended]
             some = np.flatnonzero(~ended)
             scenes = scenes[some]
-            edge, zone, rounding, error, since, speed, fall, slope, step, first = (
-                part[some] for part in (edge, zone, rounding, error, since, speed, fall, slope, step, first)
+            edge, zone, rounding, error, since, speed, fall, slope, step, first, until = (
+                part[some]
+                for part in (edge, zone, rounding, error, since, speed, fall, slope, step, first, until)
             )
             local = local.of_some(some, local.bodies.of_some(some))
         if not len(scenes):
