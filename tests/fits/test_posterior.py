@@ -114,7 +114,6 @@ def test_most_intervals_hold_the_truth(few_samples):
         settings = FitSettings(vary=(WORK, ZONE), check_solver=None, posterior=True)
         found = fit_curves([synthetic(scene, 0.02, seed=number)], with_values(scene, {WORK: 6e-4}), settings)
         assert found.posterior is not None
-        assert found.posterior.solver == "batch"
         ends = found.posterior.intervals
         inside += [ends[name]["low"] <= at <= ends[name]["high"] for name, at in truth.items()]
     assert sum(inside) >= 16
