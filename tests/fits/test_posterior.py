@@ -100,7 +100,7 @@ def test_without_its_package_a_posterior_is_refused_at_once(closed_form, monkeyp
         fit_curves([hertz_curve()], elastic_scene(), settings_of("material.modulus", posterior=True))
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_most_intervals_hold_the_truth(few_samples):
     """Of ten retractions with two numbers each: fewer than 16 of 20 by chance once in 400."""
     inside = []
