@@ -605,9 +605,12 @@ class Continuation:
 
     @property
     def _untouched(self) -> float:
-        """Way to just before what was never in contact, for an edge that closes over what was."""
+        """Way to just before what was never in contact, for an edge that closes over what was.
+
+        Without adhesion an edge may stand there that creeps on by less than a row can tell.
+        """
         edges = self.state.surface.edges
-        ahead = float(edges[-1]) - self.still if len(edges) else 0.0
+        ahead = float(edges[-1]) - self.still if len(edges) and self.law.adhesion is not None else 0.0
         return ahead if ahead > self.still else math.inf
 
     def _first(self, path: Predictor, levels: dict[Ending, float], reach: float) -> tuple[float, Ending]:
