@@ -173,9 +173,8 @@ def swing(segment: Segment) -> float:
     values = [segment.value(segment.start + length * x) - change * x for x in _spread(_SPREAD)]
     spread = max(values) - min(values)
     largest = max(abs(change), *(abs(value) for value in values))
-    return (
-        0.0 if math.isclose(largest + spread, largest) else spread
-    )  # as of a smooth table of rows on a line
+    # rounding, as of a smooth table of rows on a line, is no spread
+    return 0.0 if math.isclose(largest + spread, largest) else spread
 
 
 def deviation_from_tangent(segment: Segment, start: float, end: float) -> float:

@@ -35,65 +35,53 @@ FREE = st.builds(
     st.integers(0, 2**32 - 1),
     st.integers(0, 4),
 )
-CYCLES = st.builds(
-    lambda seed, closing: drawn(
-        1, seed, zones=(-3.0, -1.7), any_indenter=True, cycle=True, speeds=(-1.0, 3.0), closing=closing
-    )[0],
-    st.integers(0, 2**32 - 1),
-    st.sampled_from([None, 0.3]),
-)
 
 
-DWELLS = st.builds(
-    lambda seed, closing: drawn(
-        1,
-        seed,
-        zones=(-3.0, -1.2),
-        any_indenter=True,
-        cycle=True,
-        dwell=True,
-        speeds=(-1.0, 3.0),
-        closing=closing,
-    )[0],
-    st.integers(0, 2**32 - 1),
-    st.sampled_from([None, 0.3]),
-)
+def cycles(**family):
+    """Cycles of any indenter at speeds over four decades, with hysteresis and without."""
+    alike = {"any_indenter": True, "cycle": True, "speeds": (-1.0, 3.0)}
+    return st.builds(
+        lambda seed, closing: drawn(1, seed, **alike, **family, closing=closing)[0],
+        st.integers(0, 2**32 - 1),
+        st.sampled_from([None, 0.3]),
+    )
+
+
+CYCLES, DWELLS = cycles(zones=(-3.0, -1.7)), cycles(zones=(-3.0, -1.2), dwell=True)
 SLOW_TURNS = st.builds(
     lambda seed: FAMILIES["cycles, slow turns"].scene(np.random.default_rng(seed)), st.integers(0, 2**32 - 1)
 )
 
 
+def assert_as_by_the_reference(scene, *reasons):
+    """Pull-off within the estimate, or what the reference leaves by default, and 1e-4 whatever it says; no
+    answer for one of these reasons alone."""
+    [answer] = batch.solve([scene])
+    if answer.answered:
+        assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
+    else:
+        assert any(reason in answer.reason for reason in reasons)
+
+
 @given(scene=FREE)
 @settings(max_examples=10)
 def test_random_scenes_are_answered_as_by_the_reference(scene):
-    """Pull-off within the estimate, or what the reference leaves by default, and 1e-4 whatever it says."""
-    [answer] = batch.solve([scene])
-    if not answer.answered:
-        assert "zones" in answer.reason
-        return
-    assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
+    """Retractions from a relaxed start, of any indenter and up to four branches."""
+    assert_as_by_the_reference(scene, "zones")
 
 
 @given(scene=CYCLES)
 @settings(max_examples=8)
 def test_random_cycles_are_answered_as_by_the_reference(scene):
-    """The same of cycles, with hysteresis and without, at speeds over four decades."""
-    [answer] = batch.solve([scene])
-    if not answer.answered:
-        assert "zones" in answer.reason
-        return
-    assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
+    """Cycles with hysteresis and without, at speeds over four decades."""
+    assert_as_by_the_reference(scene, "zones")
 
 
 @given(scene=DWELLS)
 @settings(max_examples=6)
 def test_random_dwells_are_answered_as_by_the_reference(scene):
-    """The same of cycles with a hold, some of which turn at a force."""
-    [answer] = batch.solve([scene])
-    if not answer.answered:
-        assert "zones" in answer.reason or "differ" in answer.reason
-        return
-    assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
+    """Cycles with a hold, some of which turn at a force."""
+    assert_as_by_the_reference(scene, "zones", "differ")
 
 
 @pytest.mark.parametrize("name", ["dwell-1", "dwell-10"])

@@ -588,7 +588,8 @@ class Continuation:
             Ending.FOLD: 0.0,
         }
         rests = self.law.rests(self.state.radius) and not self.moving
-        at, kind = self._first(path, dict([*levels.items()][: 1 if rests else 6]), self.h / TOWARDS)
+        seen = {Ending.END: levels[Ending.END]} if rests else levels
+        at, kind = self._first(path, seen, self.h / TOWARDS)
         if kind is Ending.NONE:
             at = self.h
         elif at > self.h or (kind is Ending.FOLD and not self._settled(path, at)):
