@@ -3,23 +3,30 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.linalg import norm
+from numpy.testing import assert_allclose
 from support.recorded import GUESS, elastic_scene, hertz_curve, settings_of
 from support.unlaid_figures import without_layout
 
 import crosscontact as cc
 from contact_scene import Adhesion, Branch, Hold, Loading, Material, Ramp, Scene, SceneError, Sphere, Table
-from contact_scene.scene import with_values
 from validation.fits import posterior
 from validation.fits.fit import fit_curves
 from validation.fits.model import CurveModel
-from validation.fits.posterior import BatchProblem, as_ramps
-from validation.fits.problem import ERROR_SHARE, FitProblem, FitSettings, unknowns
+from validation.fits.problem import (
+    ERROR_SHARE,
+    TOLERANCES,
+    BatchProblem,
+    FitProblem,
+    FitSettings,
+    as_ramps,
+    unknowns,
+)
 from validation.fits.result import rms
 from validation.fits.synthetic import synthetic
 
@@ -57,24 +64,37 @@ def retraction(rate=0.02, work=5e-4, zone=0.013):
     return Scene(Material(0.75, 0.5, (Branch(6.75, 1.0),)), Sphere(1.0), loading, Adhesion(work, zone))
 
 
-def problem_of(scene):
+def problem_of(scene, tolerance=4e-5):
     settings = FitSettings(vary=(WORK, ZONE), check_solver=None)
     models = [CurveModel.of(synthetic(scene, 0.01), scene)]
-    return FitProblem(models, unknowns(models, scene, settings), settings, tolerance=4e-5)
+    return FitProblem(models, unknowns(models, scene, settings), settings, tolerance=tolerance)
 
 
 def test_a_retraction_is_solved_in_batches_as_the_reference_solves_it():
     problem = problem_of(retraction())
     x = problem.unknowns.start
-    together = BatchProblem.of(problem, x)
+    together = BatchProblem.of(problem)
     assert together is not None
     points = [x + shift for shift in np.random.default_rng(0).normal(0.0, 0.1, (4, 2))]
     for point, own in zip(points, together.all_at(points), strict=True):
         assert rms(own.residuals - problem.residuals(point)) < ERROR_SHARE * (1.0 + rms(own.residuals))
-    assert together.runs == 5
+    assert together.runs == 7  # with the first guess and its two differences
     resting = replace(retraction().loading, steps=(Hold(0.5), Ramp(-0.3, 0.02)))
     rested = problem_of(replace(retraction(), loading=resting))
-    assert BatchProblem.of(rested, rested.unknowns.start) is None
+    by_batch = BatchProblem.of(rested)
+    assert by_batch is not None
+    x = rested.unknowns.start
+    assert rms(by_batch.residuals(x) - rested.residuals(x)) < ERROR_SHARE
+
+
+def test_differences_of_a_batch_are_those_of_fine_runs():
+    """Where the force bends as the edge sets off, time steps chosen anew make a derivative four times as
+    large, and the deviation of the zone a quarter."""
+    problem = problem_of(retraction(0.0385757, 7.2147e-4, 0.0101565), TOLERANCES[0])
+    problem.quick = BatchProblem.of(problem)
+    fine = replace(problem, quick=None, tolerance=TOLERANCES[-1])
+    x = problem.unknowns.start
+    assert_allclose(norm(problem.jacobian(x), axis=0), norm(fine.jacobian(x), axis=0), rtol=0.01)
 
 
 def test_a_table_of_a_motion_is_its_ramps():
@@ -82,7 +102,7 @@ def test_a_table_of_a_motion_is_its_ramps():
         return replace(retraction(), loading=Loading("relaxed", 0.25, (Table((1.0, 2.0, 6.0), values),)))
 
     assert as_ramps(driven(0.25, 0.5, -0.5)).loading.steps == (Ramp(0.5, 0.25), Ramp(-0.5, 0.25))
-    assert as_ramps(driven(0.25, 0.25, -0.5)) == driven(0.25, 0.25, -0.5)
+    assert as_ramps(driven(0.25, 0.25, -0.5)).loading.steps == (Hold(1.0), Ramp(-0.5, 0.1875))
 
 
 def test_a_posterior_that_takes_too_long_is_told_and_costs_no_fit(closed_form, few_samples, monkeypatch):
@@ -98,22 +118,3 @@ def test_without_its_package_a_posterior_is_refused_at_once(closed_form, monkeyp
     monkeypatch.setitem(sys.modules, "emcee", None)
     with pytest.raises(SceneError, match="emcee is not installed"):
         fit_curves([hertz_curve()], elastic_scene(), settings_of("material.modulus", posterior=True))
-
-
-@pytest.mark.exhaustive
-def test_most_intervals_hold_the_truth(few_samples):
-    """Of ten retractions with two numbers each: fewer than 16 of 20 by chance once in 400."""
-    inside = []
-    for number in range(10):
-        draw = np.random.default_rng(number)
-        truth = {
-            WORK: 5e-4 * math.exp(draw.uniform(-0.4, 0.4)),
-            ZONE: 0.013 * math.exp(draw.uniform(-0.3, 0.3)),
-        }
-        scene = with_values(retraction(0.02 * math.exp(draw.uniform(-1.0, 1.0))), truth)
-        settings = FitSettings(vary=(WORK, ZONE), check_solver=None, posterior=True)
-        found = fit_curves([synthetic(scene, 0.02, seed=number)], with_values(scene, {WORK: 6e-4}), settings)
-        assert found.posterior is not None
-        ends = found.posterior.intervals
-        inside += [ends[name]["low"] <= at <= ends[name]["high"] for name, at in truth.items()]
-    assert sum(inside) >= 16

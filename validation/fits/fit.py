@@ -2,7 +2,8 @@
 
 The first start of the search is the scene's own values. If it leads to a model that explains the data there
 is nothing better to be found; otherwise more are drawn in its neighbourhood, each is followed a few
-iterations, and the best of all to its end.
+iterations, and the best of all to its end. Where the batch solver takes the runs all this is done with it,
+and a last search from there has the residuals of the reference.
 """
 
 from __future__ import annotations
@@ -24,6 +25,8 @@ from validation.fits.model import CurveModel, first_passing
 from validation.fits.posterior import sampled, sampler_module
 from validation.fits.problem import (
     ERROR_SHARE,
+    TOLERANCES,
+    BatchProblem,
     FitProblem,
     FitSettings,
     Point,
@@ -50,9 +53,6 @@ from validation.solvers import REFERENCE
 
 MOST_ROWS = 20_000
 """Rows of a curve that are fitted: twenty resolve a thousandth of the record, in which it is smooth."""
-TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
-"""Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
-is four steps per process zone, the fewest that resolve one."""
 ORDER_TWO = 4.0 / 3.0
 """Error of a run over its difference from a run of half the step, for a method of second order."""
 SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
@@ -101,21 +101,18 @@ def fit_curves(
 
     def found() -> FitResult:
         how = {"ended": search.ended, "converged": search.converged, "starts": tuple(search.starts)}
-        return judged(problem, search.x, scene, warnings, question=asked, runs=problem.runs, **how)
+        return judged(problem, search.x, scene, warnings, question=asked, runs=search.runs, **how)
 
     try:
-        share = None
-        if settings.resolution is None and settings.solver == REFERENCE:
-            share = choose_steps(problem)
-        search.carry_out()
+        share = search.carry_out()
         result = found()
         best, named = search.x.copy(), enumerate(varied.names)
         places = [place for place, name in named if {"all", name} & set(settings.profile)]
         profiles = tuple(search.profile(place, best, result) for place in places)
-        check = search.by_second_solver(result)
+        check = search.by_second_solver(best, result)
         result = replace(result, profiles=profiles, check=check, error_share=share)
         if settings.posterior:
-            price = (time.perf_counter() - began) / problem.runs
+            price = (time.perf_counter() - began) / search.runs
             try:
                 result = replace(result, posterior=sampled(problem, best, result, price, search.tell))
             except SceneError as error:
@@ -129,13 +126,14 @@ def fit_curves(
         with suppress(KeyboardInterrupt):
             kept = found()
         raise InterruptedFit(kept) from None
-    return replace(result, runs=problem.runs, seconds=time.perf_counter() - began)
+    return replace(result, runs=search.runs, seconds=time.perf_counter() - began)
 
 
-def choose_steps(problem: FitProblem) -> float:
+def choose_steps(problem: FitProblem, x: Array) -> float | None:
     """Give the runs the coarsest time steps with an error small beside the noise, and differences a step;
-    the error over the noise comes back."""
-    x = problem.unknowns.start
+    the error over the noise at a point comes back, if it was for the fit to choose."""
+    if problem.settings.resolution is not None or problem.settings.solver != REFERENCE:
+        return None
     data = np.concatenate([model.curve.force / model.allowed for model in problem.models])
     problem.tolerance = TOLERANCES[0]
     coarse = problem.residuals(x)
@@ -160,7 +158,13 @@ class Search:
         self.starts: list[float] = []
         self.ended, self.converged = "interrupted", False
         self._stage, self._points = "choosing time steps", 0
+        self._looks, self._all = problem, [problem]
         problem.on_run = self._first_runs
+
+    @property
+    def runs(self) -> int:
+        """How many were carried out, in batches or by themselves."""
+        return sum(one.runs for one in self._all)
 
     def tell(self, text: str) -> None:
         """Say where the fit stands."""
@@ -170,11 +174,11 @@ class Search:
     def _first_runs(self) -> None:
         """Say that it moves before there is a point."""
         if not np.isfinite(self.least):
-            self.tell(f"{self._stage}, run {self.problem.runs}")
+            self.tell(f"{self._stage}, run {self.runs}")
 
     def residuals(self, x: Array) -> Array:
         """Residuals of the problem; the point is noted."""
-        found = self.problem.residuals(x)
+        found = self._looks.residuals(x)
         self._points += 1
         total = float(found @ found)
         if total < self.least:
@@ -183,25 +187,37 @@ class Search:
         self.tell(f"{self._stage}, point {self._points}: misfit {now:.4g}, best {best:.4g}")
         return found
 
-    def carry_out(self) -> None:
-        """Find the parameters, from as many starts as it takes."""
-        own, self._stage = self.problem.unknowns.start, "first start"
-        nowhere = [one for one in self.problem.at(own).predictions if not one.touching.any()]
-        if nowhere or not self.problem.derivatives(own).any():
+    def carry_out(self) -> float | None:
+        """Find the parameters, from as many starts as it takes; the error over the noise comes back."""
+        problem, own = self.problem, self.problem.unknowns.start
+        problem.quick = BatchProblem.of(problem)
+        if problem.quick is not None:
+            self._looks, self._all = problem.quick, [problem, problem.quick]
+        share = None if problem.quick else choose_steps(problem, own)
+        self._stage = "first start"
+        nowhere = [one for one in self._looks.at(own).predictions if not one.touching.any()]
+        if nowhere or not self._looks.derivatives(own).any():
             reason = "".join(f": {one.failure}" for one in nowhere[:1])
-            problem = f"no parameter changes the force at the first guess{reason}"
-            raise SceneError("vary", problem, "a first guess that comes to contact and can be run")
+            told = f"no parameter changes the force at the first guess{reason}"
+            raise SceneError("vary", told, "a first guess that comes to contact and can be run")
         followed = self._followed(own, MOST_EVALUATIONS)
         self.starts.append(float(followed.chisqr))
-        if not goodness(self.problem, self.problem.at(self.x)).explained:
+        if not goodness(self._looks, self._looks.at(self.x)).explained:
             first = self.least
             for number, x in enumerate(self._more_starts(own), 2):
-                self._stage = f"start {number} of {self.problem.settings.starts}"
+                self._stage = f"start {number} of {problem.settings.starts}"
                 self.starts.append(float(self._followed(x, EXPLORING).chisqr))
             if self.least < first:
                 self._stage = "best start"
                 followed = self._followed(self.x, MOST_EVALUATIONS)
+        if problem.quick:
+            if not problem.quick.sound(self.x):
+                problem.quick = None
+            share = choose_steps(problem, self.x)
+            self._looks, self._stage, self.least = problem, "by the reference", np.inf
+            followed = self._followed(self.x, MOST_EVALUATIONS)
         self.ended, self.converged = str(followed.message), bool(followed.success)
+        return share
 
     def _followed(self, x: Array, evaluations: int, held: int | None = None) -> Any:
         """Least squares from a point, of all parameters but one that is held."""
@@ -217,7 +233,7 @@ class Search:
         with np.errstate(invalid="ignore"):  # in its own errors, where parameters stand for each other
             return search.least_squares(
                 max_nfev=evaluations,
-                Dfun=lambda values: self.problem.jacobian(_point(values))[:, varied],
+                Dfun=lambda values: self._looks.jacobian(_point(values))[:, varied],
                 x_scale="jac",
                 ftol=SETTLED / self.problem.size,
                 xtol=1e-6,
@@ -236,7 +252,8 @@ class Search:
     def profile(self, place: int, best: Array, result: FitResult) -> LikelihoodProfile:
         """Profile likelihood of a parameter, whose interval ends where the least sum of squares has grown by
         the 95 % point of chi-squared (Venzon and Moolgavkar, Appl. Stat. 37, 87, 1988)."""
-        problem, one = self.problem, self.problem.unknowns.found[place]
+        problem = self._looks = self.problem.quick or self.problem
+        one = problem.unknowns.found[place]
         low, high = (bounds[place] for bounds in problem.unknowns.bounds)
         point, deviation = problem.at(best), result.estimates[place].deviation
         size = min(deviation if one.logarithmic else deviation / one.scale, WIDEST)
@@ -261,11 +278,11 @@ class Search:
 
     def _weighed(self, best: Point, x: Array) -> float:
         """Sum of squares of the residuals at a point, correlated ones as those of the best point are."""
-        return float(np.sum(independent(self.problem, best, self.problem.residuals(x)) ** 2))
+        return float(np.sum(independent(self._looks, best, self._looks.residuals(x)) ** 2))
 
-    def by_second_solver(self, result: FitResult) -> SecondSolver | None:
+    def by_second_solver(self, x: Array, result: FitResult) -> SecondSolver | None:
         """The fitted curves once more by another solver, and how far it would have moved the parameters."""
-        problem, x, solver = self.problem, self.x, result.settings.check_solver
+        problem, solver = self.problem, result.settings.check_solver
         if solver is None or solver == result.settings.solver:
             return None
         self.tell(f"the same curves by {solver}")

@@ -152,7 +152,7 @@ def _sections(result: FitResult, curves: Drawing) -> Iterator[Section]:
         tables = DataTable.of(map(_plainly, result.check.differences)), DataTable.of(shifts)
         yield Section(f"The same by {result.check.solver}", tables)
     method = {"ended": result.ended} | asdict(result.settings) | _method(result)
-    known = {name: value for name, value in method.items() if value not in (None, (), "")}
+    known = {name: at for name, at in method.items() if at is not False and at not in (None, (), "")}
     done = DataTable(("", ""), tuple(_plainly(known, 4).items()), numeric=False)
     penalty = Paragraph(
         "The squared second differences of their logarithms, times "

@@ -12,21 +12,16 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
-from itertools import pairwise
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from contact_scene import Ramp, Scene, SceneError, Table
+from contact_scene import SceneError
 from validation.fits.contact import Array
-from validation.fits.model import NO_CONTACT, FitRun
-from validation.fits.problem import ERROR_SHARE, FitProblem
+from validation.fits.problem import ERROR_SHARE, TOLERANCES, FitProblem
 from validation.fits.result import FitResult, Posterior, covariance, independent, rms
-from validation.reference import batch
-from validation.runs.pool import Task
-from validation.solvers import REFERENCE
 
 WALKERS, IN_BATCH = 32, 64
 """Walkers, more than twice the parameters: few where each run has its price, more where half of them share a
@@ -41,43 +36,6 @@ WIDEST = 1.0
 """Standard deviation, of a number of the search, from which walkers set out, at most."""
 
 
-class BatchProblem(FitProblem):
-    """A problem whose runs are those of the batch solver."""
-
-    @classmethod
-    def of(cls, problem: FitProblem, x: Array) -> BatchProblem | None:
-        """The problem in batches, if all runs at a point can be and have the same residuals, but for the
-        error that any run may have."""
-        if problem.settings.solver != REFERENCE:
-            return None
-        parts = {one.name: getattr(problem, one.name) for one in fields(problem)}
-        found = cls(**parts | {"_kept": {}})
-        own, other = found.at(x), problem.at(x)
-        same = rms(own.residuals - other.residuals) <= ERROR_SHARE
-        return found if same and not any(one.failure for one in own.predictions) else None
-
-    def carry_out(self, tasks: Mapping[str, Task]) -> None:
-        scenes = [as_ramps(task.arguments[0]) for task in tasks.values()]
-        for key, one in zip(tasks, batch.solve(scenes), strict=True):
-            run = replace(NO_CONTACT, failure=one.reason)
-            if one.answered:
-                lost = float(one.time[-1]) if one.detached or one.reason else None
-                run = FitRun(one.time, one.force, one.contact_radius, one.penetration, lost)
-            self.keep(key, run)
-
-
-def as_ramps(scene: Scene) -> Scene:
-    """The scene with its table of the motion as ramps, if it rests nowhere."""
-    [table] = scene.loading.steps
-    assert isinstance(table, Table)
-    legs = zip(pairwise(table.times), pairwise(table.values), strict=True)
-    try:
-        steps = tuple(Ramp(to, abs(to - at) / (end - begin)) for (begin, end), (at, to) in legs)
-    except SceneError:
-        return scene
-    return replace(scene, loading=replace(scene.loading, steps=steps))
-
-
 def sampler_module() -> Any:
     """``emcee``, of the extra ``fit``."""
     try:
@@ -85,6 +43,15 @@ def sampler_module() -> Any:
     except ImportError:
         raise SceneError("posterior", "emcee is not installed", "pip install 'crosscontact[fit]'") from None
     return emcee
+
+
+def _alike(problem: FitProblem, x: Array) -> bool:
+    """Whether runs in batches have the residuals of fine ones, but for the error that any run may have."""
+    if problem.quick is None:
+        return False
+    together, fine = problem.quick.at(x), replace(problem, tolerance=TOLERANCES[-1]).at(x)
+    sound = not any(one.failure for one in together.predictions)
+    return sound and rms(together.residuals - fine.residuals) <= ERROR_SHARE
 
 
 class _Density:
@@ -109,7 +76,7 @@ def sampled(
     problem: FitProblem, best: Array, result: FitResult, price: float, tell: Callable[[str], None]
 ) -> Posterior:
     """Sample about the best point; ``SceneError`` if runs of ``price`` seconds make that too long."""
-    together = BatchProblem.of(problem, best)
+    together = problem.quick if _alike(problem, best) else None
     solver, walkers = problem.settings.solver, WALKERS
     if together is not None:
         solver, walkers = "batch", IN_BATCH

@@ -6,7 +6,9 @@ scale. Each sets the number it stands for, and at a ratio those that are tied to
 The background (level, drift, tilt, drag, a wave) is linear and no parameter of the search: it costs no run,
 and every point has the one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413,
 1973). The time offset is a shift of the same run. All other derivatives are differences of runs, which share
-no work and may be carried out side by side.
+no work and may be carried out side by side. Where the batch solver takes the runs, those of a point and of
+its differences are one batch: its steps do not depend on the numbers that are varied, so neither does its
+error, while steps that are chosen anew for each run may turn a difference into that of their errors.
 """
 
 from __future__ import annotations
@@ -15,14 +17,14 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact_scene import Branch, Machine, Scene, SceneError
+from contact_scene import Branch, Hold, Machine, Ramp, Scene, SceneError, Table
 from contact_scene.checked import Checked, NotNegative, Positive
 from contact_scene.errors import shown
 from contact_scene.scene import value_at
@@ -37,7 +39,9 @@ from validation.fits.model import (
     least_squares,
     run_of,
 )
+from validation.fits.moments import SMALLEST
 from validation.fits.record import MeasuredCurve
+from validation.reference import batch
 from validation.runs.pool import Task, TaskResult, run_tasks
 from validation.runs.provenance import fingerprint, hashed
 from validation.runs.store import Store
@@ -49,6 +53,9 @@ SPRING = ("machine.stiffness", "loading.machine.stiffness")
 """Paths of the spring between stage and indenter."""
 ERROR_SHARE = 0.05
 """Error of a run over the noise, at most: it moves a parameter by a twentieth of its deviation at worst."""
+TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
+"""Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
+is four steps per process zone, the fewest that resolve one."""
 RANGE, TIME_SHARE = 1e3, 0.1
 """Factor about the scene's value within which a positive parameter is searched, if no bounds are given; and
 time offset over the duration of a record, at most."""
@@ -300,7 +307,8 @@ class Point:
 @dataclass
 class FitProblem:
     """Residuals and derivatives of curves, and last those of a regularisation; ``tolerance`` is that of time
-    steps where no resolution is asked for, ``step`` that of differences, ``runs`` what was carried out."""
+    steps where no resolution is asked for, ``step`` that of differences, ``runs`` what was carried out;
+    ``quick`` has its runs in batches, if they can be."""
 
     models: Sequence[CurveModel]
     unknowns: Unknowns
@@ -311,6 +319,7 @@ class FitProblem:
     step: float = 1e-3
     runs: int = 0
     on_run: Callable[[], None] = lambda: None
+    quick: BatchProblem | None = None
     _kept: dict[str, FitRun] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -359,9 +368,10 @@ class FitProblem:
 
     def derivatives(self, x: Array) -> Array:
         """Derivatives by the numbers of the search with the background held, shape (R, P)."""
-        steps = np.where(x + self.step <= self.unknowns.bounds[1], self.step, -self.step)
-        points, count = [x, *(x + np.diag(steps))], len(self.models)
-        predicted = self.predictions([call for point in points for call in self._calls(point)])
+        if self.quick is not None:
+            return self.quick.derivatives(x)
+        steps, points, predicted = self._differences(x)
+        count = len(self.models)
         slopes = np.zeros((self.size, x.size))
         for place, (step, point) in enumerate(zip(steps, points[1:], strict=True)):
             others = predicted[count * (place + 1) :]
@@ -370,6 +380,12 @@ class FitProblem:
                 slopes[rows, place] = np.where(now.hold & (now.touching == other.touching), change, 0.0)
             slopes[self._rows[-1].stop :, place] = (self._bending(point) - self._bending(x)) / step
         return slopes
+
+    def _differences(self, x: Array) -> tuple[Array, list[Array], list[Prediction]]:
+        """Steps of the numbers of the search, the point and those a step beside it, with their runs."""
+        steps = np.where(x + self.step <= self.unknowns.bounds[1], self.step, -self.step)
+        points = [x, *(x + np.diag(steps))]
+        return steps, points, self.predictions([call for point in points for call in self._calls(point)])
 
     def predictions(self, points: Sequence[tuple[int, Mapping[str, float]]]) -> list[Prediction]:
         """Predictions for curves, each with its numbers by path; equal runs are done once."""
@@ -419,3 +435,45 @@ class FitProblem:
 
     def _bending(self, x: Array) -> Array:
         return self.settings.bending(self.unknowns.values(x))
+
+
+class BatchProblem(FitProblem):
+    """A problem whose runs are those of the batch solver."""
+
+    @classmethod
+    def of(cls, problem: FitProblem) -> BatchProblem | None:
+        """The problem in batches, if all runs of the first guess can be; some may end early."""
+        if problem.settings.solver != REFERENCE:
+            return None
+        found = cls(**{one.name: getattr(problem, one.name) for one in fields(problem)} | {"_kept": {}})
+        answered = all(one.touching.any() for one in found.at(found.unknowns.start).predictions)
+        return found if answered else None
+
+    def sound(self, x: Array) -> bool:
+        """Whether all runs of a point and of its differences came to their end."""
+        return not any(one.failure for one in self._differences(x)[2])
+
+    def at(self, x: Array) -> Point:
+        self._differences(x)  # in one batch with the point
+        return super().at(x)
+
+    def carry_out(self, tasks: Mapping[str, Task]) -> None:
+        scenes = [as_ramps(task.arguments[0]) for task in tasks.values()]
+        for key, one in zip(tasks, batch.solve(scenes), strict=True):
+            run = replace(NO_CONTACT, failure=one.reason)
+            if one.answered:
+                lost = float(one.time[-1]) if one.detached or one.reason else None
+                run = FitRun(one.time, one.force, one.contact_radius, one.penetration, lost, one.reason)
+            self.keep(key, run)
+
+
+def as_ramps(scene: Scene) -> Scene:
+    """The scene with its table of the motion as ramps and holds."""
+    [table] = scene.loading.steps
+    assert isinstance(table, Table)
+    least = SMALLEST * float(np.ptp(table.values))
+    steps: list[Ramp | Hold] = []
+    for (begin, end), (at, to) in zip(pairwise(table.times), pairwise(table.values), strict=True):
+        rise, lasts = abs(to - at), end - begin
+        steps.append(Hold(lasts) if rise <= least else Ramp(to, rise / lasts))
+    return replace(scene, loading=replace(scene.loading, steps=tuple(steps)))
