@@ -71,16 +71,16 @@ LEAST_WEIGHT = 0.3
 """Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
 LEAST_SHARE = 0.1
 """Of what all steps over one scale may add up to: shorter steps are those after a kink, and few."""
-LARGEST_GROWTH = 2.0
-"""Ratio of successive steps: beyond, the rows with the least order and not the most would predict."""
 RUNG = 2.0**0.25
 """Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
-ALIKE = 0.99
-"""Ratio of two steps that are the same: rounding does not choose between the orders that promise them."""
+LARGEST_GROWTH = 4
+"""Of successive steps, in rungs: beyond, the rows with the least order and not the most would predict."""
+LEAST_CUT = -2
+"""Of a step that is repeated, in rungs."""
+UNSEEN = -8
+"""Next step, in rungs, after one that no correction was found for."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
-UNSEEN = 0.25
-"""Next step, in one that no correction was found for."""
 NARROW = 1e-4
 """Change of a root by a secant, relative to it and in tolerances, with which it is found."""
 SECANTS = 12
@@ -158,11 +158,6 @@ class Correction:
 
     arrival: Arrival
     s: float
-
-
-def on_ladder(ratio: float) -> float:
-    """The next lower power of the ratio of rungs."""
-    return float(RUNG ** math.floor(math.log(ratio) / math.log(RUNG)))
 
 
 @dataclass
@@ -358,15 +353,15 @@ class Continuation:
         correction = self._correct(plan)
         errors = np.array([math.inf]) if correction is None else self._errors(plan, correction)
         first = len(self.rows) == 1
-        error, (order, ratio) = errors[min(self.rows.order, len(errors)) - 1], self._longest(errors)
+        error, (order, rung) = errors[min(self.rows.order, len(errors)) - 1], self._longest(errors)
         if correction is None or not error <= REJECTED:
-            return self._reject(plan, order, ratio)
+            return self._reject(plan, order, rung)
         self.fails = 0
         correction = self._to_level(plan, correction)
         self._finish(plan, correction)
         self.rows.order = min(len(self.rows), order)
         if plan.event is Ending.NONE:
-            self.h = (correction.s if first else plan.h) * on_ladder(ratio)
+            self.h = (correction.s if first else plan.h) * RUNG**rung
         return plan.event
 
     def _errors(self, plan: Plan, correction: Correction) -> Array:
@@ -399,23 +394,24 @@ class Continuation:
             weight = 1.0 / max(LEAST_SHARE, way)
         return np.where(np.isfinite(errors), weight * errors / self.tolerance, math.inf)
 
-    def _longest(self, errors: Array) -> tuple[int, float]:
-        """How many rows are to predict a step for it to be longest, and how long it is in this one.
+    def _longest(self, errors: Array) -> tuple[int, int]:
+        """How many rows are to predict a step for it to be longest, and how long it is in this one, in rungs.
 
         The more of them where the step may grow as it likes: turns and folds are seen on the predictor.
         Beyond a bend of the path a parabola goes farther than a polynomial that reaches back over it.
         """
         rows = np.arange(1.0, len(errors) + 1.0)
-        ratios = np.minimum(np.maximum(errors, 1e-5) ** (-1.0 / (rows + 1.0)), LARGEST_GROWTH)
-        ratios[: len(errors) > 1] = 0.0  # one row knows no direction
-        best = len(errors) - int((ratios[::-1] >= ALIKE * ratios.max()).argmax())
-        return best + (best == len(errors)), float(ratios[best - 1])
+        rungs = np.floor(np.log(np.maximum(errors, 1e-5)) / (-(rows + 1.0) * math.log(RUNG)))
+        rungs = np.clip(rungs, UNSEEN, LARGEST_GROWTH)
+        rungs[: len(errors) > 1] = -math.inf  # one row knows no direction
+        best = len(errors) - int(rungs[::-1].argmax())
+        return best + (best == len(errors)), int(rungs[best - 1])
 
-    def _reject(self, plan: Plan, order: int, ratio: float) -> Ending:
+    def _reject(self, plan: Plan, order: int, rung: int) -> Ending:
         """Try a shorter step; where none is short enough, look what became of the contact."""
         self.rejected += 1
         self.fails += 1
-        self.h = plan.h * on_ladder(min(max(ratio, UNSEEN), 0.8))
+        self.h = plan.h * RUNG ** min(rung, LEAST_CUT)
         self.rows.order, self.slopes = min(len(self.rows), order), {}
         if self.h < SMALLEST_STEP or self.fails > 40:
             self.fails = 0
@@ -496,6 +492,8 @@ class Continuation:
                 guess = -math.copysign(min(speed * p, near) or size, pulled)
                 size = 0.5 * abs(guess)
         root = self._secants(function, guess, size, Fixed.LOAD)
+        if root is not None and self.slopes.get(Fixed.LOAD, 0.0) < 0.0:
+            return None  # not stable: the way back to a fold that was passed unseen
         if root is None:
             root = self._between(function, {a: end.residual for a, end in ends.items()})
         if root is None or abs(root - guess) > near:
@@ -535,10 +533,8 @@ class Continuation:
             if after == x:  # no number lies closer
                 return x
             after = max(after, 0.0) if of_load else after
-            if after == x:  # the root lies before the step
-                break
             value = function(after)
-            if not math.isfinite(value) or value == f:
+            if not math.isfinite(value) or value == f:  # or the root lies before the step
                 break
             slope, best = (value - f) / (after - x), min(best, (abs(value), after))
             x, f = after, value
@@ -684,9 +680,15 @@ class Continuation:
         values = []
         for share in (0.01, 0.02):
             size = max(share * (self.law.zone or self.state.radius), 100.0 * share * known)
-            trial = self.trial(self.direction * size, share, 1)
-            values.append(self.arrive(trial, 0.0).residual * self.direction)
-        return values[0] < 0.0 and values[1] < values[0]
+            values.append(self._at_same_load(self.direction * size)[1] * self.direction)
+        return not (values[0] >= 0.0 or values[1] >= values[0])  # none where its zone fills the contact
+
+    def _at_same_load(self, travel: float) -> tuple[Arrival, float]:
+        """An edge put elsewhere, and its residual: none where its zone fills the contact."""
+        trial = self.trial(travel, abs(travel) / self.L, 1)
+        end = self.arrive(trial, 0.0)
+        filled = self.law.cohesive and trial.zone > FILLED * trial.radius
+        return end, math.nan if filled else end.residual
 
     def unstable(self) -> bool:
         """Whether a contact that another control held runs away under this one, where the load drives it."""
@@ -705,10 +707,8 @@ class Continuation:
         ends = {}
 
         def residual(travel: float) -> float:
-            trial = self.trial(travel, abs(travel) / self.L, 1)
-            ends[travel] = self.arrive(trial, 0.0)
-            filled = self.law.cohesive and trial.zone > FILLED * trial.radius
-            return math.nan if filled else ends[travel].residual  # no contact is followed there
+            ends[travel], value = self._at_same_load(travel)
+            return value
 
         if at_fold:
             first = way * max(0.05 * zone, 1e-3 * a)
