@@ -166,6 +166,19 @@ def test_the_extremum_before_the_process_zone_is_reached(tension, past):
         assert (observe(run).pull_off_force is not None) is past
 
 
+def test_of_rows_of_one_height_a_located_extremum_is_the_one():
+    """A flat crest: rows beside it differ by less than rounding of the largest force."""
+    pulled = 1.0 - 1e-12
+    rows = [0, 1, 2, 3, 4, 5, 6], [0, 3, 2, 0, -1, -2, -3], [0, 1000, 1000 - 1e-10, 0, -1, -pulled, -0.5]
+    run = trace(*rows)
+    assert (observe(run).pull_off_time, observe(run).peak_time) == (5, 1)
+    located = [
+        cs.Event(kind, time, 0.0, 0.0, 0.0) for kind, time in (("largest tension", 4), ("largest force", 2))
+    ]
+    seen = observe(dataclasses.replace(run, located=tuple(located)))
+    assert (seen.pull_off_time, seen.peak_time) == (4, 2)
+
+
 @pytest.mark.parametrize("shift", [0.0, 0.13, 0.4, 0.77])
 @pytest.mark.parametrize("spacing", [0.02, 0.1, 0.4])
 def test_of_crests_of_one_height_the_first_ends_the_approach(shift, spacing):

@@ -253,7 +253,7 @@ def test_a_step_that_ends_beyond_a_limit_point_is_none():
 
 @pytest.mark.parametrize("resolution", [6, 8])
 def test_a_limit_point_passed_unseen_is_found(resolution):
-    """Where its zone soon fills the contact: neither the way back nor a filled contact is another stable edge."""
+    """Where its zone soon fills the contact: neither the way back nor what is filled is another edge."""
     trace = solve(scene_of("instruments:21030"), Options(resolution=resolution))
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert trace.outcome.time == pytest.approx(16.63768, rel=1e-6)

@@ -112,7 +112,8 @@ def peak_row(trace: Trace) -> int | None:
     """The first row at the largest compressive force; ``None`` without one beyond round-off."""
     slack = ROUND_OFF * float(np.abs(trace.force).max())
     largest = float(trace.force.max())
-    return int(np.flatnonzero(trace.force >= largest - slack)[0]) if largest > slack else None
+    rows = np.flatnonzero(trace.force >= largest - slack)
+    return int(_located(trace, rows, "largest force")[0]) if largest > slack else None
 
 
 def largest_tension(trace: Trace) -> int | None:
@@ -325,7 +326,14 @@ def _last_largest(trace: Trace, among: NDArray[np.bool_]) -> int | None:
     pulling = np.flatnonzero(among & (tension > slack))
     if pulling.size == 0:
         return None
-    return int(pulling[tension[pulling] >= float(tension[pulling].max()) - slack][-1])
+    rows = pulling[tension[pulling] >= float(tension[pulling].max()) - slack]
+    return int(_located(trace, rows, "largest tension")[-1])
+
+
+def _located(trace: Trace, rows: NDArray[np.int_], kind: str) -> NDArray[np.int_]:
+    """Of rows of one height those at which the solver has located the extremum; all where it has not."""
+    known = rows[np.isin(trace.time[rows], [event.time for event in trace.located if event.kind == kind])]
+    return known if known.size else rows
 
 
 def _stands_alone(trace: Trace) -> bool:
