@@ -251,12 +251,12 @@ def test_a_step_that_ends_beyond_a_limit_point_is_none():
     assert trace.contact_radius[-2] == pytest.approx(3.1855e-8, rel=3e-5)
 
 
-@pytest.mark.parametrize("resolution", [6, 8])
+@pytest.mark.parametrize("resolution", [4, 6, 8])
 def test_a_limit_point_passed_unseen_is_found(resolution):
     """Where its zone soon fills the contact: neither the way back nor what is filled is another edge."""
     trace = solve(scene_of("instruments:21030"), Options(resolution=resolution))
     assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert trace.outcome.time == pytest.approx(16.63768, rel=1e-6)
+    assert trace.outcome.time == pytest.approx(16.63768, rel=2e-6)
 
 
 def test_a_step_ends_just_before_what_was_never_in_contact():

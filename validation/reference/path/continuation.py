@@ -533,8 +533,10 @@ class Continuation:
             if after == x:  # no number lies closer
                 return x
             after = max(after, 0.0) if of_load else after
+            if after == x:  # the root lies before the step
+                break
             value = function(after)
-            if not math.isfinite(value) or value == f:  # or the root lies before the step
+            if not math.isfinite(value) or value == f:
                 break
             slope, best = (value - f) / (after - x), min(best, (abs(value), after))
             x, f = after, value
