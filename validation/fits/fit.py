@@ -211,9 +211,9 @@ class Search:
                 self._stage = "best start"
                 followed = self._followed(self.x, MOST_EVALUATIONS)
         if problem.quick:
-            if not problem.quick.sound(self.x):
-                problem.quick = None
             share = choose_steps(problem, self.x)
+            if not problem.quick.agrees(problem, self.x):
+                problem.quick = None
             self._looks, self._stage, self.least = problem, "by the reference", np.inf
             followed = self._followed(self.x, MOST_EVALUATIONS)
         self.ended, self.converged = str(followed.message), bool(followed.success)

@@ -44,6 +44,9 @@ PATH_SHARE = 0.3
 """Force that the straight lines may cost, over its noise: both together are 4 % more than the noise."""
 LEAST_RADIUS_NOISE = 1e-4
 """Noise of a measured contact radius over its range, at least."""
+FASTER = 3.0
+"""Ratio of the speeds of an edge in neighbouring steps from which it has set off, or come to rest, between
+them: where steps resolve a smooth motion it is two at most."""
 OWN_PART = 1e-3
 """Share of a part of the background that the parts before it do not make up, at least: in a record of an
 approach alone the drag is a level, and the tilt a drift."""
@@ -60,6 +63,15 @@ class FitRun:
     penetration: Array
     lost: float | None = None
     failure: str = ""
+
+    def values(self, column: Array, at: Array) -> Array:
+        """A column at some times. Where the edge sets off the force bends too: long and short steps meet
+        there, and neither tells a corner from a smooth bend."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            rate = np.diff(self.contact_radius) / np.diff(self.time)
+        steady = (rate[1:] <= FASTER * rate[:-1]) & (rate[:-1] <= FASTER * rate[1:])
+        steady |= (rate[1:] >= FASTER * rate[:-1]) & (rate[:-1] >= FASTER * rate[1:])
+        return RowCurve(self.time, column, self.time[1:-1][~steady]).values(at)
 
 
 NO_CONTACT = FitRun(np.array([0.0, 1.0]), *(np.zeros(2),) * 3, lost=0.0)
@@ -186,7 +198,7 @@ class CurveModel:
         compared = [(run.force, curve.force, self.allowed)]
         if curve.contact_radius is not None and self.radius_noise is not None:
             compared.append((run.contact_radius, curve.contact_radius, self.radius_noise))
-        columns = [np.where(touching, RowCurve(run.time, one).values(inside), 0.0) for one, *_ in compared]
+        columns = [np.where(touching, run.values(one, inside), 0.0) for one, *_ in compared]
         left = [(one - of) / apart for one, (_, of, apart) in zip(columns, compared, strict=True)]
         duration = float(curve.time[min(seen.last, curve.time.size - 1)] - curve.time[seen.first])
         of_jumps = [

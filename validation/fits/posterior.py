@@ -13,15 +13,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from contact_scene import SceneError
 from validation.fits.contact import Array
-from validation.fits.problem import ERROR_SHARE, TOLERANCES, FitProblem
-from validation.fits.result import FitResult, Posterior, covariance, independent, rms
+from validation.fits.problem import FitProblem
+from validation.fits.result import FitResult, Posterior, covariance, independent
 
 WALKERS, IN_BATCH = 32, 64
 """Walkers, more than twice the parameters: few where each run has its price, more where half of them share a
@@ -45,52 +44,33 @@ def sampler_module() -> Any:
     return emcee
 
 
-def _alike(problem: FitProblem, x: Array) -> bool:
-    """Whether runs in batches have the residuals of fine ones, but for the error that any run may have."""
-    if problem.quick is None:
-        return False
-    together, fine = problem.quick.at(x), replace(problem, tolerance=TOLERANCES[-1]).at(x)
-    sound = not any(one.failure for one in together.predictions)
-    return sound and rms(together.residuals - fine.residuals) <= ERROR_SHARE
-
-
-class _Density:
-    """Logarithm of the density at points of the search, shape (W, P), all runs at once."""
-
-    def __init__(self, sampled: FitProblem, problem: FitProblem, best: Array, result: FitResult) -> None:
-        self._problem, self._bounds = sampled, problem.unknowns.bounds
-        deviation = np.full(problem.size, math.sqrt(result.goodness.variance))
-        self._weights = independent(problem, problem.at(best), 1.0 / deviation)
-
-    def __call__(self, points: Array) -> Array:
-        problem, (low, high) = self._problem, self._bounds
-        inside = ((points >= low) & (points <= high)).all(axis=1)
-        found = np.full(len(points), -np.inf)
-        left = [point.residuals for point in problem.all_at(points[inside])]
-        found[inside] = -0.5 * np.sum((np.reshape(left, (-1, problem.size)) * self._weights) ** 2, axis=1)
-        problem.forget()
-        return found
-
-
 def sampled(
     problem: FitProblem, best: Array, result: FitResult, price: float, tell: Callable[[str], None]
 ) -> Posterior:
     """Sample about the best point; ``SceneError`` if runs of ``price`` seconds make that too long."""
-    together = problem.quick if _alike(problem, best) else None
-    solver, walkers = problem.settings.solver, WALKERS
-    if together is not None:
-        solver, walkers = "batch", IN_BATCH
+    runs, (low, high) = problem.quick or problem, problem.unknowns.bounds
+    solver, walkers = ("batch", IN_BATCH) if problem.quick else (problem.settings.solver, WALKERS)
     hours = price * len(problem.models) * walkers * MOST_STEPS / 3600.0
-    if together is None and hours > AFFORDABLE:
+    if problem.quick is None and hours > AFFORDABLE:
         took = f"{walkers * MOST_STEPS} points by {solver} take up to {hours:.1f} h"
         raise SceneError("posterior", took, f"{AFFORDABLE:g} h, or retractions, which are solved in batches")
     walkers = max(walkers, 2 * best.size + 2)
-    weighed = independent(problem, problem.at(best), problem.jacobian(best))
+    point, deviation = problem.at(best), math.sqrt(result.goodness.variance)
+    weights = independent(problem, point, np.full(problem.size, 1.0 / deviation))
+    weighed = independent(problem, point, problem.jacobian(best))
     _, deviations, directions = covariance(weighed, result.goodness.variance)
     generator = np.random.RandomState(problem.settings.seed)
     drawn = generator.standard_normal((walkers, best.size)) * np.minimum(deviations, WIDEST)
-    start = np.clip(best + drawn @ directions, *problem.unknowns.bounds)
-    density = _Density(together or problem, problem, best, result)
+    start = np.clip(best + drawn @ directions, low, high)
+
+    def density(points: Array) -> Array:
+        """Its logarithm at points of the search, shape (W, P), all runs at once."""
+        inside, found = ((points >= low) & (points <= high)).all(axis=1), np.full(len(points), -np.inf)
+        left = np.reshape([one.residuals for one in runs.all_at(points[inside])], (-1, problem.size))
+        found[inside] = -0.5 * np.sum((left * weights) ** 2, axis=1)
+        runs.forget()
+        return found
+
     sampler = sampler_module().EnsembleSampler(walkers, best.size, density, vectorize=True)
     sampler.random_state = generator.get_state()
     length, began = np.inf, time.perf_counter()

@@ -449,9 +449,12 @@ class BatchProblem(FitProblem):
         answered = all(one.touching.any() for one in found.at(found.unknowns.start).predictions)
         return found if answered else None
 
-    def sound(self, x: Array) -> bool:
-        """Whether all runs of a point and of its differences came to their end."""
-        return not any(one.failure for one in self._differences(x)[2])
+    def agrees(self, other: FitProblem, x: Array) -> bool:
+        """Whether all runs of a point and of its differences came to their end, and residuals are those of
+        the other problem, but for the error that any run may have."""
+        apart = self.residuals(x) - other.residuals(x)
+        failed = any(one.failure for one in self._differences(x)[2])
+        return not failed and math.sqrt(np.mean(apart**2)) <= ERROR_SHARE
 
     def at(self, x: Array) -> Point:
         self._differences(x)  # in one batch with the point

@@ -96,7 +96,7 @@ def synthetic(
     moments, driven = run.time[lasting], (run.penetration + spring * run.force)[lasting]
     time = _row_times(scene, run, driven, sampling, seed)
     inside = np.clip(time, 0.0, end)
-    force = np.where(time == inside, RowCurve(run.time, run.force).values(inside), 0.0)
+    force = np.where(time == inside, run.values(run.force, inside), 0.0)
     tension, largest = -float(run.force.min()), float(np.abs(run.force).max())
     size = tension if scene.is_adhesive and tension > 0.0 else largest
     force += noise * size * np.random.default_rng(seed).standard_normal(time.size)
