@@ -89,7 +89,6 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
             progress.phase("drawing and writing")
             data = dataset.write_results(plan, runs, folder)
             draw(data, folder)
-        unfinished = sum(not one.finished for one in runs)
     print(f"{plan.title or name}: {plan.count} runs of {plan.scene.name} by {plan.solver}")
     for line in aligned(dataset.summary_rows(data)):
         print(line)
@@ -99,7 +98,7 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
         again, apart = data.attrs[dataset.AGAIN], data.attrs[dataset.APART]
         print(f"  {again} runs solved again by the reference: {apart:.1e} apart at most")
     print(f"written to {folder / dataset.FILE}")
-    if unfinished:
+    if unfinished := data.attrs[dataset.UNFINISHED]:
         say(f"{unfinished} of {plan.count} runs did not reach their end")
     return 1 if unfinished else 0
 

@@ -222,6 +222,8 @@ def checked(data: Any, kind: Any, key: str = "") -> Any:
     A kind is a dataclass, an enumeration, a float, int, bool or str, an array of floats, a dictionary by
     strings, a tuple, or one of several of these.
     """
+    if type(data) is kind and kind in _WORDS and kind is not int:
+        return data
     origin, inner = get_origin(kind), get_args(kind)
     if origin in (Union, types.UnionType):
         return _one_of(data, inner, key)
@@ -246,8 +248,6 @@ def checked(data: Any, kind: Any, key: str = "") -> Any:
         raise SceneError(key, f"got {shown(data)}", ", ".join(f'"{one}"' for one in kind))
     if type(data) is int and kind in (int, float) and abs(data) < _LARGEST:
         return data
-    if kind in _WORDS and kind is not int and type(data) is kind:
-        return data
     raise SceneError(
         key, f"got {shown(data)}", _WORDS.get(kind, "a table" if is_dataclass(kind) else "a list")
     )
@@ -256,13 +256,13 @@ def checked(data: Any, kind: Any, key: str = "") -> Any:
 def _one_of(data: Any, kinds: tuple[Any, ...], key: str) -> Any:
     if data is None and type(None) in kinds:
         return None
-    refused = SceneError(key, f"got {shown(data)}", "a value")
+    refused = None
     for kind in (one for one in kinds if one is not type(None)):
         try:
             return checked(data, kind, key)
         except SceneError as error:
             refused = error
-    raise refused
+    raise refused or SceneError(key, f"got {shown(data)}", "a value")
 
 
 def _array(text: Any, key: str) -> Any:

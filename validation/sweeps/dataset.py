@@ -40,6 +40,8 @@ ERROR = "_error"
 """Ending of the relative error estimate of a measure."""
 AGAIN, APART = "solved_again", "largest_difference"
 """Attributes: how many runs of the batch solver the reference solved again, and by how much they differ."""
+UNFINISHED = "unfinished"
+"""Attribute: how many runs did not reach their end."""
 SOLVED_BY = "solved_by"
 """Which solver gave a run, of a plan for the batch solver."""
 RUN = "run"
@@ -79,12 +81,13 @@ def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
         one.name: (along[one.name], np.array(numbers), _about_coordinate(one, plan))
         for one, numbers in zip(plan.coordinates, values, strict=True)
     }
-    columns, apart = _columns(plan, runs), _differences(runs)
+    (columns, unfinished), apart = _columns(plan, runs), _differences(runs)
     variables = {
         name: (dimensions, column.reshape(plan.shape), _about(name, plan) | apart.get(name, {}))
         for name, column in columns.items()
     }
     attributes: dict[str, str | float] = {
+        UNFINISHED: unfinished,
         "title": plan.title,
         "scene": plan.scene.name,
         "scene_table": tomli_w.dumps(plan.scene.data),
@@ -109,22 +112,24 @@ def _differences(runs: SweepRuns) -> dict[str, dict[str, float]]:
     return {name: {APART: apart} for name, apart in found.items()}
 
 
-def _columns(plan: SweepPlan, runs: SweepRuns) -> dict[str, np.ndarray]:
-    """One-dimensional, in the order of the plan: numbers by name, then the words."""
+def _columns(plan: SweepPlan, runs: SweepRuns) -> tuple[dict[str, np.ndarray], int]:
+    """One-dimensional, in the order of the plan: numbers by name, then the words; and how many are unfinished."""
     numbers = {name: np.full(plan.count, np.nan) for name in plan.measures}
     words: dict[str, list[str]] = {name: [] for name in _WORDS}
     by: list[str] = []
+    unfinished = 0
     for index, run in enumerate(runs):
         for ending, found in (("", run.measures), (ERROR, run.errors)):
             for name, value in found.items():
                 wanted = name in plan.measures if plan.measures else name not in _NOT_REPEATABLE
-                if wanted and value is not None and np.isfinite(value):
+                if wanted and value is not None and math.isfinite(value):
                     numbers.setdefault(name + ending, np.full(plan.count, np.nan))[index] = value
         for name, said in zip(_WORDS, (run.outcome, run.reason, "; ".join(run.warnings)), strict=True):
             words[name].append(said)
         by.append(run.solver)
+        unfinished += not run.finished
     columns = dict(sorted(numbers.items())) | {name: np.array(said) for name, said in words.items()}
-    return columns | ({SOLVED_BY: np.array(by)} if plan.solver == BATCH else {})
+    return columns | ({SOLVED_BY: np.array(by)} if plan.solver == BATCH else {}), unfinished
 
 
 def _about(name: str, plan: SweepPlan) -> dict[str, str]:

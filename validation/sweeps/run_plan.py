@@ -90,14 +90,13 @@ def thinned(traces: bool, result: Run) -> Run:
 
 def batch_task(plan: SweepPlan, some: Mapping[str, tuple[Row, ...]]) -> Task:
     """Some runs of a plan by the batch solver."""
-    cases = [Case("sweep", plan.scene_of(rows)) for rows in some.values()]
-    asked = plan.traces is not None, cases, plan.resolution, plan.estimate
-    return Task("", "batch", solved_together, asked)
+    return Task("", "batch", solved_together, (plan, list(some.values())))
 
 
-def solved_together(traces: bool, cases: list[Case], resolution: int | None, estimate: bool) -> list[Run]:
+def solved_together(plan: SweepPlan, some: list[tuple[Row, ...]]) -> list[Run]:
     """Runs of the batch solver as a sweep keeps them."""
-    return [thinned(traces, run) for run in solve_all(cases, resolution, estimate)]
+    cases = [Case("sweep", plan.scene_of(rows)) for rows in some]
+    return [thinned(plan.traces is not None, run) for run in solve_all(cases, plan.resolution, plan.estimate)]
 
 
 def missing_runs(
