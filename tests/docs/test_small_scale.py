@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from support.pages import code_cells
 
+from benchmarks import small_scale
+
 
 @pytest.fixture(scope="module")
 def page():
@@ -37,3 +39,51 @@ def test_the_border_at_the_threshold_radius_is_at_one(page, cone):
 def test_frozen_forces(page, cone, limit):
     _, (force,) = page["pull_offs"](0.1, 1.0, 1e-4, [1e6], cone)
     assert force == pytest.approx(limit, rel=1e-4)
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """The names of the cells of the map."""
+    matplotlib.use("agg")
+    names: dict = {}
+    definitions, *cells = code_cells("small-scale")
+    for cell in (definitions, *(cell for cell in cells if "drawn" in cell)):
+        exec(cell, names)
+    return names
+
+
+def spread(values, *shares):
+    """Quantiles of what is a number."""
+    return np.nanquantile(values, shares)
+
+
+def test_the_border_of_the_map_is_one_number(drawn):
+    """Whatever radius and exponent, by the pull to the frozen pull-off; not by that to Griffith's limit."""
+    N, reach, half = (drawn[name] for name in ("N", "reach", "half"))
+    assert spread(N[half], 0.5) == pytest.approx(0.93, abs=0.01)
+    assert spread(N[half & (reach > 1.0)], 0.05, 0.95) == pytest.approx([0.85, 0.99], abs=0.01)
+    assert spread(N[half & (reach < 1.0)], 0.05, 0.95) == pytest.approx([0.75, 1.3], abs=0.02)
+    assert (N * drawn["drawn"]["pull"] / drawn["drawn"]["griffith"])[half].max() > 4.0
+
+
+def test_rules_of_the_map(drawn):
+    """Small-scale and frozen forces, what is left to rise, and cycles instead of rest."""
+    N, zones, reach, runs = (drawn[name] for name in ("N", "zones", "reach", "drawn"))
+    small, frozen = (runs["force"] / runs[name] - 1.0 for name in ("small", "frozen"))
+    assert np.abs(spread(small[N < 0.4], 0.01, 0.99)).max() < 0.03
+    assert np.abs(spread(small[(N < 0.4) & (zones > 3.0)], 0.01, 0.99)).max() < 0.007
+    assert np.abs(spread(frozen[N > 3.0], 0.01, 1.0)).max() < 0.03
+    there = (N > 0.8) & (N < 1.25) & (zones > 1.0) & (zones < 100.0)
+    low, middle, high = spread((drawn["rise"] * zones)[there], 0.05, 0.5, 0.95)
+    assert (0.05 < low < 0.06, 0.11 < middle < 0.13, high < 0.6) == (True, True, True)
+    pressed = N * runs["pull"] / runs["depth"]
+    cycle, slow = runs["cycle"] / runs["force"], (pressed > 0.01) & (pressed < 0.1)
+    assert np.abs(spread(cycle[slow & (reach > 1.2)], 0.01, 0.99) - 1.0).max() < 0.02
+    assert spread(cycle[(pressed > 1e-3) & (pressed < 0.01) & (reach < 0.8)], 0.5) == pytest.approx(
+        0.9, abs=0.01
+    )
+
+
+def test_the_map_is_that_of_its_command(drawn):
+    for name, column in small_scale.solved(small_scale.drawn(20_000)[:8]).items():
+        assert column == pytest.approx(drawn["drawn"][name][:8], rel=1e-4, nan_ok=True)

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.batch import FAMILIES, Family, difference
+from benchmarks.small_scale import Point
 from contact_scene import Adhesion, Branch, Hold, Layer, Machine, Material, PowerRate, Ramp, TabulatedProfile
 from validation.cases import load
 from validation.reference import batch
@@ -174,6 +175,13 @@ def test_an_edge_whose_times_go_over_decades(ratio, quickness):
     )
     [answer] = batch.solve([scene])
     assert difference(scene, answer, 128) < 1e-6  # its default resolution knows it to 8e-6, 64 to 6e-7
+
+
+def test_an_edge_that_waits_is_not_taken_for_lost():
+    """Its time rises a hundredfold within a step; it was lost while it pressed, pull-off force nothing."""
+    point = Point(k=0.00772385, reach=2.93946, zone=0.0157567, N=0.0584821, exponent=4.9782)
+    [answer] = batch.solve(point.scenes(point.at_rest)[:1])
+    assert "differ" in answer.reason
 
 
 def test_a_ramp_that_ends_in_contact():

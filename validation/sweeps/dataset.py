@@ -113,7 +113,7 @@ def _differences(runs: SweepRuns) -> dict[str, dict[str, float]]:
 
 
 def _columns(plan: SweepPlan, runs: SweepRuns) -> tuple[dict[str, np.ndarray], int]:
-    """One-dimensional, in the order of the plan: numbers by name, then the words; and how many are unfinished."""
+    """One-dimensional, in the order of the plan: numbers, then words; and how many runs are unfinished."""
     numbers = {name: np.full(plan.count, np.nan) for name in plan.measures}
     words: dict[str, list[str]] = {name: [] for name in _WORDS}
     by: list[str] = []

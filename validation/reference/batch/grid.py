@@ -17,14 +17,18 @@ Whole = NDArray[np.intp]
 Kind = Literal["opening", "closing", "turned"]
 """An edge that opens from rest on what is relaxed, one that closes, and one that opens where it closed."""
 
-WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 0.6}
-"""Longest steps in travels or radii, times the resolution. An edge that opens where it closed comes by the
-place from which it closed, a corner between two rows."""
+WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 1.2}
+"""Longest steps in travels, or in what is left of the radius, times the resolution; where the load turns
+slowly an edge that closed by longer ones is not found again."""
+BESIDE, FROM, SHORT = 0.3, 0.2, 2.0
+"""The same of an edge that opens where it closed, from that part of the radius on: it comes by the place
+from which it closed, a corner between two rows. Steps of so many zones, times the resolution, do."""
 ROWS = 6
 """Rows of a polynomial over the travel."""
 NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
-DEEP, DEEPER = 0.25, 1.0 / 32.0
-"""Panels of what is left in contact: ends next to the edge, the least width beyond, and that in the depth."""
+DEEP, DEEPER = 4.0, 0.5
+"""Panels of what is left in contact: ends next to the edge; beyond, the least width in zones, and that in the
+depth, both times the resolution: they pass over the place from which the edge closed."""
 PLACES = gauss(ROWS)[0]
 _INVERSE = np.linalg.inv(PLACES[:, None] ** np.arange(ROWS))
 _UP_TO = np.append(PLACES, 1.0)[:, None]
@@ -60,10 +64,10 @@ class Depths:
     They lie in panels, in the root of the depth: times of cover may be smooth in that only.
     """
 
-    def __init__(self, deepest: float) -> None:
+    def __init__(self, deepest: float, resolution: int) -> None:
         ends = [*NEAR]
         while ends[-1] < deepest:
-            ends.append(ends[-1] + max(DEEP, DEEPER * ends[-1]))
+            ends.append(ends[-1] + max(DEEP, DEEPER * ends[-1]) / resolution)
         self.ends = np.sqrt(ends)
         self.width = np.diff(self.ends)[:, None]
         self.s = ((self.ends[:-1, None] + self.width * PLACES) ** 2).ravel()
@@ -112,7 +116,7 @@ class Grid:
     @cached_property
     def depths(self) -> Depths:
         """Of what the edge comes by."""
-        return Depths(float(self.g[-1]) + 1.0)
+        return Depths(float(self.g[-1]) + 1.0, int(self.breaks[1]))
 
     def panels(self, panel: Whole, newest: Whole | int) -> tuple[Whole, Whole]:
         """First row and number of rows of the polynomials in panels, of rows up to ``newest``."""
@@ -185,6 +189,10 @@ def grid(resolution: int, size: int, kind: Kind, count: int = COUNT) -> Grid:
     radius, graded, rest = 2.0**size, (np.arange(1, resolution + 1) / resolution) ** 2, [2.0]
     while (travel := rest[-1]) < 2.0 * radius:
         left = max(radius - travel, 0.25 * max(radius, travel))
-        rest.append(travel + WIDEST[kind] / resolution * min(travel - 1.0, left))
+        most = min(travel - 1.0, left)
+        step = WIDEST[kind] * most
+        if kind == "turned" and travel > FROM * radius:
+            step = max(BESIDE * most, min(step, SHORT))
+        rest.append(travel + step / resolution)
     breaks = np.array([0, resolution, 2 * resolution])
     return Grid(np.concatenate(([0.0], graded, 1.0 + graded, rest[1:])), breaks, kind, radius, count)
