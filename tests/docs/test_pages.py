@@ -124,7 +124,14 @@ def test_readme_fits_a_screen_and_its_table_is_that_of_the_saved_report():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", EXECUTED, ids=_name)
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(path, marks=[pytest.mark.exhaustive] if path.name == "fit.md" else [])  # five minutes
+        for path in EXECUTED
+    ],
+    ids=_name,
+)
 def test_examples_run(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("pyvista.OFF_SCREEN", True)
