@@ -20,6 +20,7 @@ from validation.reference.batch.zone import quadrature
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
+Flags = NDArray[np.bool_]
 
 LONGEST, STEADY, WINDOW = 140, 0.02, 60
 """Steps in time of an edge that goes on closing after the turn, the first of them, and rows in its zone."""
@@ -36,6 +37,7 @@ FINER = 0.012, 0.08, 0.4
 class Held:
     """What an edge that closed has left in contact: rows (S, B) of its radius and time, ``last`` of each.
 
+    What stands after the last counts for nothing: it is room for :meth:`onward`.
     ``start``: radius at the start; ``first``, ``second``: the legs before and after the turn of the load;
     ``kinks`` (l, B): rows, in rising order.
     """
@@ -48,6 +50,23 @@ class Held:
     time: Array
     last: Whole
     kinks: Whole
+
+    @property
+    def edge(self) -> Array:
+        """Radius of the last row."""
+        return np.asarray(self.radius[self.last, np.arange(len(self.last))])
+
+    @property
+    def when(self) -> Array:
+        """Time of the last row."""
+        return np.asarray(self.time[self.last, np.arange(len(self.last))])
+
+    def onward(self, radius: Array, time: Array, asked: Flags) -> Held:
+        """With one more row of those asked for."""
+        some = np.flatnonzero(asked)
+        rows = self.last[some] + 1
+        self.radius[rows, some], self.time[rows, some] = radius[some], time[some]
+        return replace(self, last=self.last + asked)
 
     def of_some(self, chosen: Whole, bodies: Bodies) -> Held:
         """Of some scenes."""
@@ -67,7 +86,7 @@ class Held:
     def places(self) -> tuple[Array, Array, Array]:
         """Where rows begin, how far they go, and shares of that, scene after scene from even numbers."""
         scenes = np.arange(len(self.last))
-        begin, end = self.radius[0], self.radius[self.last, scenes]
+        begin, end = self.radius[0], self.edge
         whole = np.where(end > begin, end - begin, 1.0)
         rows = np.arange(len(self.radius))[:, None] <= self.last
         place = np.where(rows, np.minimum((self.radius - begin) / whole, 1.0), 1.0)
@@ -124,8 +143,7 @@ class Left:
 
     def __init__(self, held: Held, depths: Depths) -> None:
         self.held, self.depths, bodies = held, depths, held.bodies
-        scenes = np.arange(len(held.last))
-        self.edge, self.when = held.radius[held.last, scenes], held.time[held.last, scenes]
+        self.edge, self.when = held.edge, held.when
         t, strain = held.strain(np.maximum(self.edge - depths.s[:, None] * bodies.zone, 0.0))
         self.table = np.concatenate((t[:, None], strain.swapaxes(0, 1)), axis=1)
         self.within = self.total(self.when)
@@ -184,39 +202,33 @@ def turned(
         held = _gone_on(held, closing, until, resolution)
     size = int(held.last.max()) + 1
     held = replace(held, radius=radius[:size], time=time[:size])
-    return held, held.time[held.last, scenes]
+    return held, held.when
 
 
 def _gone_on(held: Held, closing: March, until: Array, resolution: int) -> Held:
     """With rows up to where an edge rests, or to a time since the turn of the load, which has a row then."""
-    scenes, last, bodies = np.arange(len(held.last)), held.last, held.bodies
-    top, edge, since = last.copy(), held.radius[last, scenes], held.time[last, scenes] - bodies.turn
+    last, bodies, since = held.last, held.bodies, held.when - held.bodies.turn
     if len(bodies.moduli):
         step = np.minimum(_first_step(held), until - since)
-        falls = AfterTurn(held, since + step)(edge) < AfterTurn(held, since)(edge)
+        falls = AfterTurn(held, since + step)(held.edge) < AfterTurn(held, since)(held.edge)
         some = np.flatnonzero((closing.ending == ENDED) & falls & (step > 0.0))
         if len(some):
             few = held.of_some(some, bodies.of_some(some))
-            found = _closing_on(few, step[some], until[some], resolution)
-            rows = last[some] + np.arange(LONGEST)[:, None]
-            held.radius[rows, some], held.time[rows, some] = found[:2]
-            top[some] += found[2]
-            closing.ending[some[found[2] < 0]] = FAILED
+            found, count = _closing_on(few, step[some], until[some], resolution)
+            rows, top = last[some] + np.arange(LONGEST)[:, None], last.copy()
+            held.radius[rows, some], held.time[rows, some] = found
+            top[some] += count
+            held = replace(held, last=top)
+            closing.ending[some[count < 0]] = FAILED
     if np.isfinite(until).all():
-        early = held.time[top, scenes] < bodies.turn + until
-        place = held.radius[top, scenes]
-        top = np.where(early, top + 1, top)
-        held.radius[top, scenes] = place
-        held.time[top, scenes] = np.maximum(held.time[top, scenes], bodies.turn + until)
-    return replace(held, last=top, kinks=np.concatenate((held.kinks, top[None])))
+        held = held.onward(held.edge, bodies.turn + until, held.when < bodies.turn + until)
+    return replace(held, kinks=np.concatenate((held.kinks, held.last[None])))
 
 
 def _first_step(held: Held) -> Array:
     """A part of the shortest relaxation time, and of that in which the edge came through its zone."""
-    scenes, last = np.arange(len(held.last)), held.last
-    before = np.maximum(last - 1, 0)
-    since = held.time[last, scenes] - held.time[before, scenes]
-    speed = (held.radius[last, scenes] - held.radius[before, scenes]) / np.maximum(since, 1e-300)
+    before = replace(held, last=np.maximum(held.last - 1, 0))
+    speed = (held.edge - before.edge) / np.maximum(held.when - before.when, 1e-300)
     return STEADY * np.minimum(held.bodies.times.min(axis=0), held.bodies.zone / np.maximum(speed, 1e-300))
 
 
@@ -227,10 +239,8 @@ class AfterTurn:
         self.held, self.elapsed, self.now = held, elapsed, held.bodies.turn + elapsed
 
     def __call__(self, radius: Array) -> Array:
-        held, bodies, scenes = self.held, self.held.bodies, np.arange(len(radius))
-        held.radius[held.last + 1, scenes] = np.maximum(radius, held.radius[held.last, scenes])
-        held.time[held.last + 1, scenes] = self.now
-        held = replace(held, last=held.last + 1)
+        held, bodies = self.held, self.held.bodies
+        held = held.onward(np.maximum(radius, held.edge), self.now, radius == radius)
         points = quadrature(FINER, True)
         forms, G = points.forms(bodies, radius)
         D, b = held.second.at(self.elapsed)
@@ -239,7 +249,7 @@ class AfterTurn:
         return (q * (forms[1] - D * forms[0])).sum(axis=0) / (-(math.pi**2) * bodies.closing) - 1.0
 
 
-def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple[Array, Array, Whole]:
+def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple[Array, Whole]:
     """Rows from the last on of edges that go on closing; the last, where they rest or time is over, or -1.
 
     The fall of the speed from row to row tells when an edge will rest, and the next row is no farther than
@@ -248,13 +258,12 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
     """
     scenes, zone, rest = np.arange(len(step)), held.bodies.zone, np.full(len(step), -1)
     local = held.last_rows(WINDOW)
-    edge, rounding = local.radius[WINDOW], ROUNDING * local.radius[WINDOW] / zone
-    error = AfterTurn(local, local.time[WINDOW] - local.bodies.turn)(edge)  # of the place of the last
+    edge, rounding = local.edge, ROUNDING * local.edge / zone
+    error = AfterTurn(local, local.when - local.bodies.turn)(edge)  # of the place of the last
     rows, first = np.zeros((2, LONGEST, len(step))), step
     since, speed, fall, slope = np.zeros((4, len(step)))
     for _ in range(LONGEST):
-        here, last = np.arange(len(scenes)), local.last
-        y, elapsed = (local.radius[last, here] - edge) / zone, local.time[last, here] - local.bodies.turn
+        y, elapsed = (local.edge - edge) / zone, local.when - local.bodies.turn
         over = elapsed + step >= until
         step = np.where(over, until - elapsed, step)
         residual = AfterTurn(local, elapsed + step)
@@ -274,28 +283,18 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
         left = np.where(fall > 0.0, np.maximum(now / fall - 0.5 * step, 0.0), np.inf)
         over &= rises
         summit = rises & np.isinf(until) & np.isfinite(left) & (fall * left * left < 2.0 * AT_REST)
-        top = last + np.where(rises, 1, 0) + np.where(summit, 1, 0)
-        for row, far, when, some in (
-            (last + 1, place, elapsed + step, rises),
-            (last + 2, place + 0.5 * fall * left * left, elapsed + step + left, summit),
-        ):
-            at_row = row[some], here[some]
-            local.radius[at_row], local.time[at_row] = (
-                (edge + far * zone)[some],
-                (local.bodies.turn + when)[some],
-            )
+        local = local.onward(edge + place * zone, local.bodies.turn + (elapsed + step), rises)
+        place = place + 0.5 * fall * left * left
+        local = local.onward(edge + place * zone, local.bodies.turn + (elapsed + step + left), summit)
         still = ~rises & (np.where(since > 0.0, speed * step, step / first * AT_REST / 1e-3) < AT_REST)
-        ended = summit | still | over | (top > WINDOW + LONGEST - 4)
+        ended = summit | still | over | (local.last > WINDOW + LONGEST - 4)
         speed, since = np.where(rises, now, speed), np.where(rises, step, since)
         step = np.where(rises, np.minimum(step * (1.0 + 2.0 / resolution), NEARER * left), 0.25 * step)
-        local = replace(local, last=top)
         if ended.any():
             out = scenes[ended]
-            rows[:, :, out] = (
-                local.radius[WINDOW : WINDOW + LONGEST, ended],
-                local.time[WINDOW : WINDOW + LONGEST, ended],
-            )
-            rest[out] = np.where(summit | still | over, top - WINDOW, -1)[ended]
+            window = slice(WINDOW, WINDOW + LONGEST), ended
+            rows[:, :, out] = local.radius[window], local.time[window]
+            rest[out] = np.where(summit | still | over, local.last - WINDOW, -1)[ended]
             some = np.flatnonzero(~ended)
             scenes = scenes[some]
             edge, zone, rounding, error, since, speed, fall, slope, step, first, until = (
@@ -305,4 +304,4 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
             local = local.of_some(some, local.bodies.of_some(some))
         if not len(scenes):
             break
-    return rows[0], rows[1], rest
+    return rows, rest
