@@ -88,15 +88,15 @@ class Held:
         scenes = np.arange(len(self.last))
         begin, end = self.radius[0], self.edge
         whole = np.where(end > begin, end - begin, 1.0)
-        rows = np.arange(len(self.radius))[:, None] <= self.last
-        place = np.where(rows, np.minimum((self.radius - begin) / whole, 1.0), 1.0)
+        known = np.arange(self.last.max() + 1)[:, None] <= self.last
+        place = np.where(known, np.minimum((self.radius[: len(known)] - begin) / whole, 1.0), 1.0)
         return begin, whole, (place + 2.0 * scenes).T.ravel()
 
     def passed(self, x: Array) -> Array:
         """Times at which radii (m, B) were covered: roots of cubics through rows."""
         scenes, count, (begin, whole, flat) = np.arange(len(self.last)), len(self.last), self.places
         shares = np.clip((x - begin) / whole, 0.0, 1.0) + 2.0 * scenes
-        row = flat.searchsorted(shares, side="right") - 1 - len(self.radius) * scenes
+        row = flat.searchsorted(shares, side="right") - 1 - (self.last.max() + 1) * scenes
         row = np.minimum(np.maximum(row, 0), np.maximum(self.last - 1, 0))
         low, high = np.zeros_like(row), self.last
         for kink in self.kinks:
