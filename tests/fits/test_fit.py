@@ -86,6 +86,7 @@ def test_a_fit_in_python_prints_no_number_without_its_error(elastic, tmp_path):
     assert set(elastic.question) == {"curves", "first guess", "parameters"}
     assert read_scene(tmp_path / "scene.toml").material.modulus == pytest.approx(found.scene.material.modulus)
     page = (tmp_path / "index.html").read_text()
+    assert "posterior" not in page.lower()
     assert "explains the data" in page
     assert (tmp_path / "fit.png").stat().st_size > 1000
 

@@ -15,9 +15,10 @@ from support.unlaid_figures import without_layout
 
 import crosscontact as cc
 from contact_scene import Adhesion, Branch, Hold, Loading, Material, Ramp, Scene, SceneError, Sphere, Table
-from validation.fits import posterior
+from contact_scene.scene import with_values
+from validation.fits import posterior, problem
 from validation.fits.fit import fit_curves
-from validation.fits.model import CurveModel
+from validation.fits.model import CurveModel, run_of
 from validation.fits.problem import (
     ERROR_SHARE,
     TOLERANCES,
@@ -29,6 +30,8 @@ from validation.fits.problem import (
 )
 from validation.fits.result import rms
 from validation.fits.synthetic import synthetic
+from validation.reference import batch
+from validation.reference.batch import solve
 
 WORK, ZONE = "adhesion.work", "adhesion.zone"
 
@@ -71,13 +74,13 @@ def problem_of(scene, tolerance=4e-5):
 
 
 def test_a_retraction_is_solved_in_batches_as_the_reference_solves_it():
-    problem = problem_of(retraction())
-    x = problem.unknowns.start
-    together = BatchProblem.of(problem)
+    asked = problem_of(retraction())
+    x = asked.unknowns.start
+    together = BatchProblem.of(asked)
     assert together is not None
     points = [x + shift for shift in np.random.default_rng(0).normal(0.0, 0.1, (4, 2))]
     for point, own in zip(points, together.all_at(points), strict=True):
-        assert rms(own.residuals - problem.residuals(point)) < ERROR_SHARE * (1.0 + rms(own.residuals))
+        assert rms(own.residuals - asked.residuals(point)) < ERROR_SHARE * (1.0 + rms(own.residuals))
     assert together.runs == 7  # with the first guess and its two differences
     resting = replace(retraction().loading, steps=(Hold(0.5), Ramp(-0.3, 0.02)))
     rested = problem_of(replace(retraction(), loading=resting))
@@ -91,20 +94,51 @@ def test_a_retraction_is_solved_in_batches_as_the_reference_solves_it():
 def test_derivatives_are_those_of_fine_runs(quick):
     """Before the edge sets off steps are long, behind it short, and the force bends between them: where that
     was missed a derivative was up to four times as large, and the deviation of the zone a quarter."""
-    problem = problem_of(retraction(0.0385757, 7.2147e-4, 0.0101565), TOLERANCES[0])
-    fine = replace(problem, tolerance=TOLERANCES[-1])
-    problem.quick = BatchProblem.of(problem) if quick else None
-    x = problem.unknowns.start
-    assert_allclose(norm(problem.jacobian(x), axis=0), norm(fine.jacobian(x), axis=0), rtol=0.01)
+    asked = problem_of(retraction(0.0385757, 7.2147e-4, 0.0101565), TOLERANCES[0])
+    fine = replace(asked, tolerance=TOLERANCES[-1])
+    asked.quick = BatchProblem.of(asked) if quick else None
+    x = asked.unknowns.start
+    assert_allclose(norm(asked.jacobian(x), axis=0), norm(fine.jacobian(x), axis=0), rtol=0.01)
 
 
 def test_a_long_step_before_the_edge_sets_off_does_not_see_what_is_behind_it():
     """Rows of a batch are three times as long as those of the reference there."""
-    problem = problem_of(retraction(0.0099, 4.444e-4, 0.01094))
-    together, fine = BatchProblem.of(problem), replace(problem, tolerance=TOLERANCES[-1])
+    asked = problem_of(retraction(0.0099, 4.444e-4, 0.01094))
+    together, fine = BatchProblem.of(asked), replace(asked, tolerance=TOLERANCES[-1])
     assert together is not None
-    x = problem.unknowns.start
+    x = asked.unknowns.start
     assert np.abs(together.residuals(x) - fine.residuals(x)).max() < ERROR_SHARE
+
+
+def test_a_search_in_batches_ends_with_the_reference(monkeypatch):
+    """A batch solver whose forces are wrong by a noise or so misleads the search and not the fit."""
+    runs, scene = [], retraction()
+    curve, guess = synthetic(scene, 0.01), with_values(scene, {WORK: 6e-4, ZONE: 0.01})
+
+    def counted(*arguments):
+        runs.append(1)
+        return run_of(*arguments)
+
+    def fitted():
+        runs.clear()
+        found = fit_curves([curve], guess, FitSettings(vary=(WORK, ZONE), check_solver=None))
+        return found.estimates, len(runs), found.runs
+
+    monkeypatch.setattr(problem, "run_of", counted)
+    plain, few, all_runs = fitted()
+    assert few < all_runs / 2
+    monkeypatch.setattr(batch, "solve", lambda scenes: [wrong(one) for one in solve(scenes)])
+    misled = fitted()[0]
+    monkeypatch.setattr(BatchProblem, "of", lambda given: None)
+    alone, count, _ = fitted()
+    assert few < count
+    for one, other, third in zip(plain, misled, alone, strict=True):
+        assert_allclose([one.value, other.value], third.value, rtol=0.1 * third.deviation)
+        assert_allclose([one.deviation, other.deviation], third.deviation, rtol=0.02)
+
+
+def wrong(answer):
+    return replace(answer, force=1.03 * answer.force)
 
 
 def test_a_table_of_a_motion_is_its_ramps():

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from benchmarks.fit_recovery import ENOUGH, VARIED, RecoveredMaterial, random_scenes, report
 from contact_scene.scene import value_at
@@ -48,7 +50,14 @@ def test_coverage_is_judged_from_enough_materials_on():
     assert "judged from" in report(sound[:10], [])
 
 
-def test_the_documentation_states_what_the_kept_numbers_give():
-    kept = json.loads((DOCS / "data/recovery.json").read_text("utf-8"))
-    found = [RecoveredMaterial(**entry) for entry in kept]
+def test_intervals_of_a_posterior_are_judged_beside_those_of_the_least_squares():
+    sampled = ((0.8, 1.2), (1.1, 1.2))
+    found = [replace(material(n, 0.8), sampled=sampled) for n in range(ENOUGH)]
+    assert "50.0 % of the 95 % intervals" in report(found, []).split("Of the posterior")[1]
+
+
+@pytest.mark.parametrize("kept", ["recovery", "recovery-posterior"])
+def test_the_documentation_states_what_the_kept_numbers_give(kept):
+    entries = json.loads((DOCS / f"data/{kept}.json").read_text("utf-8"))
+    found = [RecoveredMaterial(**entry) for entry in entries]
     assert report(found, []) in (DOCS / "explanation/fit-intervals.md").read_text("utf-8")
