@@ -7,9 +7,9 @@
 Each material has one branch, adhesion, and three curves at speeds from slow to fast, with a noise of 1 % of
 the pull-off force. The fit starts within a factor of 1.5 of the truth and knows the zone, Poisson's ratio and
 the indenter. Written are ``recovery.md``, ``recovery.json`` and ``recovery.png``; the command goes on where
-it was stopped. ``--posterior`` counts intervals of walkers beside those of the least squares: of one
-retraction a material, with 2 % of noise, whose work of adhesion and zone are fitted. ``--price`` instead
-measures the fit of one material with its check by a second solver, over the bare runs that it consists of.
+it was stopped. ``--retraction`` fits work of adhesion and zone of one retraction each, with 2 % of noise;
+``--posterior`` counts intervals of walkers beside those of the least squares. ``--price`` instead measures
+the fit of one material with its check by a second solver, over the bare runs that it consists of.
 """
 
 from __future__ import annotations
@@ -51,7 +51,8 @@ LABELS = {
     "adhesion.zone": "process zone",
 }
 *VARIED, _ = LABELS
-SAMPLED = ("adhesion.work", "adhesion.zone")
+RETRACTED = ("adhesion.work", "adhesion.zone")
+KINDS = {"background": "add what instruments add", "retraction": "fit two numbers of one retraction each"}
 NOISE = 0.01
 SPEEDS = (0.006, 0.03, 0.15)
 ENOUGH = 50
@@ -122,7 +123,7 @@ def random_retraction(number: int) -> tuple[Scene, Scene]:
     loading = Loading("relaxed", 0.02, (Ramp(-0.3, 0.02 * float(rate)),))
     adhesion = Adhesion(5e-4 * float(work), 0.013 * float(zone))
     scene = Scene(Material(0.75, 0.5, (Branch(6.75, 1.0),)), Sphere(1.0), loading, adhesion)
-    wrongly = zip(SAMPLED, wrong, strict=True)
+    wrongly = zip(RETRACTED, wrong, strict=True)
     return scene, with_values(scene, {path: value_at(scene, path) * float(by) for path, by in wrongly})
 
 
@@ -146,17 +147,17 @@ def _background(curve: MeasuredCurve) -> Array:
     return np.asarray(reach * (0.05 + 0.02 * tilt + 0.01 * drift + 0.005 * drag + 0.002 * wave))
 
 
-def recover(number: int, kind: str = "cycles") -> RecoveredMaterial:
-    """Record and fit one material: ``cycles``, on an instrument's ``background`` too, or a ``posterior``."""
-    if kind == "posterior":
+def recover(number: int, kind: str = "cycles", posterior: bool = False) -> RecoveredMaterial:
+    """Record and fit one material: ``cycles``, on an instrument's ``background`` too, or a ``retraction``."""
+    if kind == "retraction":
         scene, guess = random_retraction(number)
         curves = [synthetic(scene, 2.0 * NOISE, seed=number, resolution=16)]
-        settings = FitSettings(vary=SAMPLED, check_solver=None, posterior=True)
+        settings = FitSettings(vary=RETRACTED, check_solver=None, posterior=posterior)
     else:
         [scene, *others], guess = random_scenes(number)
         curves = recorded(number, [scene, *others], kind == "background")
         free = ("background", "drift") if kind == "background" else ("baseline",)
-        settings = FitSettings(vary=tuple(VARIED), free=free, check_solver=None)
+        settings = FitSettings(vary=tuple(VARIED), free=free, check_solver=None, posterior=posterior)
     found = fit_curves(curves, guess, settings)
     own = found.estimates[: len(settings.vary)]
     sampled = found.posterior.intervals if found.posterior else {}
@@ -190,11 +191,16 @@ def judged(inside: Sequence[Sequence[bool]]) -> tuple[str, bool]:
     return told, sound
 
 
+def _paths(found: Sequence[RecoveredMaterial]) -> Sequence[str]:
+    """What was fitted."""
+    return next(paths for paths in (VARIED, RETRACTED) if len(paths) == len(found[0].truth))
+
+
 def report(found: Sequence[RecoveredMaterial], failures: Sequence[str]) -> str:
     """The table, as Markdown."""
     inside = np.array([one.inside for one in found])
     scores = np.array([one.scores for one in found])
-    paths = SAMPLED if found[0].sampled else VARIED
+    paths = _paths(found)
     lines = [
         f"{len(found)} materials, {inside.size} intervals: {judged(inside.tolist())[0]}",
         "",
@@ -222,7 +228,7 @@ def draw(found: Sequence[RecoveredMaterial]) -> Figure:
     figure, axes = drawing((4.8, 3.4))
     scores = np.sort(np.array([one.scores for one in found]), axis=0)
     quantiles = stats.norm.ppf((np.arange(len(found)) + 0.5) / len(found))
-    for place, path in enumerate(SAMPLED if found[0].sampled else VARIED):
+    for place, path in enumerate(_paths(found)):
         style: dict[str, Any] = {
             "linestyle": "none",
             "marker": MARKERS[place],
@@ -262,13 +268,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=50)
     parser.add_argument("--jobs", type=int, default=2)
     kinds = parser.add_mutually_exclusive_group()
-    kinds.add_argument(
-        "--background", action="store_const", dest="kind", const="background", help="add what instruments add"
-    )
-    kinds.add_argument(
-        "--posterior", action="store_const", dest="kind", const="posterior", help="of single retractions"
-    )
+    for kind, told in KINDS.items():
+        kinds.add_argument(f"--{kind}", action="store_const", dest="kind", const=kind, help=told)
     parser.set_defaults(kind="cycles")
+    parser.add_argument("--posterior", action="store_true", help="count its intervals, too")
     parser.add_argument("--price", type=int, metavar="NUMBER", help="of a material: time its fit")
     options = parser.parse_args(arguments)
     if options.price is not None:
@@ -279,10 +282,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     numbers = range(options.first, options.first + options.count)
     tasks = [
         Task(
-            fingerprint("recovery", n, options.kind),
+            fingerprint("recovery", n, options.kind, options.posterior),
             f"material {n}",
             recover,
-            (n, options.kind),
+            (n, options.kind, options.posterior),
             RecoveredMaterial,
         )
         for n in numbers
@@ -307,7 +310,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     write_whole(folder / "recovery.png", export.png(draw(found)))
     print(report(found, list(failures.values())))
     sound = judged([one.inside for one in found])[1]
-    if options.kind == "posterior":
+    if options.posterior:
         sound &= judged([one.inside_sampled for one in found])[1]
     return 0 if sound and not failures else 1
 
