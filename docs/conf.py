@@ -51,6 +51,7 @@ nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 120
+nb_merge_streams = True  # what a loop prints is one box
 
 NotebookClient.startup_timeout.default_value = 300  # seconds, on a busy machine
 
