@@ -27,9 +27,11 @@ from benchmarks.random_scenes import FAMILIES, RandomScene, random_scene
 from benchmarks.trace_invariants import broken, energy_gained
 from contact_scene import SceneError, Trace
 from contact_scene.scene import write_scene
+from contact_scene.trace import Array
 from validation.compare.checks import check_case
 from validation.measure.curves import CURVES, distance
 from validation.measure.scaling import scale
+from validation.measure.windows import windows
 from validation.runs.folder import output_folder
 from validation.runs.pool import Engine, TaskEnding, TaskResult, completed_tasks, processes, run_of, run_task
 from validation.runs.run import Run
@@ -161,7 +163,9 @@ def _answer(chosen: RandomScene, name: str, result: TaskResult, base: Run | None
         note = f"the reference: {base.trace.outcome.kind} at t = {base.trace.outcome.time:.4g}"
         return replace(told, finding=Finding.OTHER_ENDING, note=note)
     worst = (-RANKS.index(Finding.AGREES), -math.inf, "", 0.0)
-    for quantity, difference, own, others in _differences(run, trace, base, base.trace):
+    for quantity, difference, own, others in _differences(
+        run, trace, base, base.trace, windows(chosen.scene.loading, trace)
+    ):
         now = _finding(quantity, difference, own, others)
         worst = max(worst, (-RANKS.index(now), difference, quantity, own + others))
     rank, difference, quantity, allowed = worst
@@ -180,11 +184,11 @@ def _finding(quantity: str, difference: float, own: float, others: float) -> Fin
 
 
 def _differences(
-    run: Run, trace: Trace, base: Run, base_trace: Trace
+    run: Run, trace: Trace, base: Run, base_trace: Trace, spans: Array
 ) -> Iterator[tuple[str, float, float, float]]:
     """Name, difference, own estimate (infinite if there is none), the reference's; relative to one size."""
     for column in CURVES:
-        apart = distance(trace, base_trace, column)
+        apart = distance(trace, base_trace, column, spans)
         values = base_trace.columns()[column]
         largest, excursion = float(np.abs(values).max(initial=0.0)), float(np.ptp(values))
         if apart is None or largest == 0.0:

@@ -162,3 +162,15 @@ def test_a_stopped_matrix_goes_on_shard_by_shard_and_keeps_its_settings(tmp_path
     assert (tmp_path / "scenes" / "seed-5.toml").exists()
     assert random_matrix.main([*command, "--family", "plain"]) == 2
     assert "--out" in capsys.readouterr().err
+
+
+def test_a_kink_of_the_loading_is_no_difference():
+    """Of a punch that is pressed and held: rows of one solver alone tell no corner from a bend."""
+    chosen = random_scene("swings", 22006)
+    results = {}
+    for name in ("bem", "reference"):
+        trace = solvers.SOLVERS[name].solve(chosen.scene, 4)
+        run = Run("seed", name, trace, measures=measure(trace, chosen.scene, 0.0))
+        run = replace(run, errors=dict.fromkeys([*run.measures, "force", "contact_radius"], 1e-3))
+        results[name] = TaskResult(Task("key", "label", print, (chosen.case, name)), run)
+    assert {one.finding for one in judge(chosen, results).answers} == {Finding.AGREES}

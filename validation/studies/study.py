@@ -17,6 +17,7 @@ from validation.measure.curves import distance
 from validation.measure.difference import of_numbers
 from validation.measure.events import is_located
 from validation.measure.scaling import Magnitudes
+from validation.measure.windows import windows
 from validation.runs.pool import Task, TaskResult, processes, run_tasks
 from validation.runs.progress import Progress
 from validation.runs.provenance import fingerprint, stamp
@@ -269,7 +270,9 @@ def _errors(result: Run, reference: Run | None, case: Case) -> dict[str, float]:
     located = [name for name in SCALARS if is_located(name, reference.trace, case.scene.loading)]
     numbers = of_numbers(result, reference, located)
     errors = {one.quantity: one.error for one in numbers if math.isfinite(one.error)}
-    force, radius = (distance(result.trace, reference.trace, one) for one in ("force", "contact_radius"))
+    spans = windows(case.scene.loading, result.trace)
+    curves = "force", "contact_radius"
+    force, radius = (distance(result.trace, reference.trace, one, spans) for one in curves)
     if force is not None and radius is not None:
         norms = (force.rms, force.mean, force.largest, radius.rms)
         errors |= dict(zip(NORMS, norms, strict=True))
