@@ -103,8 +103,8 @@ def exact_closure(radius: float, zone: float) -> Array:
 
     ``int -p(r) g(r + zone) dr / (2 zone)`` over the zone, with the pressure
     ``(D + k (a^2 - 2 r^2))/(pi sqrt(a^2 - r^2))`` and the gap
-    ``(k/pi) a sqrt(x^2 - a^2) - (2/pi) acos(a/x) (D - k x^2/2)``: what goes with ``D^2``, ``D k`` and ``k^2``.
-    That of a flat punch is ``D^2/(2 pi a)`` where the zone is short.
+    ``(k/pi) a sqrt(x^2 - a^2) - (2/pi) acos(a/x) (D - k x^2/2)``: what goes with ``D^2``, ``D k`` and
+    ``k^2``. That of a flat punch is ``D^2/(2 pi a)`` where the zone is short.
     """
     angles, weights = 0.25 * np.pi * (_ANGLES + 1.0), 0.25 * np.pi * _WEIGHTS
     outside = zone * np.sin(angles) ** 2  # takes both roots at the ends
@@ -119,9 +119,9 @@ def exact_closure(radius: float, zone: float) -> Array:
 class ClosureRatio:
     """Closure integral of a paraboloid on a mesh over the closed form, at the edge positions asked for.
 
-    ``sites`` are where its components are, ``stretch`` times a node's radius where its height is, ``strip`` the
-    radii between which the surface is fine. One where the strip has no room for a zone on both sides of an edge:
-    the mesh is fine throughout then.
+    ``sites`` are where its components are, ``stretch`` times a node's radius where its height is, ``strip``
+    the radii between which the surface is fine. One where the strip has no room for a zone on both sides of
+    an edge: the mesh is fine throughout then.
     """
 
     def __init__(
@@ -145,8 +145,8 @@ class ClosureRatio:
     def at(self, s: float, bend: float) -> float:
         """With the edge at ``s``, or at the nearest end of the strip.
 
-        ``bend`` is the change of the intensity with the square of the radius, over the intensity at the edge: at
-        most so much that the intensity changes by itself within a zone.
+        ``bend`` is the change of the intensity with the square of the radius, over the intensity at the edge:
+        at most so much that the intensity changes by itself within a zone.
         """
         if not self._nodes.size:
             return 1.0
@@ -169,7 +169,7 @@ class ClosureRatio:
         return float(mesh / exact)
 
     def _forms(self, place: int) -> Array:
-        """What goes with ``D^2``, ``D k``, ``k^2`` on the mesh, and exactly; the edge at a node or half past."""
+        """What goes with ``D^2``, ``D k``, ``k^2`` on the mesh, and exactly; at a node or half past it."""
         if place not in self._told:
             last = place // 2
             top = last + place % 2

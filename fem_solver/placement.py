@@ -151,9 +151,11 @@ class Placement:
     sites: Array
 
     def closure_over_exact(self, s: float, intensity: float, modulus: float) -> float:
-        """Closure integral on the mesh over its value, for an intensity at the edge of a relaxed contact."""
-        bend = -modulus * self.depth_slope(math.floor(s)) * self.scale**2
-        return self.closure_ratio.at(s, bend / intensity if intensity else 0.0)
+        """Closure integral on the mesh over its value, for an intensity at the last node in relaxed contact."""
+        m = math.floor(s)
+        slope = -modulus * self.depth_slope(m)
+        at_edge = intensity + slope * (self.geometry.radius(s) ** 2 - float(self.sites[m]) ** 2)
+        return self.closure_ratio.at(s, slope * self.scale**2 / at_edge if at_edge else 0.0)
 
     def depth_slope(self, m: int) -> float:
         """Change of the depth with the square of the radius between a node and the next."""

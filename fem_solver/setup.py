@@ -25,9 +25,10 @@ Array = NDArray[np.float64]
 _TOLERANCE, _PRESSED_TOLERANCE = 0.1, 0.016
 """Relative accuracy of the force in time, with adhesion and without, times the square of the elements per
 process zone, or per twentieth of the largest contact radius: steps and mesh are refined together."""
-_TRAVEL, _PRESSED_TRAVEL = 0.03, 0.25
-"""Edge travel allowed per step, relative to the contact radius, with adhesion and without: on that scale the
-field away from the edge changes, and with it what drives the edge."""
+_TRAVEL, _PRESSED_TRAVEL = 0.3, 1.0
+"""Edge travel allowed per step, relative to the contact radius, with adhesion and without, times the elements
+of the same length: on the scale of the radius the field away from the edge changes, and with it what drives
+the edge."""
 _LEAST_RADIUS = 0.1
 """Radius, relative to the largest, below which errors and travel of an edge without adhesion are relative to
 this: contact begins in a point."""
@@ -111,6 +112,7 @@ class Setup:
         times, usual = self.solid.modulus.times, _TOLERANCE if self.adhesion else _PRESSED_TOLERANCE
         self.shortest_time, self.has_history = float(times.min(initial=math.inf)), times.size > 0
         self.tolerance = options.tolerance or usual / meshes.divisions**2
+        self._travel = (_TRAVEL if self.adhesion else _PRESSED_TRAVEL) / meshes.divisions
         self.state = self.begin = undeformed(self.surfaces.around(self.surfaces.largest), len(times))
         self._moved = self.state, self.state
 
@@ -132,8 +134,7 @@ class Setup:
     @property
     def travel(self) -> float:
         """Edge travel allowed per step."""
-        share = _TRAVEL if self.adhesion is not None else _PRESSED_TRAVEL
-        return share * self.radius_scale(self.state.radius)
+        return self._travel * self.radius_scale(self.state.radius)
 
     def radius_scale(self, radius: float) -> float:
         """Radius to which errors of a radius are relative."""
