@@ -151,7 +151,7 @@ class Placement:
     sites: Array
 
     def closure_over_exact(self, s: float, intensity: float, modulus: float) -> float:
-        """Closure integral on the mesh over its value, with a relaxed contact's intensity at its last node."""
+        """Closure integral on the mesh over its value; the intensity is that at the last node."""
         m = math.floor(s)
         slope = -modulus * self.depth_slope(m)
         at_edge = intensity + slope * (self.geometry.radius(s) ** 2 - float(self.sites[m]) ** 2)
