@@ -136,7 +136,7 @@ class ContactProblem:
         loaded = self.solid.force(passage.v, passage.b)[: top + 1 - low]
         total = float(unit[low : top + 1] @ loaded)
         inner = self.stiffness[low - 1] * penetration + self.held_force[low - 1] if low else 0.0
-        return total + float(inner) - self.solid.modulus.relaxed * self.placement.excess(s)
+        return total + float(inner) - self.solid.modulus.relaxed * self.placement.excess(s, penetration)[0]
 
     def _changing(self, s: float) -> tuple[int, int]:
         """Range of the nodes that are not in contact, or free, throughout the step."""

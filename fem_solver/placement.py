@@ -153,31 +153,41 @@ class Placement:
     def closure_over_exact(self, s: float, intensity: float, modulus: float) -> float:
         """Closure integral on the mesh over its value; the intensity is that at the last node."""
         m = math.floor(s)
-        slope = -modulus * self.depth_slope(m)
+        slope = -modulus * float(self._slopes[m])
         at_edge = intensity + slope * (self.geometry.radius(s) ** 2 - float(self.sites[m]) ** 2)
         return self.closure_ratio.at(s, slope * self.scale**2 / at_edge if at_edge else 0.0)
 
-    def depth_slope(self, m: int) -> float:
-        """Change of the depth with the square of the radius between a node and the next."""
-        inner, outer = self.sites[m : m + 2] ** 2
-        return float((self.depths[m + 1] - self.depths[m]) / (outer - inner))
+    def _excess_within(self, nodes: Any, inner: Any, outer: Any) -> Any:
+        """``int (p - p_i) dA`` and ``int (p^2 - p_i^2) dA`` between radii of nodes, over their stiffness."""
+        square, slope, depth = self.sites[nodes] ** 2, self._slopes[nodes], self.depths[nodes]
+        second = (outer**2 + outer * inner + inner**2) / 3.0 - square
+        fourth = (outer**4 + (outer * inner) ** 2 + inner**4 + outer * inner * (outer**2 + inner**2)) / 5.0
+        spread = fourth - 2.0 * square * (second + square) + square**2  # mean of (a^2 - x^2)^2
+        return slope * second, 2.0 * depth * slope * second + slope**2 * spread
 
     @cached_property
-    def _moments(self) -> Array:
-        """``int (a^2 - x^2) dA`` over contact of the nodes ``0..m``, with the positions x of components."""
-        ends = np.append(0.0, self.geometry.effective)
-        inner, outer = ends[:-1], ends[1:]
-        return np.cumsum(self.unit**2 * ((outer**2 + outer * inner + inner**2) / 3.0 - self.sites**2))
+    def _slopes(self) -> Array:
+        """Change of the depth of each component with the square of the radius."""
+        return np.asarray(np.gradient(self.depths, self.sites**2))
 
-    def excess(self, s: float) -> float:
-        """What elastic contact up to an edge bears on the mesh beyond its force, over the modulus."""
+    @cached_property
+    def _excess(self) -> Array:
+        """The same up to each node; shape (2, n)."""
+        ends = np.append(0.0, self.geometry.effective)
+        within = self._excess_within(np.arange(len(self.unit)), ends[:-1], ends[1:])
+        return np.cumsum(self.unit**2 * np.stack(within), axis=1)
+
+    def excess(self, s: float, depth: float) -> tuple[float, float]:
+        """What elastic contact up to an edge has in excess of its force and energy, over the modulus."""
         m = math.floor(s)
         if m < 0:
-            return 0.0
-        inner, outer = float(self.geometry.effective[m]), self.geometry.radius(s)
-        within = (outer**2 + outer * inner + inner**2) / 3.0 - float(self.sites[m + 1]) ** 2
-        moment = float(self._moments[m]) + (s - m) * float(self.unit[m + 1]) ** 2 * within
-        return moment * self.depth_slope(m)
+            return 0.0, 0.0
+        within = self._excess_within(m + 1, float(self.geometry.effective[m]), self.geometry.radius(s))
+        more = (s - m) * float(self.unit[m + 1]) ** 2
+        first, second = (
+            float(whole + more * part) for whole, part in zip(self._excess[:, m], within, strict=True)
+        )
+        return first, depth * first - 0.5 * second
 
     def depth(self, radius: float) -> float:
         """Penetration at which elastic contact without adhesion ends at a radius."""

@@ -25,10 +25,9 @@ Array = NDArray[np.float64]
 _TOLERANCE, _PRESSED_TOLERANCE = 0.1, 0.016
 """Relative accuracy of the force in time, with adhesion and without, times the square of the elements per
 process zone, or per twentieth of the largest contact radius: steps and mesh are refined together."""
-_TRAVEL, _PRESSED_TRAVEL = 0.3, 1.0
-"""Edge travel allowed per step, relative to the contact radius, with adhesion and without, times the elements
-of the same length: on the scale of the radius the field away from the edge changes, and with it what drives
-the edge."""
+_TRAVEL, _PRESSED_TRAVEL = 0.03, 0.25
+"""Edge travel allowed per step, relative to the contact radius, with adhesion and without: on that scale the
+field away from the edge changes, and with it what drives the edge."""
 _LEAST_RADIUS = 0.1
 """Radius, relative to the largest, below which errors and travel of an edge without adhesion are relative to
 this: contact begins in a point."""
@@ -49,6 +48,8 @@ class Options:
         Times, stepped onto exactly, at which surface profiles are returned.
     max_steps : int
         Trial steps, accepted and rejected together, after which the run ends.
+    travel : float
+        Edge travel allowed per step, over the usual one.
     far_field : bool
         Prescribe the displacement of the total force on the far boundary; otherwise hold it.
     record_times : tuple of float
@@ -66,6 +67,7 @@ class Options:
     stop_times: tuple[float, ...] = ()
     profile_times: tuple[float, ...] = ()
     max_steps: int = MAX_STEPS
+    travel: float = 1.0
     far_field: bool = True
     record_times: tuple[float, ...] = ()
     record: bool = False
@@ -112,7 +114,6 @@ class Setup:
         times, usual = self.solid.modulus.times, _TOLERANCE if self.adhesion else _PRESSED_TOLERANCE
         self.shortest_time, self.has_history = float(times.min(initial=math.inf)), times.size > 0
         self.tolerance = options.tolerance or usual / meshes.divisions**2
-        self._travel = (_TRAVEL if self.adhesion else _PRESSED_TRAVEL) / meshes.divisions
         self.state = self.begin = undeformed(self.surfaces.around(self.surfaces.largest), len(times))
         self._moved = self.state, self.state
 
@@ -134,7 +135,8 @@ class Setup:
     @property
     def travel(self) -> float:
         """Edge travel allowed per step."""
-        return self._travel * self.radius_scale(self.state.radius)
+        share = _TRAVEL if self.adhesion is not None else _PRESSED_TRAVEL
+        return self.options.travel * share * self.radius_scale(self.state.radius)
 
     def radius_scale(self, radius: float) -> float:
         """Radius to which errors of a radius are relative."""
@@ -170,5 +172,7 @@ class Setup:
 
     @property
     def interface_energy(self) -> float:
-        """Energy of the partly released node beyond that of its mean."""
-        return interface_energy(self.state, self.placement, self.solid)
+        """Energy of the partly released node beyond that of its mean, less what the mesh has in excess."""
+        state, here = self.state, self.placement
+        excess = here.excess(state.edge, state.penetration)[1]
+        return interface_energy(state, here, self.solid) - self.solid.modulus.relaxed * excess

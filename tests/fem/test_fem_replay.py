@@ -14,9 +14,6 @@ from fem_solver.volume import replayed
 from validation.cases import load
 from validation.solvers.finite_elements import FiniteElements
 
-RESOLUTION = 10
-"""At which steps are short enough for the volume, which knows straight ways between rows alone."""
-
 
 def answer(name, resolution, tolerance, bulk=None):
     scene = load(name).scene
@@ -28,7 +25,7 @@ def answer(name, resolution, tolerance, bulk=None):
 
 @cache
 def cycle():
-    return answer("cycle-v0.02", RESOLUTION, 4e-3)
+    return answer("cycle-v0.02", 5, 4e-3)
 
 
 def test_surface_and_volume_go_through_the_same():
@@ -77,7 +74,7 @@ def test_a_fault_of_the_components_is_seen(monkeypatch, method, seen_by):
         return 1.005 * right(self, *given)
 
     monkeypatch.setattr(Components, method, wrong)
-    errors = answer("cycle-v0.02", RESOLUTION, 4e-3).errors
+    errors = answer("cycle-v0.02", 5, 4e-3).errors
     assert errors[seen_by] > 1.5 * true[seen_by]
 
 
