@@ -153,41 +153,43 @@ class Placement:
     def closure_over_exact(self, s: float, intensity: float, modulus: float) -> float:
         """Closure integral on the mesh over its value; the intensity is that at the last node."""
         m = math.floor(s)
-        slope = -modulus * float(self._slopes[m])
+        slope = -modulus * self._slope(m)
         at_edge = intensity + slope * (self.geometry.radius(s) ** 2 - float(self.sites[m]) ** 2)
         return self.closure_ratio.at(s, slope * self.scale**2 / at_edge if at_edge else 0.0)
 
-    def _excess_within(self, nodes: Any, inner: Any, outer: Any) -> Any:
-        """``int (p - p_i) dA`` and ``int (p^2 - p_i^2) dA`` between radii of nodes, over their stiffness."""
-        square, slope, depth = self.sites[nodes] ** 2, self._slopes[nodes], self.depths[nodes]
-        second = (outer**2 + outer * inner + inner**2) / 3.0 - square
-        fourth = (outer**4 + (outer * inner) ** 2 + inner**4 + outer * inner * (outer**2 + inner**2)) / 5.0
-        spread = fourth - 2.0 * square * (second + square) + square**2  # mean of (a^2 - x^2)^2
-        return slope * second, 2.0 * depth * slope * second + slope**2 * spread
+    def _slope(self, m: int) -> float:
+        """Change of the depth with the square of the radius, from a node to the next."""
+        inner, outer = self.sites[m : m + 2] ** 2
+        return float((self.depths[m + 1] - self.depths[m]) / (outer - inner))
+
+    def _moments_within(self, nodes: Any, inner: Any, outer: Any) -> Any:
+        """Means of ``a^2 - x^2`` and ``a^4 - x^4`` between radii, with x where the component of a node is."""
+        square, product = self.sites[nodes] ** 2, outer * inner
+        second = (outer**2 + product + inner**2) / 3.0
+        fourth = (outer**4 + product**2 + inner**4 + product * (outer**2 + inner**2)) / 5.0
+        return second - square, fourth - square**2
 
     @cached_property
-    def _slopes(self) -> Array:
-        """Change of the depth of each component with the square of the radius."""
-        return np.asarray(np.gradient(self.depths, self.sites**2))
-
-    @cached_property
-    def _excess(self) -> Array:
-        """The same up to each node; shape (2, n)."""
+    def _moments(self) -> Array:
+        """Their integrals over the stiffness of the nodes ``0..m``; shape (2, n)."""
         ends = np.append(0.0, self.geometry.effective)
-        within = self._excess_within(np.arange(len(self.unit)), ends[:-1], ends[1:])
+        within = self._moments_within(np.arange(len(self.unit)), ends[:-1], ends[1:])
         return np.cumsum(self.unit**2 * np.stack(within), axis=1)
 
     def excess(self, s: float, depth: float) -> tuple[float, float]:
-        """What elastic contact up to an edge has in excess of its force and energy, over the modulus."""
+        """What elastic contact up to an edge has in excess of its force and energy, over the modulus.
+
+        The indenter is the paraboloid of the same depth and slope at the edge.
+        """
         m = math.floor(s)
         if m < 0:
             return 0.0, 0.0
-        within = self._excess_within(m + 1, float(self.geometry.effective[m]), self.geometry.radius(s))
         more = (s - m) * float(self.unit[m + 1]) ** 2
-        first, second = (
-            float(whole + more * part) for whole, part in zip(self._excess[:, m], within, strict=True)
-        )
-        return first, depth * first - 0.5 * second
+        within = self._moments_within(m + 1, float(self.geometry.effective[m]), self.geometry.radius(s))
+        second, fourth = (float(self._moments[k, m] + more * within[k]) for k in (0, 1))
+        slope = self._slope(m)
+        apex = float(self.depths[m]) - slope * float(self.sites[m]) ** 2
+        return slope * second, slope * ((depth - apex) * second - 0.5 * slope * fourth)
 
     def depth(self, radius: float) -> float:
         """Penetration at which elastic contact without adhesion ends at a radius."""
