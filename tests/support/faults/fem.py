@@ -149,7 +149,7 @@ FAULTS = table("fem", "fem_solver", [
      gives(lambda share: share**1.2), SHORT),
     ("wake of earlier steps over zones recovers half as fast", "components:Components.recovered",
      takes(dt=by(0.5)), SHORT),
-    ("closure over short zones told by a punch 3 % too soft", "closure:exact_closure",
+    ("closed form that closures are told by 3 % too large", "closure:exact_closure",
      times(1.03), SHORT),
     ("heights over short zones 0.5 % too far out", "placement:height_stretch", times(1.005),
      SHORT),
