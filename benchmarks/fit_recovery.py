@@ -87,7 +87,7 @@ class RecoveredMaterial:
     @property
     def inside_sampled(self) -> list[bool]:
         """Which of those of the posterior do."""
-        return [low <= at <= high for (low, high), at in zip(self.sampled, self.truth, strict=False)]
+        return [low <= at <= high for (low, high), at in zip(self.sampled, self.truth, strict=True)]
 
     @property
     def scores(self) -> list[float]:
@@ -214,8 +214,9 @@ def report(found: Sequence[RecoveredMaterial], failures: Sequence[str]) -> str:
             f"| {LABELS[path]} | {100 * inside[:, place].mean():.0f} % | {spread:.2f} | "
             f"{100 * np.median(sizes[:, place]):.2f} % |"
         )
-    if found[0].sampled:
-        lines += ["", f"Of the posterior {judged([one.inside_sampled for one in found])[0]}"]
+    if sampled := [one.inside_sampled for one in found if one.sampled]:
+        lacking = f"; {len(found) - len(sampled)} materials have none" * (len(sampled) < len(found))
+        lines += ["", f"Of the posterior {judged(sampled)[0]}{lacking}"]
     explained = sum(one.explained for one in found)
     seconds = np.median([one.seconds for one in found])
     lines += ["", f"{explained} of {len(found)} fits explain their data; median {seconds:.0f} s a fit."]
@@ -311,7 +312,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(report(found, list(failures.values())))
     sound = judged([one.inside for one in found])[1]
     if options.posterior:
-        sound &= judged([one.inside_sampled for one in found])[1]
+        sampled = [one.inside_sampled for one in found if one.sampled]
+        sound &= bool(sampled) and judged(sampled)[1]
     return 0 if sound and not failures else 1
 
 

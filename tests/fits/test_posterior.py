@@ -5,20 +5,21 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.linalg import norm
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from support.recorded import GUESS, elastic_scene, hertz_curve, settings_of
 from support.unlaid_figures import without_layout
 
 import crosscontact as cc
 from contact_scene import Adhesion, Branch, Hold, Loading, Material, Ramp, Scene, SceneError, Sphere, Table
 from contact_scene.scene import with_values
-from validation.fits import posterior, problem
-from validation.fits.fit import fit_curves
-from validation.fits.model import CurveModel, run_of
+from validation.fits import fit, posterior, problem
+from validation.fits.fit import Search, fit_curves
+from validation.fits.model import CurveModel, FitRun, run_of
 from validation.fits.problem import (
     ERROR_SHARE,
     TOLERANCES,
@@ -28,7 +29,7 @@ from validation.fits.problem import (
     as_ramps,
     unknowns,
 )
-from validation.fits.result import rms
+from validation.fits.result import InterruptedFit, rms
 from validation.fits.synthetic import synthetic
 from validation.reference import batch
 from validation.reference.batch import solve
@@ -137,16 +138,80 @@ def test_a_search_in_batches_ends_with_the_reference(monkeypatch):
         assert_allclose([one.deviation, other.deviation], third.deviation, rtol=0.02)
 
 
-def wrong(answer):
-    return replace(answer, force=1.03 * answer.force)
+def wrong(answer, by=1.03):
+    return replace(answer, force=by * answer.force)
+
+
+def test_batches_agree_if_they_move_no_parameter(monkeypatch):
+    """Forces that are 0.05 % too large differ by a thirtieth of the noise, and move both by a third of their
+    deviations or more."""
+    asked = problem_of(retraction())
+    x = asked.unknowns.start
+    assert BatchProblem.of(asked).agrees(asked, x)
+    monkeypatch.setattr(batch, "solve", lambda scenes: [wrong(one, 1.0005) for one in solve(scenes)])
+    misled = BatchProblem.of(asked)
+    assert rms(misled.residuals(x) - asked.residuals(x)) < ERROR_SHARE
+    assert not misled.agrees(asked, x)
+
+
+def test_batches_that_disagree_leave_the_whole_search_to_the_reference(monkeypatch):
+    """Its further starts included; and a price is that of its runs, here of a second each."""
+    runs, guess = [], retraction(work=6e-4, zone=0.03)
+    settings = FitSettings(vary=WORK, starts=2, check_solver=None)
+    models = [CurveModel.of(synthetic(retraction(), 0.01), guess)]
+
+    def counted(*arguments):
+        runs.append(1)
+        return run_of(*arguments)
+
+    def searched():
+        search = Search(FitProblem(models, unknowns(models, guess, settings), settings), None)
+        search.carry_out()
+        return search
+
+    monkeypatch.setattr(problem, "run_of", counted)
+    monkeypatch.setattr(fit, "time", SimpleNamespace(perf_counter=lambda: len(runs)))
+    monkeypatch.setattr(batch, "solve", lambda scenes: [wrong(one) for one in solve(scenes)])
+    misled = searched()
+    monkeypatch.setattr(BatchProblem, "of", lambda given: None)
+    alone = searched()
+    assert len(alone.starts) == 2
+    assert_allclose(misled.starts, alone.starts, rtol=1e-5)
+    assert misled.price == alone.price == 1.0
+
+
+def test_no_point_of_a_profile_is_the_best_of_an_interrupted_fit(monkeypatch):
+    """Batches, which profiles are made of, may see a smaller sum of squares than the reference."""
+    monkeypatch.setattr(BatchProblem, "agrees", lambda *_: True)
+    monkeypatch.setattr(BatchProblem, "residuals", lambda one, x: 0.9 * FitProblem.residuals(one, x))
+    asked = [synthetic(retraction(), 0.01)], retraction(work=6e-4)
+    settings = FitSettings(vary=(WORK, ZONE), check_solver=None)
+
+    def stop(text):
+        if text.startswith("profile"):
+            raise KeyboardInterrupt
+
+    with pytest.raises(InterruptedFit) as caught:
+        fit_curves(*asked, replace(settings, profile=WORK), progress=stop)
+    assert caught.value.result.estimates == fit_curves(*asked, settings).estimates
+
+
+def test_an_edge_at_rest_but_for_rounding_sets_off_nowhere():
+    time = np.linspace(0.0, 1.0, 30) ** 2
+    force, at = np.exp(-time), np.linspace(0.0, 1.0, 100)
+    radius = 1.0 + 1e-15 * np.random.default_rng(0).uniform(-1.0, 1.0, time.size)
+    still, jittering = (FitRun(time, force, one, time) for one in (np.ones(time.size), radius))
+    assert_array_equal(jittering.values(force, at), still.values(force, at))
 
 
 def test_a_table_of_a_motion_is_its_ramps():
-    def driven(*values):
-        return replace(retraction(), loading=Loading("relaxed", 0.25, (Table((1.0, 2.0, 6.0), values),)))
+    def driven(*values, times=(1.0, 2.0, 6.0)):
+        return replace(retraction(), loading=Loading("relaxed", 0.25, (Table(times, values),)))
 
     assert as_ramps(driven(0.25, 0.5, -0.5)).loading.steps == (Ramp(0.5, 0.25), Ramp(-0.5, 0.25))
     assert as_ramps(driven(0.25, 0.25, -0.5)).loading.steps == (Hold(1.0), Ramp(-0.5, 0.1875))
+    slow = driven(0.0, 1.0, 1.0 + 0.9e-6, top := 1.0 + 1.8e-6, 1.0, times=(0.0, 1.0, 2.0, 3.0, 4.0))
+    assert as_ramps(slow).loading.steps == (Ramp(1.0, 1.0), Hold(1.0), Ramp(top, top - 1), Ramp(1.0, top - 1))
 
 
 def test_a_posterior_that_takes_too_long_is_told_and_costs_no_fit(closed_form, few_samples, monkeypatch):

@@ -51,9 +51,12 @@ def test_coverage_is_judged_from_enough_materials_on():
 
 
 def test_intervals_of_a_posterior_are_judged_beside_those_of_the_least_squares():
-    sampled = ((0.8, 1.2), (1.1, 1.2))
+    sampled = ((0.8, 1.2), (1.1, 1.2)) * 2
     found = [replace(material(n, 0.8), sampled=sampled) for n in range(ENOUGH)]
     assert "50.0 % of the 95 % intervals" in report(found, []).split("Of the posterior")[1]
+    told = report([material(ENOUGH, 0.8), *found], []).split("Of the posterior")[1]
+    assert "50.0 % of the 95 % intervals" in told
+    assert "1 materials have none" in told
 
 
 @pytest.mark.parametrize("kept", ["recovery", "recovery-posterior"])

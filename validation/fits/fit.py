@@ -3,7 +3,7 @@
 The first start of the search is the scene's own values. If it leads to a model that explains the data there
 is nothing better to be found; otherwise more are drawn in its neighbourhood, each is followed a few
 iterations, and the best of all to its end. Where the batch solver takes the runs all this is done with it,
-and a last search from there has the residuals of the reference.
+and a last search from there has the residuals of the reference; if the two disagree, all is done again.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -25,6 +26,7 @@ from validation.fits.model import CurveModel, first_passing
 from validation.fits.posterior import sampled, sampler_module
 from validation.fits.problem import (
     ERROR_SHARE,
+    SETTLED,
     TOLERANCES,
     BatchProblem,
     FitProblem,
@@ -60,12 +62,9 @@ SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
 neighbouring runs have nothing in common."""
 SPREAD, DRAWN_BEFORE = np.log(3.0), 4
 """Starts are drawn within a factor of three about the scene's values (whoever knows less states bounds); of
-so many points the one of least misfit is taken: a point costs no derivatives."""
+so many points the one of least misfit is taken."""
 EXPLORING, MOST_EVALUATIONS, PROFILING = 4, 40, 6
 """Evaluations of a start before starts are compared, of the last search, and with one parameter held."""
-SETTLED = 0.01
-"""Change of the sum of squares, over the variance of a residual, at which a search ends: the cost of a
-parameter that is off by a tenth of its deviation."""
 STEPS, WIDEST = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 1.0
 """Distances from the best value at which a profile fits the others, in standard deviations of at most one: a
 factor of 20 on each side."""
@@ -108,13 +107,12 @@ def fit_curves(
         result = found()
         best, named = search.x.copy(), enumerate(varied.names)
         places = [place for place, name in named if {"all", name} & set(settings.profile)]
-        profiles = tuple(search.profile(place, best, result) for place in places)
+        profiles = tuple(copy(search).profile(place, best, result) for place in places)
         check = search.by_second_solver(best, result)
         result = replace(result, profiles=profiles, check=check, error_share=share)
         if settings.posterior:
-            price = (time.perf_counter() - began) / search.runs
             try:
-                result = replace(result, posterior=sampled(problem, best, result, price, search.tell))
+                result = replace(result, posterior=sampled(problem, best, result, search.price, search.tell))
             except SceneError as error:
                 result = replace(result, warnings=(*result.warnings, str(error)))
     except KeyboardInterrupt:
@@ -157,7 +155,7 @@ class Search:
         self.x, self.least = problem.unknowns.start, np.inf
         self.starts: list[float] = []
         self.ended, self.converged = "interrupted", False
-        self._stage, self._points = "choosing time steps", 0
+        self._stage, self._points, self.price = "first guess", 0, np.nan
         self._looks, self._all = problem, [problem]
         problem.on_run = self._first_runs
 
@@ -190,34 +188,41 @@ class Search:
     def carry_out(self) -> float | None:
         """Find the parameters, from as many starts as it takes; the error over the noise comes back."""
         problem, own = self.problem, self.problem.unknowns.start
-        problem.quick = BatchProblem.of(problem)
-        if problem.quick is not None:
-            self._looks, self._all = problem.quick, [problem, problem.quick]
-        share = None if problem.quick else choose_steps(problem, own)
-        self._stage = "first start"
-        nowhere = [one for one in self._looks.at(own).predictions if not one.touching.any()]
-        if nowhere or not self._looks.derivatives(own).any():
-            reason = "".join(f": {one.failure}" for one in nowhere[:1])
-            told = f"no parameter changes the force at the first guess{reason}"
-            raise SceneError("vary", told, "a first guess that comes to contact and can be run")
-        followed = self._followed(own, MOST_EVALUATIONS)
-        self.starts.append(float(followed.chisqr))
-        if not goodness(self._looks, self._looks.at(self.x)).explained:
-            first = self.least
-            for number, x in enumerate(self._more_starts(own), 2):
-                self._stage = f"start {number} of {problem.settings.starts}"
-                self.starts.append(float(self._followed(x, EXPLORING).chisqr))
-            if self.least < first:
-                self._stage = "best start"
-                followed = self._followed(self.x, MOST_EVALUATIONS)
-        if problem.quick:
-            share = choose_steps(problem, self.x)
-            if not problem.quick.agrees(problem, self.x):
-                problem.quick = None
-            self._looks, self._stage, self.least = problem, "by the reference", np.inf
+        quick = problem.quick = BatchProblem.of(problem)
+        self._all = [problem] if quick is None else [quick, problem]
+        for looks in self._all:
+            began, stage = time.perf_counter(), "first start"
+            if looks is problem:
+                self._stage = "choosing time steps"
+                share = choose_steps(problem, self.x)
+                if quick and quick.agrees(problem, self.x):
+                    stage = "by the reference"
+                else:
+                    problem.quick, self.x, self.starts = None, own, []
+            self._looks, self.least, self._stage = looks, np.inf, stage
+            nowhere = [one for one in looks.at(self.x).predictions if not one.touching.any()]
+            if nowhere or not looks.derivatives(self.x).any():
+                reason = "".join(f": {one.failure}" for one in nowhere[:1])
+                told = f"no parameter changes the force at the first guess{reason}"
+                raise SceneError("vary", told, "a first guess that comes to contact and can be run")
             followed = self._followed(self.x, MOST_EVALUATIONS)
+            if len(self.starts) < 2:  # or more were followed in batches
+                self.starts = [float(followed.chisqr)]
+                followed = self._best_of_more() or followed
+            self.price = (time.perf_counter() - began) / looks.runs
         self.ended, self.converged = str(followed.message), bool(followed.success)
         return share
+
+    def _best_of_more(self) -> Any:
+        """The search from the best of further starts, if the first explains too little and one is better."""
+        first, count = self.least, self.problem.settings.starts
+        if goodness(self._looks, self._looks.at(self.x)).explained:
+            return None
+        for number, x in enumerate(self._more_starts(self.problem.unknowns.start), 2):
+            self._stage = f"start {number} of {count}"
+            self.starts.append(float(self._followed(x, EXPLORING).chisqr))
+        self._stage = "best start"
+        return self._followed(self.x, MOST_EVALUATIONS) if self.least < first else None
 
     def _followed(self, x: Array, evaluations: int, held: int | None = None) -> Any:
         """Least squares from a point, of all parameters but one that is held."""

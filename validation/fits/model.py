@@ -32,7 +32,7 @@ from validation import solvers
 from validation.fits.contact import Array, wave_columns, wave_length, white_noise
 from validation.fits.moments import Moments, moments, straight_lines
 from validation.fits.record import MeasuredCurve
-from validation.measure.curves import RowCurve
+from validation.measure.curves import ROUNDING, RowCurve
 
 BACKGROUND = {
     "baseline": ("baseline",),
@@ -46,7 +46,7 @@ LEAST_RADIUS_NOISE = 1e-4
 """Noise of a measured contact radius over its range, at least."""
 FASTER = 3.0
 """Ratio of the speeds of an edge in neighbouring steps from which it has set off, or come to rest, between
-them: where steps resolve a smooth motion it is two at most."""
+them: where steps resolve a smooth motion it is two at most, but where it turns."""
 OWN_PART = 1e-3
 """Share of a part of the background that the parts before it do not make up, at least: in a record of an
 approach alone the drag is a level, and the tilt a drift."""
@@ -67,8 +67,10 @@ class FitRun:
     def values(self, column: Array, at: Array) -> Array:
         """A column at some times. Where the edge sets off the force bends too: long and short steps meet
         there, and neither tells a corner from a smooth bend."""
+        moved = np.diff(self.contact_radius)
+        moved[np.abs(moved) <= ROUNDING * self.contact_radius.max()] = 0.0
         with np.errstate(divide="ignore", invalid="ignore"):
-            rate = np.diff(self.contact_radius) / np.diff(self.time)
+            rate = moved / np.diff(self.time)
         steady = (rate[1:] <= FASTER * rate[:-1]) & (rate[:-1] <= FASTER * rate[1:])
         steady |= (rate[1:] >= FASTER * rate[:-1]) & (rate[:-1] >= FASTER * rate[1:])
         return RowCurve(self.time, column, self.time[1:-1][~steady]).values(at)

@@ -53,7 +53,7 @@ def sampled(
     hours = price * len(problem.models) * walkers * MOST_STEPS / 3600.0
     if problem.quick is None and hours > AFFORDABLE:
         took = f"{walkers * MOST_STEPS} points by {solver} take up to {hours:.1f} h"
-        raise SceneError("posterior", took, f"{AFFORDABLE:g} h, or retractions, which are solved in batches")
+        raise SceneError("posterior", took, f"{AFFORDABLE:g} h, or curves that are solved in batches")
     walkers = max(walkers, 2 * best.size + 2)
     point, deviation = problem.at(best), math.sqrt(result.goodness.variance)
     weights = independent(problem, point, np.full(problem.size, 1.0 / deviation))

@@ -7,8 +7,8 @@ The background (level, drift, tilt, drag, a wave) is linear and no parameter of 
 and every point has the one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413,
 1973). The time offset is a shift of the same run. All other derivatives are differences of runs, which share
 no work and may be carried out side by side. Where the batch solver takes the runs, those of a point and of
-its differences are one batch: its steps do not depend on the numbers that are varied, so neither does its
-error, while steps that are chosen anew for each run may turn a difference into that of their errors.
+its differences are one batch: its steps depend on the numbers that are varied by powers of two alone, so
+hardly does its error, while steps that are chosen anew for each run may turn a difference into one of errors.
 """
 
 from __future__ import annotations
@@ -52,7 +52,11 @@ INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)
 SPRING = ("machine.stiffness", "loading.machine.stiffness")
 """Paths of the spring between stage and indenter."""
 ERROR_SHARE = 0.05
-"""Error of a run over the noise, at most: it moves a parameter by a twentieth of its deviation at worst."""
+"""Error of a run over the noise, at most: as much of its deviation moves a parameter if the error is unlike
+all derivatives; what is along one moves it by up to the root of the number of rows times as much."""
+SETTLED = 0.01
+"""Change of the sum of squares, over the variance of a residual, at which a search ends, and up to which two
+solvers agree: the cost of a parameter that is off by a tenth of its deviation."""
 TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
 """Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
 is four steps per process zone, the fewest that resolve one."""
@@ -450,11 +454,12 @@ class BatchProblem(FitProblem):
         return found if answered else None
 
     def agrees(self, other: FitProblem, x: Array) -> bool:
-        """Whether all runs of a point and of its differences came to their end, and residuals are those of
-        the other problem, but for the error that any run may have."""
-        apart = self.residuals(x) - other.residuals(x)
+        """Whether all runs of a point and of its differences came to their end, and residuals of the other
+        problem have their least, but for what a search leaves, with the same parameters."""
+        own, slopes = self.residuals(x), self.jacobian(x)
+        along = slopes @ least_squares(slopes, own - other.residuals(x))
         failed = any(one.failure for one in self._differences(x)[2])
-        return not failed and math.sqrt(np.mean(apart**2)) <= ERROR_SHARE
+        return not failed and bool(along @ along <= SETTLED * np.mean(own**2))
 
     def at(self, x: Array) -> Point:
         self._differences(x)  # in one batch with the point
@@ -476,7 +481,9 @@ def as_ramps(scene: Scene) -> Scene:
     assert isinstance(table, Table)
     least = SMALLEST * float(np.ptp(table.values))
     steps: list[Ramp | Hold] = []
-    for (begin, end), (at, to) in zip(pairwise(table.times), pairwise(table.values), strict=True):
+    at = table.values[0]
+    for (begin, end), to in zip(pairwise(table.times), table.values[1:], strict=True):
         rise, lasts = abs(to - at), end - begin
         steps.append(Hold(lasts) if rise <= least else Ramp(to, rise / lasts))
+        at = at if rise <= least else to
     return replace(scene, loading=replace(scene.loading, steps=tuple(steps)))
