@@ -4,8 +4,8 @@ A contact that rests until all has relaxed is pulled off. A point of the map is 
 and glassy modulus, the radius at rest over the threshold radius, the process zone over it, the exponent of
 the indenter and ``N = V tau/Delta``, where ``Delta`` is how far the frozen contact is withdrawn until its
 pull-off. Four runs of the batch solver make it: as asked, with a zone of a millionth of the radius at the
-same speed over the zone, frozen, and pressed in at the same speed instead of rested. ``FILE`` (.npz) receives
-their forces, and lengths of the contact.
+same speed over the zone, frozen, and pressed in at the same speed instead of rested; what it leaves open the
+reference solves. ``FILE`` (.npz) receives their forces, and lengths of the contact.
 
 ``--check N``: solve N points of a file again by each solver, of those with zones that all resolve fast.
 """
@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import qmc
 
-from contact_scene import Adhesion, Branch, Loading, Material, PowerLaw, Ramp, Scene
-from validation.reference.batch import solve
+from contact_scene import Adhesion, Branch, Loading, Material, PowerLaw, Ramp, Scene, SceneError
+from validation.reference.batch import Solution, solve
 from validation.reference.frozen import FrozenRetraction
 from validation.reference.jkr import JKR
 from validation.reference.sneddon import shape_factor
@@ -106,8 +106,18 @@ def drawn(count: int) -> list[Point]:
     return [Point(*row) for row in values.tolist()]
 
 
+def pull_off_force(scene: Scene, answer: Solution) -> float:
+    """Of an answer; without one by the reference, not a number where contact begins shorter than its zone."""
+    if answer.answered:
+        return answer.pull_off_force
+    try:
+        return -float(SOLVERS["reference"].solve(scene).force.min())
+    except SceneError:
+        return np.nan
+
+
 def solved(points: list[Point]) -> dict[str, np.ndarray]:
-    """Columns of the file; not a number where there is no answer, or no cycle since nothing presses."""
+    """Columns of the file; not a number where there is no cycle."""
     rows = []
     for first in range(0, len(points), TOGETHER):
         some = points[first : first + TOGETHER]
@@ -115,7 +125,7 @@ def solved(points: list[Point]) -> dict[str, np.ndarray]:
         scenes = [point.scenes(contact) for point, contact in zip(some, contacts, strict=True)]
         answers = iter(solve([scene for each in scenes for scene in each]))
         for point, contact, each in zip(some, contacts, scenes, strict=True):
-            forces = [next(answers).pull_off_force / point.unit for _ in each]
+            forces = [pull_off_force(scene, next(answers)) / point.unit for scene in each]
             forces += [np.nan] * (len(RUNS) - len(each))
             states = contact.pull_off().penetration, contact.release().penetration, 0.0
             lengths = [(contact.start - one) / (point.reach * THRESHOLD) for one in states]

@@ -98,7 +98,7 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
         again, apart = data.attrs[dataset.AGAIN], data.attrs[dataset.APART]
         print(f"  {again} runs solved again by the reference: {apart:.1e} apart at most")
     print(f"written to {folder / dataset.FILE}")
-    if unfinished := data.attrs[dataset.UNFINISHED]:
+    if unfinished := data.attrs[dataset.UNFINISHED_RUNS]:
         say(f"{unfinished} of {plan.count} runs did not reach their end")
     return 1 if unfinished else 0
 

@@ -8,6 +8,7 @@ import pytest
 from support.pages import code_cells
 
 from benchmarks import small_scale
+from validation.reference.jkr import JKR
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +85,28 @@ def test_rules_of_the_map(drawn):
     )
 
 
+def test_all_of_the_map_is_there_but_cycles_that_begin_shorter_than_their_zone(drawn):
+    """As many as the page says, also behind its two numbers of cycles; nothing comes off without a force."""
+    runs, n, reach = drawn["drawn"], drawn["n"], drawn["reach"]
+    assert all(np.isfinite(runs[name]).all() for name in runs if name != "cycle")
+    assert all(np.nanmin(runs[name]) > 0.0 for name in small_scale.RUNS)
+    cycles = runs["depth"] > 0.0
+    none = cycles & np.isnan(runs["cycle"])
+    assert (cycles.sum(), none.sum()) == (15_503, 471)
+    assert n[none].max() < 2.03
+    points = small_scale.drawn(20_000)
+    for row in np.flatnonzero(none):
+        contact = JKR(points[row].indenter, 1.0 / points[row].k, points[row].work).at_penetration(0.0)
+        assert points[row].zone * points[row].reach * small_scale.THRESHOLD > contact.contact_radius
+    pressed = drawn["N"] * runs["pull"] / np.where(cycles, runs["depth"], np.nan)
+    slow, slower = (pressed > 0.01) & (pressed < 0.1), (pressed > 1e-3) & (pressed < 0.01)
+    for some, counts in ((slow & (reach > 1.2), (3_698, 120)), (slower & (reach < 0.8), (234, 29))):
+        assert (some.sum(), (some & none).sum()) == counts
+
+
 def test_the_map_is_that_of_its_command(drawn):
-    for name, column in small_scale.solved(small_scale.drawn(20_000)[:8]).items():
-        assert column == pytest.approx(drawn["drawn"][name][:8], rel=1e-4, nan_ok=True)
+    """Also a retraction that the reference solves, and a cycle that there is not."""
+    points, rows = small_scale.drawn(20_000), [*range(8), 38, 16_616]
+    assert np.isnan(drawn["drawn"]["cycle"][38])
+    for name, column in small_scale.solved([points[row] for row in rows]).items():
+        assert column == pytest.approx(drawn["drawn"][name][rows], rel=1e-4, nan_ok=True)

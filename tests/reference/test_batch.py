@@ -11,10 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.batch import FAMILIES, Family, difference
-from benchmarks.small_scale import Point
+from benchmarks.small_scale import RUNS, Point
 from contact_scene import Adhesion, Branch, Hold, Layer, Machine, Material, PowerRate, Ramp, TabulatedProfile
 from validation.cases import load
 from validation.reference import batch
+from validation.reference.batch import grid, solver
+from validation.reference.batch.march import FAILED, REASONS
 from validation.reference.path import Options
 from validation.reference.path import solve as by_reference
 
@@ -177,11 +179,38 @@ def test_an_edge_whose_times_go_over_decades(ratio, quickness):
     assert difference(scene, answer, 128) < 1e-6  # its default resolution knows it to 8e-6, 64 to 6e-7
 
 
-def test_an_edge_that_waits_is_not_taken_for_lost():
+@pytest.mark.parametrize(
+    ("run", "point"),
+    [
+        ("force", Point(k=0.00772385, reach=2.93946, zone=0.0157567, N=0.0584821, exponent=4.9782)),
+        ("cycle", Point(k=0.00572745, reach=1.92340, zone=0.0232195, N=0.0733800, exponent=5.9985)),
+    ],
+)
+def test_an_edge_that_waits_is_not_taken_for_lost(run, point):
     """Its time rises a hundredfold within a step; it was lost while it pressed, pull-off force nothing."""
-    point = Point(k=0.00772385, reach=2.93946, zone=0.0157567, N=0.0584821, exponent=4.9782)
-    [answer] = batch.solve(point.scenes(point.at_rest)[:1])
-    assert "differ" in answer.reason
+    [answer] = batch.solve([point.scenes(point.at_rest)[RUNS.index(run)]])
+    assert answer.reason == REASONS[FAILED]
+
+
+@pytest.mark.parametrize(
+    ("constant", "coarser", "family", "seed"),
+    [
+        ("FROM", 1e9, "cycles, three branches", 53),
+        ("BESIDE", 0.6, "cycles, zone 1e-5 of the radius", 46),
+        ("DEEP", 16.0, "cycles, speeds over four decades", 25),
+        ("DEEPER", 2.0, "cycles, zone 1e-5 of the radius", 54),
+        ("WIDEST", grid.WIDEST | {"turned": 2.4}, "cycles, zone 1e-5 of the radius", 12),
+        ("WIDEST", grid.WIDEST | {"closing": 1.2}, "cycles, slow turns", 2),
+    ],
+)
+def test_no_constant_of_the_grid_could_be_coarser(monkeypatch, constant, coarser, family, seed):
+    """An error beyond 1e-5, where the edge opens by the place from which it closed, or no answer."""
+    scene = FAMILIES[family].scene(np.random.default_rng(seed))
+    tension = -by_reference(scene, Options(resolution=32)).force.min()
+    assert batch.solve([scene])[0].pull_off_force == pytest.approx(tension, rel=1e-5)
+    monkeypatch.setattr(solver, "grid", grid.grid.__wrapped__)
+    monkeypatch.setattr(grid, constant, coarser)
+    assert batch.solve([scene])[0].pull_off_force != pytest.approx(tension, rel=1e-5)
 
 
 def test_a_ramp_that_ends_in_contact():

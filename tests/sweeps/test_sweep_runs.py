@@ -76,6 +76,7 @@ def test_what_is_refused_or_breaks_down_stays_with_its_reason(scene_file, calls)
     assert data.reason.values[0, 0] == "ArithmeticError: lost its way"
     assert data.reason.values[1, 1] == "loading: too fast; allowed: slower ones"
     assert np.isnan(data.approach_force.values).tolist() == [[True, True], [False, True]]
+    assert data.attrs["unfinished_runs"] == 3
 
 
 def test_a_changed_plan_shares_its_runs_and_repeated_points_are_run_once(tmp_path, scene_file, calls):

@@ -40,7 +40,7 @@ ERROR = "_error"
 """Ending of the relative error estimate of a measure."""
 AGAIN, APART = "solved_again", "largest_difference"
 """Attributes: how many runs of the batch solver the reference solved again, and by how much they differ."""
-UNFINISHED = "unfinished"
+UNFINISHED_RUNS = "unfinished_runs"
 """Attribute: how many runs did not reach their end."""
 SOLVED_BY = "solved_by"
 """Which solver gave a run, of a plan for the batch solver."""
@@ -87,7 +87,7 @@ def to_dataset(plan: SweepPlan, runs: SweepRuns) -> xarray.Dataset:
         for name, column in columns.items()
     }
     attributes: dict[str, str | float] = {
-        UNFINISHED: unfinished,
+        UNFINISHED_RUNS: unfinished,
         "title": plan.title,
         "scene": plan.scene.name,
         "scene_table": tomli_w.dumps(plan.scene.data),

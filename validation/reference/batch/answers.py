@@ -21,8 +21,7 @@ Part = tuple[Array, Flags]
 LEAST_ERROR = 5e-7
 """Least estimate: by up to half of it two resolutions that agree are off from a finer reference."""
 LARGEST_ERROR, LEAST_SHARE = 1e-2, 0.05
-"""Of an answer, relative to the pull-off force or that part of the largest force, and to the time at which
-contact is lost: beyond, it is none."""
+"""Of an answer, relative to the pull-off force or that part of the largest force: beyond, it is none."""
 DOUBTFUL = "two resolutions differ by more than a hundredth"
 OTHERWISE = "two resolutions end differently"
 COMPARED = 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0
@@ -127,9 +126,9 @@ def answers(
         "detachment_time": np.abs(end - two.end[0] - other) / end,
         "detachment_penetration": np.abs(one.end[1] - two.end[1]) / depths,
     }
+    found["detachment_time"] = np.maximum(found["detachment_time"], found["pull_off_time"])  # it comes first
     size = np.maximum(tension, LEAST_SHARE * np.abs(fine.force).max(axis=0))
     doubtful = found["pull_off_force"] * tension > LARGEST_ERROR * size
-    doubtful |= (fine.ending == DETACHED) & (found["detachment_time"] > LARGEST_ERROR)
     passed = (one.travel < fine.grid.g[fine.last]) & (two.travel < coarse.grid.g[coarse.last])
     endings = [dict.fromkeys(ends) for ends in zip(fine.ending.tolist(), coarse.ending.tolist(), strict=True)]
     reasons = [

@@ -20,15 +20,16 @@ Kind = Literal["opening", "closing", "turned"]
 WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 1.2}
 """Longest steps in travels, or in what is left of the radius, times the resolution; where the load turns
 slowly an edge that closed by longer ones is not found again."""
-BESIDE, FROM, SHORT = 0.3, 0.2, 2.0
-"""The same of an edge that opens where it closed, from that part of the radius on: it comes by the place
-from which it closed, a corner between two rows. Steps of so many zones, times the resolution, do."""
+BESIDE, FROM = 0.3, 0.2
+"""Longest steps of an edge that opens where it closed, and the travel, in the least radius, from which on
+they hold: there it comes by the place from which it closed, a corner between two rows."""
 ROWS = 6
 """Rows of a polynomial over the travel."""
 NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
 DEEP, DEEPER = 4.0, 0.5
-"""Panels of what is left in contact: ends next to the edge; beyond, the least width in zones, and that in the
-depth, both times the resolution: they pass over the place from which the edge closed."""
+"""Ends of panels of what is left in contact next to the edge. Beyond, a panel is as wide as the larger of
+``DEEP`` zones and ``DEEPER`` of its depth, over the resolution: the place from which the edge closed, a
+corner, lies in one of them."""
 PLACES = gauss(ROWS)[0]
 _INVERSE = np.linalg.inv(PLACES[:, None] ** np.arange(ROWS))
 _UP_TO = np.append(PLACES, 1.0)[:, None]
@@ -189,10 +190,7 @@ def grid(resolution: int, size: int, kind: Kind, count: int = COUNT) -> Grid:
     radius, graded, rest = 2.0**size, (np.arange(1, resolution + 1) / resolution) ** 2, [2.0]
     while (travel := rest[-1]) < 2.0 * radius:
         left = max(radius - travel, 0.25 * max(radius, travel))
-        most = min(travel - 1.0, left)
-        step = WIDEST[kind] * most
-        if kind == "turned" and travel > FROM * radius:
-            step = max(BESIDE * most, min(step, SHORT))
-        rest.append(travel + step / resolution)
+        widest = BESIDE if kind == "turned" and travel > FROM * radius else WIDEST[kind]
+        rest.append(travel + widest / resolution * min(travel - 1.0, left))
     breaks = np.array([0, resolution, 2 * resolution])
     return Grid(np.concatenate(([0.0], graded, 1.0 + graded, rest[1:])), breaks, kind, radius, count)

@@ -116,7 +116,8 @@ def retract(leg: LoadRamp, start: Array, duration: Array, steps: Grid, left: Lef
         step = Opening(leg, travel, a, behind, own)
         t, going = rows.root(k, step, rest)
         rows.add(k, t, a, total * np.exp(-t / bodies.times), step.left_behind(t))
-        rows.ending[going & (t <= before)] = DETACHED
+        lost = going & (t <= before)
+        rows.ending[lost] = np.where(rows.force[k - 1] < 0.0, DETACHED, FAILED)[lost]  # it adheres
         rows.ending[going & (t > before) & (t >= duration)] = ENDED
     rows.ending[rows.going] = SHORT
     return rows

@@ -240,7 +240,7 @@ class AfterTurn:
 
     def __call__(self, radius: Array) -> Array:
         held, bodies = self.held, self.held.bodies
-        held = held.onward(np.maximum(radius, held.edge), self.now, radius == radius)
+        held = held.onward(np.maximum(radius, held.edge), self.now, np.isfinite(radius))
         points = quadrature(FINER, True)
         forms, G = points.forms(bodies, radius)
         D, b = held.second.at(self.elapsed)
@@ -275,7 +275,7 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
         if not slope.any():
             slope = (at(guess + 1e-4) - at(guess)) * 1e4
         place, slope, known = secants(
-            at, guess, slope, np.full(len(step), 0.1 * AT_REST / CONVERGED), rounding, guess == guess
+            at, guess, slope, np.full(len(step), 0.1 * AT_REST / CONVERGED), rounding, np.isfinite(guess)
         )
         rises = known & (place > y)
         now = (place - y) / step
