@@ -260,7 +260,7 @@ def test_a_limit_point_passed_unseen_is_found(resolution):
 
 
 def test_a_step_ends_just_before_what_was_never_in_contact():
-    """Passed over at a row that rounding chooses, the corner would leave 5e-7 of the loop to it."""
+    """The path has a corner there: passed over, rounding would choose the row beyond it."""
     scene = load("layer-repressed").scene
     trace = solve(scene, Options(resolution=8))
     begun = trace.contact_radius[0]
