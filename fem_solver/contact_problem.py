@@ -116,7 +116,9 @@ class ContactProblem:
             return self.value
         if s <= NO_CONTACT:
             return 0.0
-        total = self._force_of(s, *self._in_equilibrium(s))
+        v, b = self.arrival(s)
+        loaded = slice(math.floor(s) + 2)
+        total = float(self.placement.unit[loaded] @ self.solid.force(v[loaded], b[:, loaded]))
         # without adhesion nothing pulls, nor does a node that is let go in part, by 1e-9 of the largest force
         return total if self.geometry.zone is not None else max(total, 0.0)
 
@@ -130,13 +132,12 @@ class ContactProblem:
         return float(self.solid.force(v[m : m + 1], b[:, m : m + 1])[0] / unit[m] * (unit @ unit))
 
     def _force_of(self, s: float, penetration: float, passage: NodePassage) -> float:
-        """Force, less what nodes bear in excess, which is known of a relaxed contact."""
-        low, unit = self._changing(s)[0], self.placement.unit
+        low = self._changing(s)[0]
         top = int(np.floor(s)) + 1
         loaded = self.solid.force(passage.v, passage.b)[: top + 1 - low]
-        total = float(unit[low : top + 1] @ loaded)
+        total = float(self.placement.unit[low : top + 1] @ loaded)
         inner = self.stiffness[low - 1] * penetration + self.held_force[low - 1] if low else 0.0
-        return total + float(inner) - self.solid.modulus.relaxed * self.placement.excess(s, penetration)[0]
+        return total + float(inner)
 
     def _changing(self, s: float) -> tuple[int, int]:
         """Range of the nodes that are not in contact, or free, throughout the step."""
@@ -385,9 +386,9 @@ class ContactProblem:
             v = v.copy()
             v[node] = -across.mean(0.0, seen - (node - 1)).sum() / self.solid.modulus.relaxed
         gap = here.displacement_of(v, top, end) + (here.height[top:end] - self.penetration(s))
+        lower, upper = here.closure_scale[m : m + 2]
         work = float(shift.closure(first, here.forces(y, first), gap))
-        intensity = float(y[m - first]) / float(here.unit[m])
-        return work / here.closure_over_exact(s, intensity, self.solid.modulus.relaxed)
+        return work / float(lower + (s - m) * (upper - lower))
 
     def pressed_in(self, s: float, before: bool = False) -> float:
         """Depth by which the indenter presses beyond the surface at the edge: zero without adhesion.

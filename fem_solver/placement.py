@@ -12,16 +12,14 @@ A set of nodes has no radius of its own. It is assigned that of the flat punch o
 tenth of an element. Elements are wide away from the strip, which makes contact some 5e-5 stiffer, as if every
 radius were so much larger; heights and the closure integral follow these radii:
 
-- Heights are taken at radii at which a paraboloid's contact has Hertz's force, on a mean over the strip. What
-  is left depends on where the edge lies within an element, goes with the square of its size and is known:
-  contact of the nodes ``0..m`` takes each depth at the position of a component instead of its mean over the
-  radii of that node, and the node in contact in part with all its radii. The force does without it.
-- The closure integral is read in units of what the mesh has for a paraboloid (see ``closure``).
+- Heights are taken at radii at which a paraboloid's contact has Hertz's force.
+- The closure integral of a flat punch is ``E* D^2/(2 pi a)`` where its zone is short. On the mesh it depends
+  on the place of the edge within the strip, by 2e-6 per zone: where the mesh moves on by some zones, what
+  drives the edge would jump, always the same way, and an edge that is about to run away would leap.
 """
 
 from __future__ import annotations
 
-import math
 from collections import OrderedDict
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -34,13 +32,34 @@ from scipy.linalg.blas import dtrmv
 from scipy.linalg.lapack import dpotrf, dtrtrs
 
 from contact_scene import Scene
-from fem_solver.closure import ClosureRatio
+from fem_solver.closure import ZoneShift
 from fem_solver.edge_path import SURFACE_MARGIN, EdgeGeometry, surface_margin
 from fem_solver.halfspace import HalfSpace
 from fem_solver.layer import LayerDifference
 from fem_solver.moduli import Moduli
 
 Array = NDArray[np.float64]
+
+_ZONE = 1.5
+"""Length of the zone for which the closure is told, in units of the mesh: between the one for which the mesh
+is made and twice that, of a mesh scaled down to half. The scale differs by some 1e-6 between the two."""
+_LEAST_RADIUS = 2.0
+"""Least contact radius over the zone at which the closure is told: under a smaller one elements of an edge's
+zone reach the axis."""
+_ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
+
+
+def punch_closure(radius: float, zone: float) -> float:
+    """Closure integral at the edge of a flat punch, for unit plane modulus and unit penetration.
+
+    ``int p(x) u(x + zone) dx / (2 zone)`` over the zone, with the pressure ``1/(pi sqrt(a^2 - x^2))`` and the
+    gap ``(2/pi) acos(a/x)``; ``1/(2 pi a)`` for a short zone.
+    """
+    angles, weights = 0.25 * np.pi * (_ANGLES + 1.0), 0.25 * np.pi * _WEIGHTS
+    outside = zone * np.sin(angles) ** 2  # takes both roots at the ends
+    gap = 2.0 * np.arcsin(np.sqrt(0.5 * outside / (radius + outside)))  # acos(a/x) without a difference
+    integrand = gap * np.sqrt(outside) / np.sqrt(2.0 * radius - zone + outside)
+    return float(2.0 * (weights @ integrand) / (np.pi**2 * zone))
 
 
 def triangular(compliance: Array) -> Array:
@@ -49,6 +68,30 @@ def triangular(compliance: Array) -> Array:
     if failed:
         raise ArithmeticError("the compliance of the surface is not positive definite")
     return np.asfortranarray(root)
+
+
+def closure_scales(
+    root: Array, unit: Array, radii: Array, effective: Array, strip: tuple[float, float], modulus: float
+) -> Array:
+    """Closure integral of a flat punch on the mesh over that of the punch as stiff, by its last node.
+
+    One where the strip has no room for a zone on both sides of an edge: the mesh is fine throughout then.
+    """
+    shift = ZoneShift(radii, _ZONE)
+    first = max(strip[0], _LEAST_RADIUS * _ZONE) + _ZONE
+    nodes = np.flatnonzero((radii >= first) & (radii <= strip[1] - _ZONE))
+    if nodes.size == 0:
+        return np.ones(len(radii))
+
+    def closure(last: int) -> float:
+        """At unit shear modulus and unit penetration, pulled, of contact up to a node."""
+        first, end = shift.nodes(last, last)
+        inside = slice(first, last + 1)
+        forces = dtrtrs(root[inside, inside], unit[inside], lower=1, trans=1)[0]
+        return float(shift.closure(first, -forces, 1.0 - root[last:end, : last + 1] @ unit[: last + 1]))
+
+    found = [closure(int(m)) / punch_closure(effective[m], _ZONE) for m in nodes]
+    return np.asarray(np.interp(np.arange(len(radii)), nodes, np.array(found) / modulus))
 
 
 def height_stretch(radii: Array, effective: Array, positions: Array, strip: tuple[float, float]) -> float:
@@ -85,7 +128,7 @@ class UnscaledSurface:
     unit: Array
     effective: Array
     positions: Array
-    closure_ratio: ClosureRatio
+    closure_scale: Array
     height_stretch: float
     strip: tuple[float, float]
 
@@ -120,6 +163,7 @@ class UnscaledSurface:
             unit=dtrtrs(root, np.ones(len(root)), lower=1)[0],
             effective=self.effective[part],
             positions=self.positions[part],
+            closure_scale=self.closure_scale[part],
         )
 
 
@@ -127,10 +171,10 @@ class UnscaledSurface:
 class Placement:
     """An unscaled surface, scaled: ``root`` is that of the mesh, everything else is in the scene's units.
 
-    ``height`` is that of the indenter at the nodes, ``profile`` its transform ``L^-1 h``, ``sites`` are the
-    radii at which a paraboloid has its components. Around edge positions from ``lowest`` on the mesh resolves
-    the process zone; ``rim`` is the largest radius the indenter touches. ``stays``: this place serves every
-    radius of the run.
+    ``height`` is that of the indenter at the nodes, ``profile`` its transform ``L^-1 h``; ``closure_scale``
+    is the closure integral on the mesh over the energy that contact up to each node releases. Around edge
+    positions from ``lowest`` on the mesh resolves the process zone; ``rim`` is the largest radius the
+    indenter touches. ``stays``: this place serves every radius of the run.
     """
 
     place: Any
@@ -141,55 +185,13 @@ class Placement:
     positions: Array
     height: Array
     profile: Array
-    closure_ratio: ClosureRatio
+    closure_scale: Array
     geometry: EdgeGeometry
     lowest: float
     stretch: float
     rim: float
     stays: bool
     plane_tip: float
-    sites: Array
-
-    def closure_over_exact(self, s: float, intensity: float, modulus: float) -> float:
-        """Closure integral on the mesh over its value; the intensity is that at the last node."""
-        m = math.floor(s)
-        slope = -modulus * self._slope(m)
-        at_edge = intensity + slope * (self.geometry.radius(s) ** 2 - float(self.sites[m]) ** 2)
-        return self.closure_ratio.at(s, slope * self.scale**2 / at_edge if at_edge else 0.0)
-
-    def _slope(self, m: int) -> float:
-        """Change of the depth with the square of the radius, from a node to the next."""
-        inner, outer = self.sites[m : m + 2] ** 2
-        return float((self.depths[m + 1] - self.depths[m]) / (outer - inner))
-
-    def _moments_within(self, nodes: Any, inner: Any, outer: Any) -> Any:
-        """Means of ``a^2 - x^2`` and ``a^4 - x^4`` between radii, with x where the component of a node is."""
-        square, product = self.sites[nodes] ** 2, outer * inner
-        second = (outer**2 + product + inner**2) / 3.0
-        fourth = (outer**4 + product**2 + inner**4 + product * (outer**2 + inner**2)) / 5.0
-        return second - square, fourth - square**2
-
-    @cached_property
-    def _moments(self) -> Array:
-        """Their integrals over the stiffness of the nodes ``0..m``; shape (2, n)."""
-        ends = np.append(0.0, self.geometry.effective)
-        within = self._moments_within(np.arange(len(self.unit)), ends[:-1], ends[1:])
-        return np.cumsum(self.unit**2 * np.stack(within), axis=1)
-
-    def excess(self, s: float, depth: float) -> tuple[float, float]:
-        """What elastic contact up to an edge has in excess of its force and energy, over the modulus.
-
-        The indenter is the paraboloid of the same depth and slope at the edge.
-        """
-        m = math.floor(s)
-        if m < 0:
-            return 0.0, 0.0
-        more = (s - m) * float(self.unit[m + 1]) ** 2
-        within = self._moments_within(m + 1, float(self.geometry.effective[m]), self.geometry.radius(s))
-        second, fourth = (float(self._moments[k, m] + more * within[k]) for k in (0, 1))
-        slope = self._slope(m)
-        apex = float(self.depths[m]) - slope * float(self.sites[m]) ** 2
-        return slope * second, slope * ((depth - apex) * second - 0.5 * slope * fourth)
 
     def depth(self, radius: float) -> float:
         """Penetration at which elastic contact without adhesion ends at a radius."""
@@ -308,14 +310,13 @@ class Surfaces:
             positions=scale * level.positions,
             height=height,
             profile=root * dtrtrs(level.root, height, lower=1)[0],
-            closure_ratio=level.closure_ratio,
+            closure_scale=level.closure_scale,
             geometry=geometry,
             lowest=float(np.searchsorted(radii, low + self._unit)) if low > 0.0 else 2.0,
             stretch=level.stretch,
             rim=self.rim,
             stays=self._meshes.place(SURFACE_MARGIN * self.largest).level == 0,
             plane_tip=self._scene.bare_plane_tip,
-            sites=scale * level.height_stretch * level.positions,
         )
 
     def _level(self, level: int) -> UnscaledSurface:
@@ -360,16 +361,13 @@ class Surfaces:
         # a punch of height r^2 has the transform 2 x^2; elements of 1e-9 of the radius leave within rounding
         depths = dtrtrs(root, radii**2, lower=1)[0] / unit
         positions = np.sort(np.sqrt(np.maximum(0.5 * depths, 0.0)))
-        stretch = height_stretch(radii, effective, positions, strip)
         return UnscaledSurface(
             radii=radii,
             root=root,
             unit=unit,
             effective=effective,
             positions=positions,
-            closure_ratio=ClosureRatio(
-                root, unit, radii, effective, stretch * positions, stretch, strip, self._plane_modulus
-            ),
-            height_stretch=stretch,
+            closure_scale=closure_scales(root, unit, radii, effective, strip, self._plane_modulus),
+            height_stretch=height_stretch(radii, effective, positions, strip),
             strip=strip,
         )

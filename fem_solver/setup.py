@@ -48,8 +48,6 @@ class Options:
         Times, stepped onto exactly, at which surface profiles are returned.
     max_steps : int
         Trial steps, accepted and rejected together, after which the run ends.
-    travel : float
-        Edge travel allowed per step, over the usual one.
     far_field : bool
         Prescribe the displacement of the total force on the far boundary; otherwise hold it.
     record_times : tuple of float
@@ -67,7 +65,6 @@ class Options:
     stop_times: tuple[float, ...] = ()
     profile_times: tuple[float, ...] = ()
     max_steps: int = MAX_STEPS
-    travel: float = 1.0
     far_field: bool = True
     record_times: tuple[float, ...] = ()
     record: bool = False
@@ -136,7 +133,7 @@ class Setup:
     def travel(self) -> float:
         """Edge travel allowed per step."""
         share = _TRAVEL if self.adhesion is not None else _PRESSED_TRAVEL
-        return self.options.travel * share * self.radius_scale(self.state.radius)
+        return share * self.radius_scale(self.state.radius)
 
     def radius_scale(self, radius: float) -> float:
         """Radius to which errors of a radius are relative."""
@@ -172,7 +169,5 @@ class Setup:
 
     @property
     def interface_energy(self) -> float:
-        """Energy of the partly released node beyond that of its mean, less what the mesh has in excess."""
-        state, here = self.state, self.placement
-        excess = here.excess(state.edge, state.penetration)[1]
-        return interface_energy(state, here, self.solid) - self.solid.modulus.relaxed * excess
+        """Energy of the partly released node beyond that of its mean."""
+        return interface_energy(self.state, self.placement, self.solid)

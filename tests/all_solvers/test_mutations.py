@@ -60,7 +60,7 @@ IN_CI = (
     "fem: energy without a branch",
     "fem: bulk relaxes like shear",
     "fem: relaxation times close together joined",
-    "fem: surface narrower than its mesh, by 0.5 % more a factor e to the axis",
+    "fem: surface 0.5 % narrower than its mesh",
     "reference: answer: tensions 1 % too small",
     "reference: holds 3 % too long",
     "shared: force ramps twice as fast",

@@ -58,8 +58,6 @@ class FiniteElements(Solver):
         the elements a zone, and domain radius over the largest contact radius, by default the mesh's own.
     far_field : bool
         Prescribe the displacement of the total force on the far boundary, or hold it.
-    travel : float
-        Edge travel allowed per step, over the usual one.
     cached_mesh : bool
         Take the mesh from the cache; otherwise build it anew, so that meshing is part of the run time.
     """
@@ -67,7 +65,6 @@ class FiniteElements(Solver):
     grading: float | None = None
     domain_ratio: float | None = None
     far_field: bool = True
-    travel: float = 1.0
     cached_mesh: bool = True
 
     name = "fem"
@@ -100,7 +97,7 @@ class FiniteElements(Solver):
     def _solve(self, scene: Scene, resolution: int | None, options: RunOptions) -> Trace:
         from fem_solver import Options, solve
 
-        own = Options(far_field=self.far_field, travel=self.travel, **options.of_solver)
+        own = Options(far_field=self.far_field, **options.of_solver)
 
         def run(made: meshes.EdgeMeshes) -> Trace:
             return solve(scene, made, own, options.progress, options.monitor)
@@ -208,12 +205,10 @@ class FiniteElements(Solver):
         return 4 if adhesive else 2
 
     def comparison_run(self, scene: Scene, resolution: int | None = None) -> ComparisonRun:
-        """Half the resolution, the grading by its root, four times the step tolerance, twice the travel of
-        the edge in a step; or the reverse."""
+        """Half the resolution, the grading by its root, four times the step tolerance; or the reverse."""
         divisions, other = self._other_resolution(scene, resolution)
         ratio = divisions / other
-        grading = min(math.sqrt(ratio) * self._growth(divisions), meshes.WIDEST)
-        method = replace(self, grading=grading, travel=ratio * self.travel)
+        method = replace(self, grading=min(math.sqrt(ratio) * self._growth(divisions), meshes.WIDEST))
         return ComparisonRun(partial(method.solve, scene, other), ratio)
 
 
