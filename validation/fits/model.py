@@ -64,16 +64,21 @@ class FitRun:
     lost: float | None = None
     failure: str = ""
 
-    def values(self, column: Array, at: Array) -> Array:
-        """A column at some times. Where the edge sets off the force bends too: long and short steps meet
-        there, and neither tells a corner from a smooth bend."""
+    @cached_property
+    def corners(self) -> Array:
+        """Times at which the edge sets off or comes to rest. There the force bends, and long and short steps
+        meet: its rows alone tell no corner from a smooth bend."""
         moved = np.diff(self.contact_radius)
         moved[np.abs(moved) <= ROUNDING * self.contact_radius.max()] = 0.0
         with np.errstate(divide="ignore", invalid="ignore"):
             rate = moved / np.diff(self.time)
         steady = (rate[1:] <= FASTER * rate[:-1]) & (rate[:-1] <= FASTER * rate[1:])
         steady |= (rate[1:] >= FASTER * rate[:-1]) & (rate[:-1] >= FASTER * rate[1:])
-        return RowCurve(self.time, column, self.time[1:-1][~steady]).values(at)
+        return self.time[1:-1][~steady]
+
+    def values(self, column: Array, at: Array) -> Array:
+        """A column at some times."""
+        return RowCurve(self.time, column, self.corners).values(at)
 
 
 NO_CONTACT = FitRun(np.array([0.0, 1.0]), *(np.zeros(2),) * 3, lost=0.0)
