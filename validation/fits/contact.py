@@ -77,7 +77,7 @@ class Contact:
         return stage - (force - self.line(stage)) / spring
 
 
-class Trial(NamedTuple):
+class TriedPlace(NamedTuple):
     """A contact point with the rest as fitted: sum of squares, coefficients, indentation of each row."""
 
     cost: float
@@ -156,7 +156,7 @@ class Scan:
             wall=(self.wall, rest[0]) if self.wall else None,
         )
 
-    def trial(self, place: float) -> Trial:
+    def trial(self, place: float) -> TriedPlace:
         """Linear least squares with one contact point."""
         span = float(np.ptp(self.stage))
         along = (self.stage - self.stage[0]) / span
@@ -177,7 +177,7 @@ class Scan:
                 break
             before = cost
         found[2] /= span**EXPONENT
-        return Trial(cost, found, span * depth)
+        return TriedPlace(cost, found, span * depth)
 
 
 def find_contact(stage: Array, force: Array, spring: float) -> tuple[Contact, Scan] | None:
