@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -123,7 +124,13 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
             _raised.append(number)
             raise
 
+    def unraisable(told: sys.UnraisableHookArgs) -> None:  # an interruption is raised again, and told then
+        if not (_raised and told.exc_type is KeyboardInterrupt):
+            hook(told)
+
+    hook = sys.unraisablehook
     before = {number: signal.signal(number, handle) for number in _not_ignored()}
+    sys.unraisablehook = unraisable
     try:
         yield
     except Exception as error:
@@ -132,6 +139,7 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
         raise
     finally:
         _raised.clear()
+        sys.unraisablehook = hook
         for number, old in before.items():
             signal.signal(number, old)
 
