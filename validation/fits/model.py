@@ -32,7 +32,7 @@ from validation import solvers
 from validation.fits.contact import Array, wave_columns, wave_length, white_noise
 from validation.fits.moments import Moments, moments, straight_lines
 from validation.fits.record import MeasuredCurve
-from validation.measure.curves import ROUNDING, RowCurve
+from validation.measure.curves import RowCurve, edge_turns
 
 BACKGROUND = {
     "baseline": ("baseline",),
@@ -44,9 +44,6 @@ PATH_SHARE = 0.3
 """Force that the straight lines may cost, over its noise: both together are 4 % more than the noise."""
 LEAST_RADIUS_NOISE = 1e-4
 """Noise of a measured contact radius over its range, at least."""
-FASTER = 3.0
-"""Ratio of the speeds of an edge in neighbouring steps from which it has set off, or come to rest, between
-them: where steps resolve a smooth motion it is two at most, but where it turns."""
 OWN_PART = 1e-3
 """Share of a part of the background that the parts before it do not make up, at least: in a record of an
 approach alone the drag is a level, and the tilt a drift."""
@@ -66,15 +63,8 @@ class FitRun:
 
     @cached_property
     def corners(self) -> Array:
-        """Times at which the edge sets off or comes to rest. There the force bends, and long and short steps
-        meet: its rows alone tell no corner from a smooth bend."""
-        moved = np.diff(self.contact_radius)
-        moved[np.abs(moved) <= ROUNDING * self.contact_radius.max()] = 0.0
-        with np.errstate(divide="ignore", invalid="ignore"):
-            rate = moved / np.diff(self.time)
-        steady = (rate[1:] <= FASTER * rate[:-1]) & (rate[:-1] <= FASTER * rate[1:])
-        steady |= (rate[1:] >= FASTER * rate[:-1]) & (rate[:-1] >= FASTER * rate[1:])
-        return self.time[1:-1][~steady]
+        """Times at which the edge sets off or comes to rest."""
+        return edge_turns(self.time, self.contact_radius)
 
     def values(self, column: Array, at: Array) -> Array:
         """A column at some times."""

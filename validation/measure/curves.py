@@ -3,11 +3,11 @@
 Rows are as sparse as a solver can afford: between two rows of an elastic contact a straight line misses the
 curve by far more than the rows do. Through the rows of a smooth piece goes the cubic Hermite curve with
 harmonic slopes (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), which never leaves the range of its
-two rows. A piece ends at a jump (two rows of equal time), where a load step ends, at a corner, and where an
-edge at rest sets off or a moving one comes to rest. Nobody knows the curve between rows: as an estimate of
-the interpolation error serves the difference from the curve with three-point slopes, whose error is of the
-same order and not of the same size. Where contact begins or ends, the radius goes as some root of the time:
-it may be anything between the curve and a step.
+two rows. A piece ends at a jump (two rows of equal time), where a load step ends, at a corner, and where the
+speed of the edge jumps, as where it sets off or comes to rest. Nobody knows the curve between rows: as an
+estimate of the interpolation error serves the difference from the curve with three-point slopes, whose error
+is of the same order and not of the same size. Where contact begins or ends, the radius goes as some root of
+the time: it may be anything between the curve and a step.
 
 Two runs are laid on the union of their times, over the interval that both cover; between two neighbours each
 is one cubic, so the integral of the squared difference is exact. A jump has a left and a right limit, and
@@ -39,6 +39,9 @@ CORNER = 10.0
 either neighbour up to the row: of a smooth curve on rows that resolve it the two differ by a factor of two or
 so, however different the steps on both sides are. Without this rule a corner between long and short steps is
 smoothed over: boundary elements on a spring would estimate their force at four tolerances."""
+FASTER = 3.0
+"""Ratio of the speeds of an edge in neighbouring steps from which its speed jumps between them: where steps
+resolve a smooth motion it is two at most, but where the motion turns."""
 SHORTEST = 1e-12
 """Least distance of two rows, relative to the duration of the run, that is not a jump: round-off of times."""
 ROUNDING = 1e-14
@@ -116,16 +119,26 @@ class RowCurve:
         return self.value[i] + rise * x + x * (1.0 - x) * (begin * (1.0 - x) + end * x)
 
 
-def column_curve(trace: Trace, column: str, spans: Array | None = None) -> RowCurve:
-    """A column of a trace over time, with corners where load steps end, by the windows of the run.
+def edge_turns(time: Array, radius: Array) -> Array:
+    """Times at which the speed of the edge jumps: it sets off or comes to rest, or runs on after creeping.
 
-    The contact stiffness, and with it the rate of the force, jumps where an edge sets off, as from the rim of
-    a punch. A solver may come there in one step of any length and go on in short ones, over which the slope
+    There the contact stiffness jumps, and with it the rate of the force, as where an edge leaves the rim of a
+    punch. A solver may come there in one step of any length and go on in short ones, over which the slope
     changes as much again: a column alone does not tell that from a smooth bend, and the slope of the short
     steps would reach back over the whole long one.
     """
-    rests = np.diff(trace.contact_radius) == 0.0
-    turns = trace.time[1:-1][rests[1:] != rests[:-1]]
+    step, moved = np.diff(time), np.diff(radius)
+    moved[np.abs(moved) <= ROUNDING * np.abs(radius).max(initial=0.0)] = 0.0
+    before, after = moved[:-1] * step[1:], moved[1:] * step[:-1]  # speeds, times the same positive number
+    jumps = (before * after <= 0.0) | (np.abs(after) > FASTER * np.abs(before))
+    jumps |= np.abs(before) > FASTER * np.abs(after)
+    return time[1:-1][jumps & ((before != 0.0) | (after != 0.0))]
+
+
+def column_curve(trace: Trace, column: str, spans: Array | None = None) -> RowCurve:
+    """A column of a trace over time, with corners where its edge turns and where load steps end, by the
+    windows of the run."""
+    turns = edge_turns(trace.time, trace.contact_radius)
     if spans is not None:
         turns = np.concatenate((load_step_ends(spans), turns))
     return RowCurve(trace.time, trace.columns()[column], turns, column == "contact_radius")
