@@ -23,8 +23,7 @@ from validation.drawing.axes import drawing
 from validation.drawing.export import png
 from validation.fits.curve_page import draw_over_stage, prefixed
 from validation.fits.features import Features
-from validation.fits.readers import choose, read_file
-from validation.fits.record import Given
+from validation.fits.readers import Given, choose, read_file
 
 COLUMNS = ("file", "contact", "indentation", "modulus", "pull-off", "lost", "noise", "told")
 PANELS, DOTS = 5, 90

@@ -22,10 +22,10 @@ from crosscontact.result import html_table
 from validation.fits import fit as fits
 from validation.fits import page, readers
 from validation.fits.problem import FitSettings, question
-from validation.fits.record import Given, MeasuredCurve
+from validation.fits.readers import Given, write_csv
+from validation.fits.record import MeasuredCurve
 from validation.fits.result import Estimate, FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic
-from validation.fits.tables import write_csv
 from validation.report.terminal import aligned
 from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store

@@ -15,9 +15,8 @@ from validation.fits.data_checks import check, thickness_needed
 from validation.fits.model import CurveModel
 from validation.fits.moments import moments, straight_lines
 from validation.fits.problem import unknowns
-from validation.fits.readers import read_file, write_afm
+from validation.fits.readers import read_file, write_afm, write_csv
 from validation.fits.record import MeasuredCurve
-from validation.fits.tables import write_csv
 from validation.reference import sneddon
 from validation.reference.elastic_layer import ElasticLayer
 

@@ -32,10 +32,10 @@ from validation.fits.fit import fit_curves
 from validation.fits.model import NO_CONTACT, CurveModel, run_of
 from validation.fits.page import document, draw_curves, statements
 from validation.fits.problem import FitProblem, FitSettings, question, unknowns
+from validation.fits.readers import write_csv
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import InterruptedFit
 from validation.fits.synthetic import synthetic
-from validation.fits.tables import write_csv
 from validation.reference.ting import Ting
 from validation.runs.folder import claim
 from validation.runs.store import Store

@@ -21,8 +21,8 @@ from contact_scene import (
 )
 from crosscontact.cli import main
 from validation.fits.fit import fit_curves
+from validation.fits.readers import write_csv
 from validation.fits.record import MeasuredCurve
-from validation.fits.tables import write_csv
 
 FILES = Path(__file__).parents[2] / "docs" / "data" / "curves"
 COLUMNS = {count: "\n".join(",".join([str(k)] * count) for k in range(40)) for count in (2, 3)}
