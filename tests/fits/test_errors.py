@@ -7,23 +7,23 @@ import pytest
 
 from validation.fits.problem import Unknown
 from validation.fits.result import (
+    Estimate,
     Goodness,
+    RunsTest,
     combinations,
     confused,
     correlation,
     correlation_length,
     covariance,
-    estimate,
     misfitting_stretch,
-    runs_test,
 )
 
 
 def test_the_runs_test_is_fair_and_sees_a_bend():
     draws = np.random.default_rng(1).standard_normal((2000, 200))
-    share = np.mean([runs_test("", row).probability < 0.05 for row in draws])
+    share = np.mean([RunsTest.of("", row).probability < 0.05 for row in draws])
     assert share == pytest.approx(0.05, abs=0.02)
-    bend = runs_test("bend", draws[0] + 2.0 * np.sin(np.linspace(0.0, 6.0, 200)))
+    bend = RunsTest.of("bend", draws[0] + 2.0 * np.sin(np.linspace(0.0, 6.0, 200)))
     assert bend.probability < 1e-6
     assert bend.runs < 0.7 * bend.expected
 
@@ -68,7 +68,7 @@ def test_the_covariance_of_a_straight_line_is_the_textbooks():
 
 
 def goodness(probability, signs, share=0.1, within=None):
-    tests = (runs_test("one", signs),)
+    tests = (RunsTest.of("one", signs),)
     return Goodness(1.0, 1, np.inf, probability, tests, 1.0, share, within, 1.0)
 
 
@@ -110,8 +110,8 @@ def test_parameters_that_are_hardly_told_apart_are_paired():
 
 def test_intervals_of_logarithms_are_factors_and_stay_within_bounds():
     work = Unknown("work", 1.0, 0.9, 10.0, True)
-    one = estimate(work, 0.0, 0.01)
+    one = Estimate.of(work, 0.0, 0.01)
     assert one.high == pytest.approx(np.exp(0.1959964))
     assert one.low == pytest.approx(0.9)
-    assert estimate(work, np.log(0.9), 0.01).note == "held by its bound"
-    assert estimate(work, 0.5, 1.0).note == "not determined by these data"
+    assert Estimate.of(work, np.log(0.9), 0.01).note == "held by its bound"
+    assert Estimate.of(work, 0.5, 1.0).note == "not determined by these data"

@@ -147,8 +147,8 @@ def test_parts_of_a_background_that_others_make_up_are_left_out():
 def test_contact_lost_early_or_never_made_is_a_residual():
     curve = hertz_curve(noise=2e-4)
     problem = problem_of([curve], elastic_scene(), settings_of("loading.penetration=-1:1:linear"))
-    assert np.sqrt(np.mean(problem.residuals(problem.unknowns.start) ** 2)) < 2.0
-    never = problem.residuals(np.array([0.5]) / problem.unknowns.found[0].scale)
+    assert np.sqrt(np.mean(problem.residuals(problem.start) ** 2)) < 2.0
+    never = problem.residuals(np.array([0.5]) / problem.unknowns[0].scale)
     [model] = problem.models
     force = np.where(model.moments.compared, curve.force, 0.0)
     assert never[: curve.time.size] == pytest.approx(-force / model.moments.noise)
@@ -162,7 +162,7 @@ def test_rows_in_contact_for_one_side_only_are_masked_and_the_moment_of_the_loss
     )
     for factor, sign in ((0.5, -1.0), (2.0, 1.0)):  # contact is lost early, or late
         point = problem.at(np.log([factor * 5e-4]))
-        masked = ~point.compared[problem.force_rows[0]]
+        masked = ~point.hold[problem.force_rows[0]]
         assert masked.sum() > 5
         assert not point.residuals[problem.force_rows[0]][masked].any()
         assert sign * point.residuals[-1] > 10.0  # the moment of the loss
@@ -204,7 +204,7 @@ def test_a_solver_that_refuses_one_of_two_curves_is_told_at_once(monkeypatch):
 
 def test_a_value_that_no_scene_takes_is_a_residual_too():
     problem = problem_of([hertz_curve(noise=2e-4)], elastic_scene(), settings_of("material.poisson"))
-    [prediction] = problem.predictions([(0, {"material.poisson": 0.7})])
+    [prediction] = problem.at(np.array([0.7 / problem.unknowns[0].scale])).predictions
     assert "poisson" in prediction.failure
     assert not prediction.touching.any()
 
@@ -248,7 +248,7 @@ def test_tied_numbers_keep_their_ratio_and_each_curve_may_have_its_own():
     tie = ("material.branches[0].modulus=material.modulus",)
     curves = [hertz_curve(name="a"), hertz_curve(name="b")]
     varied = settings_of("material.modulus=0.1:10", tie=tie, per_curve=("indenter.radius",))
-    found = problem_of(curves, scene, varied).unknowns
+    found = problem_of(curves, scene, varied)
     values = found.values(np.log([2.0, 4.0, 5.0]), 1)
     assert values == pytest.approx(
         {"material.modulus": 2.0, "material.branches[0].modulus": 6.0, "indenter.radius": 5.0}

@@ -76,7 +76,7 @@ def problem_of(scene, tolerance=4e-5):
 
 def test_a_retraction_is_solved_in_batches_as_the_reference_solves_it():
     asked = problem_of(retraction())
-    x = asked.unknowns.start
+    x = asked.start
     together = BatchProblem.of(asked)
     assert together is not None
     points = [x + shift for shift in np.random.default_rng(0).normal(0.0, 0.1, (4, 2))]
@@ -87,7 +87,7 @@ def test_a_retraction_is_solved_in_batches_as_the_reference_solves_it():
     rested = problem_of(replace(retraction(), loading=resting))
     by_batch = BatchProblem.of(rested)
     assert by_batch is not None
-    x = rested.unknowns.start
+    x = rested.start
     assert rms(by_batch.residuals(x) - rested.residuals(x)) < ERROR_SHARE
 
 
@@ -98,7 +98,7 @@ def test_derivatives_are_those_of_fine_runs(quick):
     asked = problem_of(retraction(0.0385757, 7.2147e-4, 0.0101565), TOLERANCES[0])
     fine = replace(asked, tolerance=TOLERANCES[-1])
     asked.quick = BatchProblem.of(asked) if quick else None
-    x = asked.unknowns.start
+    x = asked.start
     assert_allclose(norm(asked.jacobian(x), axis=0), norm(fine.jacobian(x), axis=0), rtol=0.01)
 
 
@@ -107,7 +107,7 @@ def test_a_long_step_before_the_edge_sets_off_does_not_see_what_is_behind_it():
     asked = problem_of(retraction(0.0099, 4.444e-4, 0.01094))
     together, fine = BatchProblem.of(asked), replace(asked, tolerance=TOLERANCES[-1])
     assert together is not None
-    x = asked.unknowns.start
+    x = asked.start
     assert np.abs(together.residuals(x) - fine.residuals(x)).max() < ERROR_SHARE
 
 
@@ -146,7 +146,7 @@ def test_batches_agree_if_they_move_no_parameter(monkeypatch):
     """Forces that are 0.05 % too large differ by a thirtieth of the noise, and move both by a third of their
     deviations or more."""
     asked = problem_of(retraction())
-    x = asked.unknowns.start
+    x = asked.start
     assert BatchProblem.of(asked).agrees(asked, x)
     monkeypatch.setattr(batch, "solve", lambda scenes: [wrong(one, 1.0005) for one in solve(scenes)])
     misled = BatchProblem.of(asked)

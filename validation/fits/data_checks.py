@@ -1,8 +1,8 @@
-"""Whether a record can be what it is said to be: errors for what cannot be fitted, and warnings."""
+"""Whether records can be what they are said to be: errors for what cannot be fitted, and warnings."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from contact_scene import FlatPunch, Scene, SceneError
 from validation.fits.model import CurveModel
 from validation.fits.moments import count_lines, moments
-from validation.fits.problem import CONTACT_POINT, SPRING, Unknowns
+from validation.fits.problem import CONTACT_POINT, SPRING, Unknown
 from validation.fits.record import MeasuredCurve
 from validation.reference import sneddon
 from validation.reference.elastic_layer import ElasticLayer, moment
@@ -34,24 +34,27 @@ TENTH = 0.09
 """``y`` at which ``y + (7/6) y^2`` is a tenth."""
 FEW_ROWS = 50
 """Rows in contact below which the shape of the curve, not its noise, limits what a fit can tell."""
-LOUD, COARSE = 0.1, 0.2
-"""Noise, and change between neighbouring rows, jumps aside, over the range of the force, from which a fit is
-of little use."""
+LOUD, COARSE = 10.0, 20.0
+"""Noise, and change between neighbouring rows, jumps aside, in per cent of the range of the force, from which
+a fit is of little use."""
 
 
-def check(model: CurveModel, scene: Scene, parameters: Unknowns) -> list[str]:
-    """Warnings about a curve, which the scene, as its user states it, is fitted to."""
-    curve = model.curve
-    try:
-        if np.ptp(curve.force) > 0.0:
-            _check_columns(model)
-        _check_signs(model)
-        if not parameters.sets(CONTACT_POINT):
-            model.scene_of({})
-    except SceneError as error:
-        raise error.in_file(curve.name) from None
-    found = [*_of_record(model), *([] if parameters.sets(*SPRING) else _of_spring(curve, scene))]
-    return [f"{curve.name}: {text}" for text in found]
+def check(models: Sequence[CurveModel], scene: Scene, unknowns: Sequence[Unknown]) -> list[str]:
+    """Warnings about curves, which the scene, as its user states it, is fitted to."""
+    varied = {path for one in unknowns for path in one.sets}
+    found = []
+    for model in models:
+        try:
+            if np.ptp(model.curve.force) > 0.0:
+                _check_columns(model)
+            _check_signs(model)
+            if CONTACT_POINT not in varied:
+                model.scene_of({})
+        except SceneError as error:
+            raise error.in_file(model.curve.name) from None
+        doubts = _doubts(model, scene if varied.isdisjoint(SPRING) else None)
+        found += [f"{model.curve.name}: {text}" for doubtful, text in doubts if doubtful]
+    return found if scene.body is not None else [*found, thickness_needed(models, scene)]
 
 
 def _check_columns(model: CurveModel) -> None:
@@ -112,48 +115,45 @@ def _elastic_force(scene: Scene, depth: float) -> float:
     return force if force > 0.0 else modulus * radius * depth
 
 
-def thickness_needed(models: Sequence[CurveModel], scene: Scene) -> Iterator[str]:
+def thickness_needed(models: Sequence[CurveModel], scene: Scene) -> str:
     """At which thickness a layer would be taken for a half-space of a modulus 10 % too high, in words.
 
     Bonded to its base it is stiffer by ``y + (7/6) y^2``, ``y = (2 m0/pi) a/h``.
     """
-    if scene.body is not None:
-        return
     depth = max(float(np.ptp(one.curve.motion[one.moments.first : one.moments.last])) for one in models)
     radius = sneddon.contact_radius(scene.indenter, depth)
     thickness = 2.0 / np.pi * moment(0, scene.material.poisson, "bonded") * radius / TENTH
-    yield (
+    return (
         f"the scene has no body, so it is a half-space: on a layer of thickness {thickness:.2g} bonded to a "
         "stiff base the modulus would come out 10 % too high, on a thinner one more"
     )
 
 
-def _of_record(model: CurveModel) -> Iterator[str]:
-    """What makes a record of little use."""
+def _doubts(model: CurveModel, of_spring: Scene | None) -> list[tuple[bool, str]]:
+    """What makes a record of little use, and that the spring of the scene, where it is not varied, plays no
+    part or is another one than the record's."""
     curve, seen = model.curve, model.moments
-    inside, reach = slice(seen.first, seen.last), float(np.ptp(curve.force))
-    rows = seen.last - seen.first
-    if rows < FEW_ROWS:
-        yield f"{rows} rows in contact: the sampling is too coarse for more than one or two parameters"
-    steps = np.abs(np.diff(curve.force))[seen.compared[1:] & seen.compared[:-1]] / reach
-    if steps.max(initial=0.0) > COARSE:
-        yield f"the force changes by {100.0 * steps.max():.0f} % of its range between two rows: too coarse"
+    inside, reach, rows = slice(seen.first, seen.last), float(np.ptp(curve.force)), seen.last - seen.first
+    changes = np.abs(np.diff(curve.force))[seen.compared[1:] & seen.compared[:-1]]
+    step, noise = 100.0 * changes.max(initial=0.0) / reach, 100.0 * seen.noise / reach
     expected = _elastic_force(model.scene, float(np.ptp(curve.motion[inside])))
     factor = float(np.abs(curve.force - seen.background)[inside].max()) / expected
-    if not 1.0 / PLAUSIBLE < factor < PLAUSIBLE:
-        yield f"the force is {factor:.0e} times that of the scene's elastic contact: other units?"
-    if seen.noise > LOUD * reach:
-        yield f"the noise is {100.0 * seen.noise / reach:.0f} % of the range of the force"
-
-
-def _of_spring(curve: MeasuredCurve, scene: Scene) -> Iterator[str]:
-    """That the spring of the scene plays no part, or is another one than the record's."""
-    if scene.machine is None:
-        return
-    stated = scene.machine.stiffness
-    if curve.stage is None or curve.stiffness is None:
-        yield "positions are those of the indenter: the spring of the scene plays no part"
-    elif scene.loading.start == "relaxed":
-        yield "a relaxed start drives the indenter by stage and measured force, which is noisy"
-    elif abs(curve.stiffness / stated - 1.0) > SAME_SPRING:
-        yield f"the spring constant of the record holds, {curve.stiffness:.6g}, not the scene's {stated:.6g}"
+    found = [
+        (rows < FEW_ROWS, f"{rows} rows in contact: too coarse for more than one or two parameters"),
+        (step > COARSE, f"the force changes by {step:.0f} % of its range between two rows: too coarse"),
+        (
+            not 1.0 / PLAUSIBLE < factor < PLAUSIBLE,
+            f"the force is {factor:.0e} times that of the scene's elastic contact: other units?",
+        ),
+        (noise > LOUD, f"the noise is {noise:.0f} % of the range of the force"),
+    ]
+    if of_spring is None or of_spring.machine is None:
+        return found
+    own, stated = curve.stiffness if curve.stage is not None else None, of_spring.machine.stiffness
+    if own is None:
+        return [*found, (True, "positions are those of the indenter: the spring of the scene plays no part")]
+    if of_spring.loading.start == "relaxed":
+        told = "a relaxed start drives the indenter by stage and measured force, which is noisy"
+        return [*found, (True, told)]
+    told = f"the spring constant of the record holds, {own:.6g}, not the scene's {stated:.6g}"
+    return [*found, (abs(own / stated - 1.0) > SAME_SPRING, told)]

@@ -68,6 +68,7 @@ EXPLORING, MOST_EVALUATIONS, PROFILING = 4, 40, 6
 STEPS, WIDEST = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 1.0
 """Distances from the best value at which a profile fits the others, in standard deviations of at most one: a
 factor of 20 on each side."""
+OF_PARAMETER = ("value", "deviation", "low", "high")
 
 
 def fit_curves(
@@ -80,21 +81,19 @@ def fit_curves(
 ) -> FitResult:
     """Fit a scene, the first guess and all that is not varied, to curves; the store holds runs, from which an
     interrupted fit goes on."""
-    began = time.perf_counter()
-    curves = named_apart(curves)
+    began, curves = time.perf_counter(), named_apart(curves)
     if settings.posterior:
         sampler_module()
-    asked = question(curves, scene, settings)
-    scene = first_guess(curves, scene, settings)
+    asked, scene = question(curves, scene, settings), first_guess(curves, scene, settings)
     shortened = [curve.means(MOST_ROWS) for curve in curves]
     models = [CurveModel.of(curve, scene, settings.within or 0.0) for curve, _ in shortened]
     varied = unknowns(models, scene, settings)
+    names = [one.name for one in varied]
     for name in settings.profile:
-        if name not in (*varied.names, "all"):
-            raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(varied.names)}")
+        if name not in (*names, "all"):
+            raise SceneError("profile", f"{name} is not varied", f"all, {', '.join(names)}")
     warnings = [f"{one.name}: fitted are means of {count} rows" for one, count in shortened if count > 1]
-    warnings += [text for model in models for text in data_checks.check(model, scene, varied)]
-    warnings += data_checks.thickness_needed(models, scene)
+    warnings += data_checks.check(models, scene, varied)
     problem = FitProblem(models, varied, settings, executor, store or Store())
     search = Search(problem, progress)
 
@@ -104,10 +103,9 @@ def fit_curves(
 
     try:
         share = search.carry_out()
-        result = found()
-        best, named = search.x.copy(), enumerate(varied.names)
-        places = [place for place, name in named if {"all", name} & set(settings.profile)]
-        profiles = tuple(copy(search).profile(place, best, result) for place in places)
+        result, best = found(), search.x.copy()
+        held = [place for place, name in enumerate(names) if {"all", name} & set(settings.profile)]
+        profiles = tuple(copy(search).profile(place, best, result) for place in held)
         check = search.by_second_solver(best, result)
         result = replace(result, profiles=profiles, check=check, error_share=share)
         if settings.posterior:
@@ -116,13 +114,12 @@ def fit_curves(
             except SceneError as error:
                 result = replace(result, warnings=(*result.warnings, str(error)))
     except KeyboardInterrupt:
-        if not np.isfinite(search.least):
-            raise InterruptedFit(None) from None
-        search.tell("interrupted: the errors of the best so far are worked out (once more ends at once)")
-        search.ended = "interrupted"
         kept = None
-        with suppress(KeyboardInterrupt):
-            kept = found()
+        if np.isfinite(search.least):
+            search.tell("interrupted: the errors of the best so far are worked out (once more ends at once)")
+            search.ended = "interrupted"
+            with suppress(KeyboardInterrupt):
+                kept = found()
         raise InterruptedFit(kept) from None
     return replace(result, runs=search.runs, seconds=time.perf_counter() - began)
 
@@ -151,8 +148,8 @@ class Search:
     """Least squares within bounds, which knows the best point of all that were tried."""
 
     def __init__(self, problem: FitProblem, progress: Callable[[str], None] | None) -> None:
-        self.problem, self._progress = problem, progress
-        self.x, self.least = problem.unknowns.start, np.inf
+        self.problem, self.tell = problem, progress or (lambda text: None)
+        self.x, self.least = problem.start, np.inf
         self.starts: list[float] = []
         self.ended, self.converged = "interrupted", False
         self._stage, self._points, self.price = "first guess", 0, np.nan
@@ -163,11 +160,6 @@ class Search:
     def runs(self) -> int:
         """How many were carried out, in batches or by themselves."""
         return sum(one.runs for one in self._all)
-
-    def tell(self, text: str) -> None:
-        """Say where the fit stands."""
-        if self._progress is not None:
-            self._progress(text)
 
     def _first_runs(self) -> None:
         """Say that it moves before there is a point."""
@@ -187,7 +179,7 @@ class Search:
 
     def carry_out(self) -> float | None:
         """Find the parameters, from as many starts as it takes; the error over the noise comes back."""
-        problem, own = self.problem, self.problem.unknowns.start
+        problem = self.problem
         quick = problem.quick = BatchProblem.of(problem)
         self._all = [problem] if quick is None else [quick, problem]
         for looks in self._all:
@@ -198,7 +190,7 @@ class Search:
                 if quick and quick.agrees(problem, self.x):
                     stage = "by the reference"
                 else:
-                    problem.quick, self.x, self.starts = None, own, []
+                    problem.quick, self.x, self.starts = None, problem.start, []
             self._looks, self.least, self._stage = looks, np.inf, stage
             nowhere = [one for one in looks.at(self.x).predictions if not one.touching.any()]
             if nowhere or not looks.derivatives(self.x).any():
@@ -214,12 +206,18 @@ class Search:
         return share
 
     def _best_of_more(self) -> Any:
-        """The search from the best of further starts, if the first explains too little and one is better."""
-        first, count = self.least, self.problem.settings.starts
-        if goodness(self._looks, self._looks.at(self.x)).explained:
+        """The search from the best of further starts, each the best of a few points drawn about the scene's
+        values, if the first explains too little and one of them is better."""
+        problem, settings, first = self.problem, self.problem.settings, self.least
+        free = [one.logarithmic for one in problem.unknowns]
+        if goodness(self._looks, self._looks.at(self.x)).explained or not any(free):
             return None
-        for number, x in enumerate(self._more_starts(self.problem.unknowns.start), 2):
-            self._stage = f"start {number} of {count}"
+        shape = settings.starts - 1, DRAWN_BEFORE, problem.start.size
+        drawn = np.random.default_rng(settings.seed).uniform(-SPREAD, SPREAD, shape)
+        groups = np.clip(problem.start + drawn * free, *problem.bounds)
+        starts = [min(points, key=lambda x: float(np.sum(self.residuals(x) ** 2))) for points in groups]
+        for number, x in enumerate(starts, 2):
+            self._stage = f"start {number} of {settings.starts}"
             self.starts.append(float(self._followed(x, EXPLORING).chisqr))
         self._stage = "best start"
         return self._followed(self.x, MOST_EVALUATIONS) if self.least < first else None
@@ -231,7 +229,7 @@ class Search:
         except ImportError:
             raise SceneError("", "lmfit is not installed", "pip install 'crosscontact[fit]'") from None
         box = lmfit.Parameters()
-        for place, (value, low, high) in enumerate(zip(x, *self.problem.unknowns.bounds, strict=True)):
+        for place, (value, low, high) in enumerate(zip(x, *self.problem.bounds, strict=True)):
             box.add(f"x{place}", value, vary=place != held, min=low, max=high)
         varied = [place for place in range(x.size) if place != held]
         search = lmfit.Minimizer(lambda values: self.residuals(_point(values)), box)
@@ -245,25 +243,15 @@ class Search:
                 gtol=None,
             )
 
-    def _more_starts(self, own: Array) -> list[Array]:
-        """The best of a few points drawn about the scene's values, for each further start."""
-        settings, free = self.problem.settings, [one.logarithmic for one in self.problem.unknowns.found]
-        further = settings.starts - 1 if any(free) else 0
-        shape = further, DRAWN_BEFORE, own.size
-        drawn = np.random.default_rng(settings.seed).uniform(-SPREAD, SPREAD, shape)
-        groups = np.clip(own + drawn * free, *self.problem.unknowns.bounds)
-        return [min(points, key=lambda x: float(np.sum(self.residuals(x) ** 2))) for points in groups]
-
     def profile(self, place: int, best: Array, result: FitResult) -> LikelihoodProfile:
         """Profile likelihood of a parameter, whose interval ends where the least sum of squares has grown by
         the 95 % point of chi-squared (Venzon and Moolgavkar, Appl. Stat. 37, 87, 1988)."""
         problem = self._looks = self.problem.quick or self.problem
-        one = problem.unknowns.found[place]
-        low, high = (bounds[place] for bounds in problem.unknowns.bounds)
-        point, deviation = problem.at(best), result.estimates[place].deviation
+        one, deviation = problem.unknowns[place], result.estimates[place].deviation
+        low, high = (bounds[place] for bounds in problem.bounds)
         size = min(deviation if one.logarithmic else deviation / one.scale, WIDEST)
+        point, points = problem.at(best), {float(best[place]): 0.0}
         least = self._weighed(point, best)
-        points = {float(best[place]): 0.0}
         for sign in (-1.0, 1.0):
             x = best.copy()
             for step in STEPS:
@@ -278,8 +266,7 @@ class Search:
         sides = slice(middle, None, -1), slice(middle, None)
         plain = (first_passing(at[s], np.sqrt(increases[s]), np.sqrt(CHI_SQUARED)) for s in sides)
         ends = (None if end is None else one.value(end) for end in plain)
-        values = np.array([one.value(value) for value in at.tolist()])
-        return LikelihoodProfile(one.name, values, increases, *ends)
+        return LikelihoodProfile(one.name, np.array(list(map(one.value, at.tolist()))), increases, *ends)
 
     def _weighed(self, best: Point, x: Array) -> float:
         """Sum of squares of the residuals at a point, correlated ones as those of the best point are."""
@@ -296,17 +283,16 @@ class Search:
         change = by_other.residuals - point.residuals
         differences: list[dict[str, Any]] = []
         for model, rows, run in zip(problem.models, problem.force_rows, by_other.predictions, strict=True):
-            own = change[rows][point.compared[rows]] * model.allowed / model.moments.noise
+            own = change[rows][point.hold[rows]] * model.allowed / model.moments.noise
             relative = rms(own) * model.moments.noise / rms(model.curve.force)
             one = {"curve": model.curve.name, "root_mean_square": rms(own)}
             one |= {"largest": float(np.abs(own).max()), "relative": relative, "failure": run.failure}
             differences.append(one)
-        slopes = problem.jacobian(x)
-        spread = covariance(independent(problem, point, slopes), result.goodness.variance)[0]
-        shifts: dict[str, float] = {}
-        if not any(one["failure"] for one in differences) and np.isfinite(np.diag(spread)).all():
-            moved = -np.linalg.lstsq(slopes, change, rcond=None)[0] / np.sqrt(np.diag(spread))
-            shifts = dict(zip(problem.unknowns.names, moved.tolist(), strict=True))
+        slopes, shifts = problem.jacobian(x), {}
+        spread = np.diag(covariance(independent(problem, point, slopes), result.goodness.variance)[0])
+        if not any(one["failure"] for one in differences) and np.isfinite(spread).all():
+            moved = -np.linalg.lstsq(slopes, change, rcond=None)[0] / np.sqrt(spread)
+            shifts = dict(zip(problem.names, moved.tolist(), strict=True))
         return SecondSolver(solver, tuple(differences), shifts)
 
 
@@ -323,9 +309,6 @@ def named_apart(curves: Sequence[MeasuredCurve]) -> list[MeasuredCurve]:
     before = [names[:place].count(name) for place, name in enumerate(names)]
     named = zip(curves, before, strict=True)
     return [replace(curve, name=f"{curve.name}-{n + 1}") if n else curve for curve, n in named]
-
-
-OF_PARAMETER = ("value", "deviation", "low", "high")
 
 
 @dataclass(frozen=True)
@@ -392,8 +375,8 @@ def dataset(found: Sequence[EachFit]) -> Any:
         values = [[getattr(one.estimates.get(name), of, np.nan) for name in parameters] for one in found]
         variables[of] = ("curve", "parameter"), np.array(values)
     variables["explained"] = "curve", np.array([one.explained for one in found])
+    goods = [None if one.result is None else one.result.goodness for one in found]
     for name in ("misfit_over_noise", "rms_over_range"):
-        goods = (None if one.result is None else one.result.goodness for one in found)
         variables[name] = "curve", [getattr(good, name, np.nan) for good in goods]
     variables["failure"] = "curve", np.array([one.failure for one in found], str)
     return xarray.Dataset(variables, {"curve": [one.curve for one in found], "parameter": parameters})

@@ -20,7 +20,7 @@ from validation.drawing import export
 from validation.drawing.axes import drawing, format_axes, label_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
 from validation.fits.fit import OF_PARAMETER, EachFit, dataset
-from validation.fits.result import CHI_SQUARED, UNLIKELY, VAGUE, Estimate, FitResult
+from validation.fits.result import CHI_SQUARED, UNLIKELY, VAGUE, Estimate, FitResult, Posterior
 from validation.measure.scaling import unit_name
 from validation.report import document as doc
 from validation.report import report
@@ -58,8 +58,6 @@ PROFILED = ("profile from", "low", "no lower end"), ("profile to", "high", "no u
 SAMPLED = {"posterior from": "low", "posterior median": "median", "posterior to": "high"}
 MOST_COLUMNS = 4  # curves or profiles side by side
 ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.2, "rasterized": True}
-EXPLAINED = {"color": SERIES[0], "label": "explained"}
-MISSED = {"color": VERMILION, "label": "not explained"}
 LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "labelcolor": INK}
 
 
@@ -71,6 +69,7 @@ def of_fit(result: FitResult) -> dict[str, Any]:
         | {"fitted_force": one.force, "compared": one.compared}
         for one in result.curves
     ]
+    sampled = result.posterior and {key: at for key, at in vars(result.posterior).items() if key != "samples"}
     return {
         "format": FORMAT,
         "converged": result.converged,
@@ -82,9 +81,8 @@ def of_fit(result: FitResult) -> dict[str, Any]:
         "hardly_told_apart": result.confused,
         "goodness": asdict(result.goodness),
         "profiles": [asdict(one) for one in result.profiles],
-        "second_solver": None if result.check is None else asdict(result.check),
-        "posterior": result.posterior
-        and {name: at for name, at in vars(result.posterior).items() if name != "samples"},
+        "second_solver": result.check and asdict(result.check),
+        "posterior": sampled,
         "curves": curves,
         "statements": statements(result),
         "settings": asdict(result.settings),
@@ -118,47 +116,55 @@ def write_fit(result: FitResult, folder: Path) -> None:
 
 def document(result: FitResult, curves: Drawing) -> doc.Document:
     """The whole page, with the figure of the curves."""
-    sections = tuple(_sections(result, curves))
+    sections = tuple(Section(title, tuple(parts)) for title, parts in _sections(result, curves) if parts)
     return doc.Document(f"Fit: {result.scene.title or 'a scene'}", (lead(result),), sections)
 
 
-def _sections(result: FitResult, curves: Drawing) -> Iterator[Section]:
-    said = statements(result)
-    if said:
-        yield Section("Before you use a number", (doc.Bullets(tuple(said)),))
-    yield Section("Parameters", (table(result),))
-    yield Section("Curves", (_figure("curves", curves), DataTable.of(_curves(result))))
-    products = (
-        {"product": one.text, "standard deviation": _percent(one.deviation)} for one in result.combinations
-    )
-    names = [f"{place} {one.name}" for place, one in enumerate(result.estimates, 1)]
-    correlations = (
-        {"correlation": name} | {str(place): f"{value:+.2f}" for place, value in enumerate(row, 1)}
-        for name, row in zip(names, result.correlations, strict=True)
-    )
+def _sections(result: FitResult, curves: Drawing) -> Iterator[tuple[str, list[doc.Part]]]:
+    """Titles and parts of the sections, no parts where there is nothing to say."""
+    said, check, method = statements(result), result.check, asdict(result.settings) | _method(result)
+    yield "Before you use a number", [doc.Bullets(tuple(said))] if said else []
+    yield "Parameters", [table(result)]
+    yield "Curves", [_figure("curves", curves), DataTable.of(_curves(result))]
+    products = [
+        {
+            "product": one.text,
+            "standard deviation": f"{100.0 * one.deviation:.2g} %"
+            if math.isfinite(one.deviation)
+            else "not determined",
+        }
+        for one in result.combinations
+    ]
+    correlations = [
+        {"correlation": f"{place} {one.name}"} | {f"{n}": f"{value:+.2f}" for n, value in enumerate(row, 1)}
+        for place, (one, row) in enumerate(zip(result.estimates, result.correlations, strict=True), 1)
+    ]
     apart = DataTable.of(products), DataTable.of(correlations, unbroken=("correlation",))
-    yield Section("What the data tell apart", (Paragraph(COMBINATIONS), *apart))
+    yield "What the data tell apart", [Paragraph(COMBINATIONS), *apart]
     if result.profiles:
-        yield Section("Profile likelihood", (_figure("profiles", draw_profiles(result.profiles)),))
+        yield "Profile likelihood", [_figure("profiles", draw_profiles(result.profiles))]
     if result.posterior:
-        yield Section(
-            "Posterior", (Paragraph(_sampled(result)), _figure("posterior", draw_posterior(result)))
+        yield (
+            "Posterior",
+            [Paragraph(_sampled(result.posterior)), _figure("posterior", draw_posterior(result))],
         )
-    if result.check:
-        shifts = (
-            {"parameter": name, "shift, to first order, over its deviation": format(shift, "+.3f")}
-            for name, shift in result.check.shifts.items()
+    if check:
+        shift = "shift, to first order, over its deviation"
+        shifts = ({"parameter": name, shift: format(at, "+.3f")} for name, at in check.shifts.items())
+        yield (
+            f"The same by {check.solver}",
+            [DataTable.of(map(_plainly, check.differences)), DataTable.of(shifts)],
         )
-        tables = DataTable.of(map(_plainly, result.check.differences)), DataTable.of(shifts)
-        yield Section(f"The same by {result.check.solver}", tables)
-    method = {"ended": result.ended} | asdict(result.settings) | _method(result)
     known = {name: at for name, at in method.items() if at is not False and at not in (None, (), "")}
-    done = DataTable(("", ""), tuple(_plainly(known, 4).items()), numeric=False)
+    done = tuple(_plainly({"ended": result.ended} | known, 4).items())
     penalty = Paragraph(
         "The squared second differences of their logarithms, times "
         f"{result.settings.regularisation:g}, were added to the sum of squares."
     )
-    yield Section("How it was done", (done, penalty) if result.settings.prony else (done,))
+    yield (
+        "How it was done",
+        [DataTable(("", ""), done, numeric=False), *[penalty] * bool(result.settings.prony)],
+    )
 
 
 def _plainly(values: Mapping[str, Any], digits: int = 2) -> dict[str, str]:
@@ -175,40 +181,25 @@ def _figure(name: str, drawn: Drawing) -> doc.Figures:
 def lead(result: FitResult) -> Paragraph:
     """Whether the model explains the data, in a sentence."""
     good, head = result.goodness, "The fit was interrupted: the best so far. " if not result.converged else ""
+    share = "their noise" if good.within is None else f"{100.0 * good.within:g} % of their range"
+    verdict = f"explains the data within {share}" if good.explained else "does not explain the data"
     numbers = (
         f"Misfit {good.misfit_over_noise:.3g} times the noise (sum of squares {good.sum_of_squares:.1f} for "
         f"{good.degrees} degrees of freedom; as large by chance: {_chance(good.probability)}), "
         f"{100.0 * good.rms_over_range:.2g} % of the range of the force."
     )
-    if good.explained:
-        share = "their noise" if good.within is None else f"{100.0 * good.within:g} % of their range"
-        return Paragraph(f"{head}The model explains the data within {share}. {numbers}", result.converged)
-    return Paragraph(f"{head}The model does not explain the data. {numbers}", False)
+    return Paragraph(f"{head}The model {verdict}. {numbers}", good.explained and result.converged)
 
 
 def statements(result: FitResult) -> list[str]:
     """What a reader has to know before using a number."""
-    found = [*result.warnings, *([] if result.goodness.explained else _misfits(result))]
-    found += [f"{one.name}: {one.note}{_largest(one)}." for one in result.estimates if one.note]
-    found += _times(result)
-    for first, second, value in result.confused:
-        kinds = {re.sub(r".*branches.*[.]", "", one.partition("@")[0]) for one in (first, second)}
-        remedy = ", at one speed only their ratio: fit a record of a second speed together with this one"
-        remedy = remedy if kinds == {"adhesion.zone", "time"} else ""
-        found.append(f"{first} and {second} are hardly told apart: correlation {value:+.3f}{remedy}.")
-    vague = [one for one in result.combinations if len(one.powers) > 1 and not one.deviation < VAGUE]
-    found += [f"The data do not determine {one.text}; others below are known." for one in vague]
-    if result.check is None:
-        return found
-    solver, failed = result.check.solver, [one for one in result.check.differences if one["failure"]]
-    found += [f"{one['curve']}: no second opinion, {solver} failed: {one['failure']}" for one in failed]
-    shifts = {name: at for name, at in result.check.shifts.items() if abs(at) > VISIBLE_SHIFT}
-    moved = "of its standard deviations with"
-    return found + [f"{name} would move by {at:+.2f} {moved} {solver}." for name, at in shifts.items()]
+    return [*result.warnings, *_misfits(result), *_of_parameters(result), *_by_second_solver(result)]
 
 
 def _misfits(result: FitResult) -> Iterator[str]:
-    """Where and how the model misses the data."""
+    """Where and how the model misses data that it does not explain."""
+    if result.goodness.explained:
+        return
     for one, runs in zip(result.curves, result.goodness.runs_tests, strict=True):
         if runs.probability < UNLIKELY:
             yield (
@@ -230,36 +221,51 @@ def _misfits(result: FitResult) -> Iterator[str]:
         )
 
 
-def _times(result: FitResult) -> Iterator[str]:
-    """Which relaxation times the records hold, where branches are fitted."""
-    branches = {one.name: one.value for one in result.estimates if "branches[" in one.name}
-    if not branches:
-        return
+def _of_parameters(result: FitResult) -> Iterator[str]:
+    """What is wrong with parameters, which relaxation times the records hold, what is hardly told apart."""
+    kinds = {one.name: re.sub(r".*branches.*[.]", "", one.name.partition("@")[0]) for one in result.estimates}
+    for one in result.estimates:
+        if one.note and kinds[one.name] == "modulus" and math.isfinite(one.deviation):
+            largest = one.value * (1.0 + 1.96 * one.deviation)  # to first order
+            yield f"{one.name}: {one.note}; it may be zero, and at most {largest:.2g} (97.5 %)."
+        elif one.note:
+            yield f"{one.name}: {one.note}."
+    branches = [one for one in result.estimates if "branches[" in one.name]
     shortest = 2.0 * min(one.curve.sampling for one in result.curves)
     longest = max(float(np.ptp(one.curve.time)) for one in result.curves)
-    times = {name: value for name, value in branches.items() if name.partition("@")[0].endswith("].time")}
-    outside = [name for name, value in times.items() if not shortest <= value <= longest]
-    yield (
-        f"The records hold times from {shortest:.3g} to {longest:.3g}: the relaxed modulus is that after "
-        f"{longest:.3g}" + (f", and {', '.join(outside)} lies outside." if outside else ".")
-    )
+    times = (one for one in branches if kinds[one.name] == "time")
+    outside = ", ".join(one.name for one in times if not shortest <= one.value <= longest)
+    if branches:
+        held = (
+            f"The records hold times from {shortest:.3g} to {longest:.3g}: the relaxed modulus is that after "
+        )
+        yield f"{held}{longest:.3g}" + (f", and {outside} lies outside." if outside else ".")
+    for first, second, value in result.confused:
+        told = f"{first} and {second} are hardly told apart: correlation {value:+.3f}"
+        if {kinds[first], kinds[second]} == {"adhesion.zone", "time"}:
+            told += ", at one speed only their ratio: fit a record of a second speed together with this one"
+        yield f"{told}."
+    for product in result.combinations:
+        if len(product.powers) > 1 and not product.deviation < VAGUE:
+            yield f"The data do not determine {product.text}; others below are known."
 
 
-def _largest(one: Estimate) -> str:
-    """For a modulus that may be zero: how large it may be, to first order."""
-    if not one.name.partition("@")[0].endswith("].modulus") or not math.isfinite(one.deviation):
-        return ""
-    return f"; it may be zero, and at most {one.value * (1.0 + 1.96 * one.deviation):.2g} (97.5 %)"
+def _by_second_solver(result: FitResult) -> Iterator[str]:
+    """That it failed, or would move a parameter."""
+    if result.check is None:
+        return
+    solver = result.check.solver
+    for one in result.check.differences:
+        if one["failure"]:
+            yield f"{one['curve']}: no second opinion, {solver} failed: {one['failure']}"
+    for name, at in result.check.shifts.items():
+        if abs(at) > VISIBLE_SHIFT:
+            yield f"{name} would move by {at:+.2f} of its standard deviations with {solver}."
 
 
 def _chance(probability: float) -> str:
     """A probability in words."""
     return f"{probability:.2g}" if probability >= 1e-4 else "below 1e-4"
-
-
-def _percent(share: float) -> str:
-    """A relative deviation in words."""
-    return f"{100.0 * share:.2g} %" if math.isfinite(share) else "not determined"
 
 
 def table(result: FitResult) -> DataTable:
@@ -317,15 +323,17 @@ def draw_curves(result: FitResult) -> Drawing:
     panels, figure = _panels(len(result.curves), (3.6, 4.6), 1.4, (2.2, 1.0))
     length, force, time = (f" ({unit_name(result.scene, name)})" for name in ("penetration", "force", "time"))
     for place, (one, (upper, lower)) in enumerate(zip(result.curves, panels, strict=False)):
-        curve = one.curve
-        parts: list[tuple[Any, str, str]] = [(one.compared, SERIES[0], "measured")]
-        if not one.compared.all():
-            parts.append((~one.compared, GREY, "not compared"))
-        if not result.goodness.explained and one.worst_stretch:
+        curve, missed = one.curve, not result.goodness.explained and one.worst_stretch
+        parts: list[tuple[Any, str, str]] = [
+            (one.compared, SERIES[0], "measured"),
+            (~one.compared, GREY, "not compared"),
+        ]
+        if missed:
             parts.append((one.stretch, SERIES[1], "not explained"))
-            lower.axvspan(*one.worst_stretch, color=SERIES[1], alpha=0.2, linewidth=0)
+            lower.axvspan(*missed, color=SERIES[1], alpha=0.2, linewidth=0)
         for rows, colour, label in parts:
-            upper.plot(one.position[rows], curve.force[rows], color=colour, label=label, **ROWS)
+            if curve.time[rows].size:
+                upper.plot(one.position[rows], curve.force[rows], color=colour, label=label, **ROWS)
         upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
         upper.set_title(curve.name, fontsize="medium")
         lower.plot(curve.time[one.compared], one.residuals[one.compared], color=SERIES[0], **ROWS)
@@ -370,10 +378,8 @@ def draw_profiles(profiles: Sequence[Any]) -> Drawing:
     return figure
 
 
-def _sampled(result: FitResult) -> str:
+def _sampled(one: Posterior) -> str:
     """How the posterior was sampled."""
-    one = result.posterior
-    assert one is not None
     return (
         f"{one.walkers} walkers by {one.solver}, {one.steps} steps each, the first {one.discarded} left out; "
         f"autocorrelation over {one.autocorrelation:.0f} steps, {one.acceptance:.0%} accepted. Flat in the "
@@ -389,11 +395,8 @@ def draw_posterior(result: FitResult) -> Drawing:
     names, size = [*result.posterior.intervals], 1.8 * len(result.posterior.intervals)
     figure, _ = drawing((size, size), len(names), len(names), layout=None)
     look: dict[str, Any] = {"color": SERIES[0], "label_kwargs": {"fontsize": "small", "color": INK}}
-    look |= {"plot_datapoints": False, "max_n_ticks": 4}
-    quantiles = [0.025, 0.5, 0.975]
-    corner.corner(
-        result.posterior.samples, labels=names, fig=figure, quantiles=quantiles, labelpad=0.2, **look
-    )
+    look |= {"plot_datapoints": False, "max_n_ticks": 4, "labelpad": 0.2, "quantiles": [0.025, 0.5, 0.975]}
+    corner.corner(result.posterior.samples, labels=names, fig=figure, **look)
     return figure
 
 
@@ -411,7 +414,7 @@ def write_each(found: Sequence[EachFit], folder: Path) -> None:
     }
     explained = sum(one.explained for one in found)
     lead = Paragraph(f"{explained} of {len(found)} curves are explained.", explained == len(found))
-    section = Section("Curves", (_figure("each", draw_each(found)), each_table(found)))
+    section = Section("Curves", (_figure("each", draw_each(data)), each_table(found)))
     report.write(folder, doc.Document("Fit of each curve", (lead,), (section,)), files)
 
 
@@ -427,16 +430,18 @@ def each_table(found: Sequence[EachFit]) -> DataTable:
     return DataTable.of(rows, unbroken=("curve", *names))
 
 
-def draw_each(found: Sequence[EachFit]) -> Drawing:
+def draw_each(data: Any) -> Drawing:
     """A panel for each parameter: values with their intervals over the number of the curve."""
-    data, places = dataset(found), np.arange(1, len(found) + 1)
-    count, explained = max(data.parameter.size, 1), data.explained.values
-    figure, [*panels] = drawing((7.2, 1.6 * count + 0.6), count, 1, sharex=True, squeeze=False)
+    explained, places, count = data.explained.values, np.arange(1, data.curve.size + 1), data.parameter.size
+    size = (7.2, 1.6 * max(count, 1) + 0.6)
+    figure, [*panels] = drawing(size, max(count, 1), 1, sharex=True, squeeze=False)
     for [axes], name in zip(panels, data.parameter.values, strict=False):
         value, _, low, high = (data[of].sel(parameter=name).values for of in OF_PARAMETER)
         reach = np.nan_to_num(np.abs([low - value, high - value]), posinf=0.0)
-        for kept, look in ((explained, EXPLAINED), (~explained, MISSED)):
-            axes.errorbar(places[kept], value[kept], reach[:, kept], fmt="o", markersize=3, **look)
+        looks = (explained, SERIES[0], "explained"), (~explained, VERMILION, "not explained")
+        for kept, colour, label in looks:
+            look: dict[str, Any] = {"fmt": "o", "markersize": 3, "color": colour, "label": label}
+            axes.errorbar(places[kept], value[kept], reach[:, kept], **look)
         axes.set_ylabel(name, color=INK, fontsize="small")
         format_axes(axes)
         axes.locator_params(axis="x", integer=True)

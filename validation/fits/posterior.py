@@ -48,7 +48,7 @@ def sampled(
     problem: FitProblem, best: Array, result: FitResult, price: float, tell: Callable[[str], None]
 ) -> Posterior:
     """Sample about the best point; ``SceneError`` if runs of ``price`` seconds make that too long."""
-    runs, (low, high) = problem.quick or problem, problem.unknowns.bounds
+    runs, (low, high) = problem.quick or problem, problem.bounds
     solver, walkers = ("batch", IN_BATCH) if problem.quick else (problem.settings.solver, WALKERS)
     hours = price * len(problem.models) * walkers * MOST_STEPS / 3600.0
     if problem.quick is None and hours > AFFORDABLE:
@@ -83,12 +83,12 @@ def sampled(
                 break
     discarded = min(math.ceil(BURN_IN * length), step // 2)
     plain = sampler.get_chain(discard=discarded, flat=True).T.tolist()
-    named = zip(problem.unknowns.found, plain, strict=True)
+    named = zip(problem.unknowns, plain, strict=True)
     samples = np.array([[one.value(at) for at in column] for one, column in named])
     ends = np.percentile(samples, [2.5, 50.0, 97.5], axis=1).T.tolist()
     intervals = {
         name: dict(zip(("low", "median", "high"), row, strict=True))
-        for name, row in zip(problem.unknowns.names, ends, strict=True)
+        for name, row in zip(problem.names, ends, strict=True)
     }
     acceptance = float(np.mean(sampler.acceptance_fraction))
     return Posterior(solver, walkers, step, discarded, length, acceptance, intervals, samples.T)

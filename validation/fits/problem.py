@@ -14,7 +14,6 @@ hardly does its error, while steps that are chosen anew for each run may turn a 
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, fields, replace
@@ -93,9 +92,11 @@ class FitSettings(Checked):
     posterior: bool = False
 
     def __post_init__(self) -> None:
-        for name in ("vary", "tie", "per_curve", "free", "profile"):
-            if isinstance(getattr(self, name), str):
-                object.__setattr__(self, name, (getattr(self, name),))
+        plain = {"regularisation": REGULARISATION} if self.regularisation is None else {}
+        names = ("vary", "tie", "per_curve", "free", "profile")
+        alone = {name: (at,) for name in names if isinstance(at := getattr(self, name), str)}
+        for name, value in (plain | alone).items():
+            object.__setattr__(self, name, value)
         super().__post_init__()
 
     def rules(self) -> None:
@@ -105,19 +106,11 @@ class FitSettings(Checked):
         one_of(self.check_solver or "none", "check_solver", ("none", *SOLVERS))
         if list(self.prony) != sorted(set(self.prony)):
             raise SceneError("prony", f"got {shown(self.prony)}", "rising relaxation times")
-        if self.regularisation is None:
-            object.__setattr__(self, "regularisation", REGULARISATION)
 
     @property
     def grid(self) -> tuple[str, ...]:
         """Paths of the moduli on the fixed relaxation times."""
         return tuple(f"material.branches[{index}].modulus" for index in range(len(self.prony)))
-
-    def bending(self, values: Mapping[str, float]) -> Array:
-        """Second differences of the logarithms of the Prony weights, weighted; empty if they are free."""
-        weight = self.regularisation or 0.0
-        logarithms = np.log([values[name] for name in self.grid if weight])
-        return math.sqrt(weight) * np.diff(logarithms, 2)
 
 
 def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
@@ -171,84 +164,34 @@ class Unknown:
         return math.exp(plain) if self.logarithmic else plain * self.scale
 
 
-@dataclass(frozen=True)
-class Unknowns:
-    """All that is searched."""
-
-    found: Sequence[Unknown]
-
-    def __post_init__(self) -> None:
-        known: dict[str, list[int | None]] = defaultdict(list)
-        for one in self.found:
-            for path in one.sets:
-                if one.curve in known[path] or None in known[path] or (known[path] and one.curve is None):
-                    raise SceneError(path, "is varied twice", "each number once")
-                known[path].append(one.curve)
-
-    def __len__(self) -> int:
-        return len(self.found)
-
-    @property
-    def names(self) -> list[str]:
-        """Of all, in their order."""
-        return [one.name for one in self.found]
-
-    def sets(self, *paths: str) -> bool:
-        """Whether one of some paths is varied or tied, or a number of each curve's instrument free."""
-        return any(path in one.sets for one in self.found for path in paths)
-
-    @property
-    def start(self) -> Array:
-        """First guess as the search sees it, shape (P,)."""
-        return np.array([one.plain(one.start) for one in self.found])
-
-    @property
-    def bounds(self) -> tuple[Array, Array]:
-        """Bounds as the search sees them, shape (P,) each."""
-        low = np.array([one.plain(one.low) for one in self.found])
-        return low, np.array([one.plain(one.high) for one in self.found])
-
-    def values(self, x: Array, curve: int | None = None) -> dict[str, float]:
-        """What a point sets by path: for a curve, or only what all curves share."""
-        return {
-            path: ratio * one.value(at)
-            for one, at in zip(self.found, x.tolist(), strict=True)
-            if one.curve in (None, curve)
-            for path, ratio in one.sets.items()
-        }
-
-
-def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) -> Unknowns:
+def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) -> tuple[Unknown, ...]:
     """All parameters of a fit with their first guesses: shared ones, then those of each curve."""
     shared = (*settings.vary, *settings.grid)
     varied = [entry.partition("=")[0] for entry in (*shared, *settings.per_curve)]
-    tied = _ties(settings.tie, varied)
-    for path in (*varied, *(one for ties in tied.values() for one in ties)):
+    ties = [(path, other) for path, _, other in (entry.partition("=") for entry in settings.tie)]
+    for path, other in ties:
+        if not path or not other or path == other:
+            problem = f"{shown(path)} is tied to {'itself' if other else 'nothing'}"
+            raise SceneError("tie", problem, "PATH=OTHER, two numbers of the scene")
+        if other not in varied:
+            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
+    for path in (*varied, *(path for path, _ in ties)):
         _check_part(path, models)
-    found = [_of_scene(scene, entry, tied) for entry in shared]
+    found = [_of_scene(scene, entry, ties) for entry in shared]
     for index, model in enumerate(models):
-        of_curve = index, model.curve.name
-        found += [_of_scene(model.scene, entry, tied, of_curve) for entry in settings.per_curve]
+        found += [
+            _of_scene(model.scene, entry, ties, index, model.curve.name) for entry in settings.per_curve
+        ]
         kinds = [kind for kind in dict.fromkeys(settings.free) if kind not in BACKGROUND]
         found += [_of_instrument(model, index, kind) for kind in kinds]
     if not found:
         raise SceneError("vary", "is empty", "at least one number of the scene")
-    return Unknowns(found)
-
-
-def _ties(entries: Sequence[str], varied: Sequence[str]) -> dict[str, list[str]]:
-    """The paths that are tied to each one that is varied."""
-    tied: dict[str, list[str]] = defaultdict(list)
-    for entry in entries:
-        path, _, other = entry.partition("=")
-        if not path or not other:
-            raise SceneError("tie", f"got {shown(entry)}", "PATH=OTHER, both numbers of the scene")
-        if path == other:
-            raise SceneError("tie", f"{shown(path)} is tied to itself", "two numbers of the scene")
-        if other not in varied:
-            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
-        tied[other].append(path)
-    return tied
+    for curve in (None, *range(len(models))):
+        paths = [path for one in found if one.curve in (None, curve) for path in one.sets]
+        for path in paths:
+            if paths.count(path) > 1:
+                raise SceneError(path, "is varied twice", "each number once")
+    return tuple(found)
 
 
 def _check_part(path: str, models: Sequence[CurveModel]) -> None:
@@ -263,11 +206,11 @@ def _check_part(path: str, models: Sequence[CurveModel]) -> None:
 
 
 def _of_scene(
-    scene: Scene, entry: str, tied: Mapping[str, Sequence[str]], curve: tuple[int | None, str] = (None, "")
+    scene: Scene, entry: str, ties: Iterable[tuple[str, str]], curve: int | None = None, of: str = ""
 ) -> Unknown:
     """The unknown of ``PATH``, ``PATH=LOW:HIGH`` or ``PATH=LOW:HIGH:linear``, with the paths tied to it."""
     path, _, limits = entry.partition("=")
-    start = value_at(scene, path)
+    start, tied = value_at(scene, path), [tie for tie, other in ties if other == path]
     linear = limits.endswith(":linear")
     low, high = low_and_high(limits.removesuffix(":linear"), path) if limits else (None, None)
     least, most = LIMITED.get(path, (-math.inf, math.inf))
@@ -276,12 +219,11 @@ def _of_scene(
     widest = (start / RANGE, start * RANGE) if logarithmic else (start - reach, start + reach)
     low = max(widest[0] if low is None else low, least)
     high = min(widest[1] if high is None else high, most)
-    if start == 0.0 and path in tied:
+    if start == 0.0 and tied:
         raise SceneError(path, "is zero, and others are tied to it", "a value that ratios refer to")
-    ratios = {path: 1.0} | {other: value_at(scene, other) / start for other in tied.get(path, ())}
-    place, name = curve
-    name = path if place is None else f"{path}@{name}"
-    return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, place, ratios)
+    ratios = {path: 1.0} | {tie: value_at(scene, tie) / start for tie in tied}
+    name = path if curve is None else f"{path}@{of}"
+    return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, curve, ratios)
 
 
 def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
@@ -298,12 +240,15 @@ def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
 
 @dataclass(frozen=True)
 class Point:
-    """A point of the search: runs at the rows of the curves, residuals (R,) with the background that makes
-    them least, its parts as columns over the noise (R, Q), and how much there is of each (Q,)."""
+    """A point of the search: runs at the rows of the curves; residuals (R,) ``raw``, and with the background
+    that makes them least; which ``hold``, which are of rows in contact; parts of the background as columns
+    over the noise (R, Q), and how much there is of each (Q,)."""
 
-    predictions: list[Prediction]
+    predictions: Sequence[Prediction]
+    raw: Array
     residuals: Array
-    compared: NDArray[np.bool_]
+    hold: NDArray[np.bool_]
+    touching: NDArray[np.bool_]
     columns: Array
     background: Array
 
@@ -315,7 +260,7 @@ class FitProblem:
     ``quick`` has its runs in batches, if they can be."""
 
     models: Sequence[CurveModel]
-    unknowns: Unknowns
+    unknowns: Sequence[Unknown]
     settings: FitSettings
     executor: Executor | None = None
     store: Store = field(default_factory=Store)
@@ -327,20 +272,35 @@ class FitProblem:
     _kept: dict[str, FitRun] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        predicted = [model.prediction(NO_CONTACT, 0.0) for model in self.models]
-        sizes = [one.residuals.size for one in predicted]
-        ends = np.cumsum([0, *sizes, self._bending(self.unknowns.start).size]).tolist()
-        self._rows, self.size = [slice(*both) for both in pairwise(ends[:-1])], ends[-1]
-        self.force_rows = [
-            slice(rows.start, rows.start + model.curve.time.size)
-            for rows, model in zip(self._rows, self.models, strict=True)
-        ]
+        self.names = [one.name for one in self.unknowns]
+        self.start = np.array([one.plain(one.start) for one in self.unknowns])
+        self.bounds = tuple(
+            np.array([one.plain(at) for one, at in zip(self.unknowns, ends, strict=True)])
+            for ends in ([one.low for one in self.unknowns], [one.high for one in self.unknowns])
+        )
+        # Second differences of logarithms, which are numbers of the search.
+        on_grid = np.eye(len(self.names))[[self.names.index(name) for name in self.settings.grid]]
+        self._bending = math.sqrt(self.settings.regularisation or 0.0) * np.diff(on_grid, 2, axis=0)
+        sizes = [model.prediction(NO_CONTACT, 0.0).residuals.size for model in self.models]
+        begins = np.cumsum([0, *sizes]).tolist()
+        self.size = begins[-1] + len(self._bending)
+        rows = [(begin, begin + one.curve.time.size) for begin, one in zip(begins, self.models, strict=False)]
+        self.force_rows = [slice(*both) for both in rows]
         backgrounds = [model.background(self.settings.free) for model in self.models]
         self.parts = [(curve, name) for curve, own in enumerate(backgrounds) for name in own]
         self.columns = np.zeros((self.size, len(self.parts)))
         for place, (curve, name) in enumerate(self.parts):
             column = backgrounds[curve][name] / self.models[curve].allowed
             self.columns[self.force_rows[curve], place] = column
+
+    def values(self, x: Array, curve: int | None = None) -> dict[str, float]:
+        """What a point sets by path: for a curve, or only what all curves share."""
+        return {
+            path: ratio * one.value(at)
+            for one, at in zip(self.unknowns, x.tolist(), strict=True)
+            if one.curve in (None, curve)
+            for path, ratio in one.sets.items()
+        }
 
     def residuals(self, x: Array) -> Array:
         """Residuals at a point of the search, shape (R,)."""
@@ -351,69 +311,59 @@ class FitProblem:
         return self.all_at([x])[0]
 
     def all_at(self, points: Iterable[Array]) -> list[Point]:
-        """Points of the search, whose runs are carried out together."""
-        places, count = list(points), len(self.models)
-        predicted = self.predictions([call for x in places for call in self._calls(x)])
-        return [self._point(x, predicted[n * count : (n + 1) * count]) for n, x in enumerate(places)]
+        """Points of the search, whose runs are carried out together, equal ones once."""
+        settings, asked, tasks = self.settings, [], {}
+        how = settings.solver, settings.resolution, self.tolerance, settings.max_steps
+        places = list(points)
+        for x in places:
+            for curve, model in enumerate(self.models):
+                values = self.values(x, curve)
+                contact, offset = (values.pop(name, 0.0) for name in (CONTACT_POINT, TIME_OFFSET))
+                try:
+                    scene, begin = model.scene_of(values, contact)
+                    key = fingerprint("fit", scene, *how)
+                    if key not in self._kept:
+                        tasks[key] = Task(key, f"curve {curve + 1}", run_of, (scene, *how), FitRun)
+                except SceneError as error:  # a corner of the search that no scene may have
+                    key, begin = str(error), float(model.curve.time[-1])
+                    self._kept[key] = replace(NO_CONTACT, failure=key)
+                asked.append((model, key, begin, offset))
+        self.carry_out(tasks)
+        made = [model.prediction(self._kept[key], begin, offset) for model, key, begin, offset in asked]
+        count = len(self.models)
+        return [self._point(x, made[n * count : (n + 1) * count]) for n, x in enumerate(places)]
 
-    def _point(self, x: Array, predicted: list[Prediction]) -> Point:
+    def _point(self, x: Array, predicted: Sequence[Prediction]) -> Point:
         """A point with its runs and the background that makes its residuals least."""
-        bending = self._bending(x)
-        compared = np.concatenate([*(one.hold for one in predicted), np.ones(bending.size, bool)])
-        raw = np.concatenate([*(one.residuals for one in predicted), bending])
-        raw, columns = np.where(compared, raw, 0.0), np.where(compared[:, None], self.columns, 0.0)
+        bending = self._bending @ x
+        hold = np.concatenate([*(one.hold for one in predicted), np.ones(bending.size, bool)])
+        touching = np.concatenate([*(one.touching for one in predicted), np.zeros(bending.size, bool)])
+        raw = np.where(hold, np.concatenate([*(one.residuals for one in predicted), bending]), 0.0)
+        columns = np.where(hold[:, None], self.columns, 0.0)
         background = -least_squares(columns, raw)
-        return Point(predicted, raw + columns @ background, compared, columns, background)
+        return Point(predicted, raw, raw + columns @ background, hold, touching, columns, background)
+
+    def beside(self, x: Array) -> tuple[Array, list[Point]]:
+        """Steps of the numbers of the search; the point, and those a step beside it."""
+        steps = np.where(x + self.step <= self.bounds[1], self.step, -self.step)
+        return steps, self.all_at([x, *(x + np.diag(steps))])
+
+    def derivatives(self, x: Array) -> Array:
+        """Derivatives by the numbers of the search with the background held, shape (R, P); a row that comes
+        into contact or loses it on the way has one on either side only."""
+        if self.quick is not None:
+            return self.quick.derivatives(x)
+        steps, (now, *others) = self.beside(x)
+        slopes = [
+            np.where(now.touching == one.touching, one.raw - now.raw, 0.0) / step
+            for step, one in zip(steps, others, strict=True)
+        ]
+        return np.column_stack(slopes)
 
     def jacobian(self, x: Array) -> Array:
         """Derivatives by the numbers of the search, the background following, shape (R, P)."""
         slopes, columns = self.derivatives(x), self.at(x).columns
         return slopes - columns @ least_squares(columns, slopes)
-
-    def derivatives(self, x: Array) -> Array:
-        """Derivatives by the numbers of the search with the background held, shape (R, P)."""
-        if self.quick is not None:
-            return self.quick.derivatives(x)
-        steps, points, predicted = self._differences(x)
-        count = len(self.models)
-        slopes = np.zeros((self.size, x.size))
-        for place, (step, point) in enumerate(zip(steps, points[1:], strict=True)):
-            others = predicted[count * (place + 1) :]
-            for rows, now, other in zip(self._rows, predicted, others, strict=False):
-                change = (other.residuals - now.residuals) / step
-                slopes[rows, place] = np.where(now.hold & (now.touching == other.touching), change, 0.0)
-            slopes[self._rows[-1].stop :, place] = (self._bending(point) - self._bending(x)) / step
-        return slopes
-
-    def _differences(self, x: Array) -> tuple[Array, list[Array], list[Prediction]]:
-        """Steps of the numbers of the search, the point and those a step beside it, with their runs."""
-        steps = np.where(x + self.step <= self.unknowns.bounds[1], self.step, -self.step)
-        points = [x, *(x + np.diag(steps))]
-        return steps, points, self.predictions([call for point in points for call in self._calls(point)])
-
-    def predictions(self, points: Sequence[tuple[int, Mapping[str, float]]]) -> list[Prediction]:
-        """Predictions for curves, each with its numbers by path; equal runs are done once."""
-        settings = self.settings
-        asked_of = settings.solver, settings.resolution, self.tolerance, settings.max_steps
-        asked: list[tuple[str, float]] = []  # key of the run, or why there is none; start of its clock
-        tasks: dict[str, Task] = {}
-        for curve, values in points:
-            model, of_scene = self.models[curve], {path: at for path, at in values.items() if "." in path}
-            try:
-                scene, begin = model.scene_of(of_scene, values.get(CONTACT_POINT, 0.0))
-                key = fingerprint("fit", scene, *asked_of)
-                if key not in self._kept:
-                    tasks[key] = Task(key, f"curve {curve + 1}", run_of, (scene, *asked_of), FitRun)
-            except SceneError as error:  # a corner of the search that no scene may have
-                key, begin = str(error), float(model.curve.time[-1])
-                self._kept[key] = replace(NO_CONTACT, failure=key)
-            asked.append((key, begin))
-        self.carry_out(tasks)
-        made = []
-        for (curve, values), (key, begin) in zip(points, asked, strict=True):
-            offset = values.get(TIME_OFFSET, 0.0)
-            made.append(self.models[curve].prediction(self._kept[key], begin, offset))
-        return made
 
     def carry_out(self, tasks: Mapping[str, Task]) -> None:
         """Runs that are kept, by their keys, side by side."""
@@ -434,12 +384,6 @@ class FitProblem:
         """Keep no run any more."""
         self._kept.clear()
 
-    def _calls(self, x: Array) -> list[tuple[int, dict[str, float]]]:
-        return [(curve, self.unknowns.values(x, curve)) for curve in range(len(self.models))]
-
-    def _bending(self, x: Array) -> Array:
-        return self.settings.bending(self.unknowns.values(x))
-
 
 class BatchProblem(FitProblem):
     """A problem whose runs are those of the batch solver."""
@@ -450,7 +394,7 @@ class BatchProblem(FitProblem):
         if problem.settings.solver != REFERENCE:
             return None
         found = cls(**{one.name: getattr(problem, one.name) for one in fields(problem)} | {"_kept": {}})
-        answered = all(one.touching.any() for one in found.at(found.unknowns.start).predictions)
+        answered = all(one.touching.any() for one in found.at(found.start).predictions)
         return found if answered else None
 
     def agrees(self, other: FitProblem, x: Array) -> bool:
@@ -458,12 +402,11 @@ class BatchProblem(FitProblem):
         problem have their least, but for what a search leaves, with the same parameters."""
         own, slopes = self.residuals(x), self.jacobian(x)
         along = slopes @ least_squares(slopes, own - other.residuals(x))
-        failed = any(one.failure for one in self._differences(x)[2])
+        failed = any(one.failure for point in self.beside(x)[1] for one in point.predictions)
         return not failed and bool(along @ along <= SETTLED * np.mean(own**2))
 
     def at(self, x: Array) -> Point:
-        self._differences(x)  # in one batch with the point
-        return super().at(x)
+        return self.beside(x)[1][0]  # in one batch
 
     def carry_out(self, tasks: Mapping[str, Task]) -> None:
         scenes = [as_ramps(task.arguments[0]) for task in tasks.values()]
@@ -479,9 +422,8 @@ def as_ramps(scene: Scene) -> Scene:
     """The scene with its table of the motion as ramps and holds."""
     [table] = scene.loading.steps
     assert isinstance(table, Table)
-    least = SMALLEST * float(np.ptp(table.values))
+    least, at = SMALLEST * float(np.ptp(table.values)), table.values[0]
     steps: list[Ramp | Hold] = []
-    at = table.values[0]
     for (begin, end), to in zip(pairwise(table.times), table.values[1:], strict=True):
         rise, lasts = abs(to - at), end - begin
         steps.append(Hold(lasts) if rise <= least else Ramp(to, rise / lasts))

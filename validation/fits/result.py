@@ -53,6 +53,20 @@ class Estimate:
     start: float
     note: str = ""
 
+    @classmethod
+    def of(cls, one: Unknown, at: float, variance: float) -> Estimate:
+        """A number of the search with its variance."""
+        deviation, low, high = math.sqrt(variance), one.plain(one.low), one.plain(one.high)
+        note = ""
+        if min(at - low, high - at) < AT_BOUND:
+            note = "held by its bound"
+        elif not deviation < (VAGUE if one.logarithmic else math.inf):
+            note = "not determined by these data"
+        reach = QUANTILE * deviation
+        ends = one.value(max(at - reach, low)), one.value(min(at + reach, high))
+        size = deviation if one.logarithmic else deviation * one.scale
+        return cls(one.name, one.value(at), size, one.logarithmic, *ends, one.start, note)
+
 
 @dataclass(frozen=True)
 class Combination:
@@ -71,12 +85,25 @@ class Combination:
 @dataclass(frozen=True)
 class RunsTest:
     """Wald and Wolfowitz' test of the signs of one curve's residuals (Ann. Math. Stat. 11, 147, 1940): runs
-    of one sign, their number by chance, and the probability of so few."""
+    of one sign, their number by chance, and the probability of so few, which miss the shape of the curve."""
 
     curve: str
     runs: int
     expected: float
     probability: float
+
+    @classmethod
+    def of(cls, curve: str, residuals: Array) -> RunsTest:
+        """Count stretches of one sign."""
+        signs = residuals[residuals != 0.0] > 0.0
+        both, above = signs.size, int(signs.sum())
+        runs = 1 + int((signs[1:] != signs[:-1]).sum()) if both else 0
+        if above in (0, both):
+            return cls(curve, runs, float(runs), 1.0 if both < 10 else 0.0)
+        expected = 1.0 + 2.0 * above * (both - above) / both
+        variance = (expected - 1.0) * (expected - 2.0) / max(both - 1.0, 1.0)
+        z = (runs + 0.5 - expected) / math.sqrt(variance) if variance > 0.0 else 0.0
+        return cls(curve, runs, expected, 0.5 * math.erfc(-z / math.sqrt(2.0)))
 
 
 @dataclass(frozen=True)
@@ -135,8 +162,8 @@ class FittedCurve:
     @property
     def worst_stretch(self) -> tuple[float, float] | None:
         """First and last time of the stretch, if any is missed."""
-        begin, end = self.stretch.start, self.stretch.stop - 1
-        return (float(self.curve.time[begin]), float(self.curve.time[end])) if end >= begin else None
+        times = self.curve.time[self.stretch]
+        return (float(times[0]), float(times[-1])) if times.size else None
 
 
 @dataclass(frozen=True)
@@ -213,6 +240,37 @@ class InterruptedFit(KeyboardInterrupt):
         self.result = result
 
 
+def judged(problem: FitProblem, x: Array, scene: Scene, warnings: Sequence[str], **how: Any) -> FitResult:
+    """Errors and goodness of the point at which a search ended; ``how`` it was carried out."""
+    point, good = problem.at(x), goodness(problem, problem.at(x))
+    free = [  # parts of the background, which start from nothing and have no bounds
+        Unknown(f"{part}@{problem.models[at].curve.name}", 0.0, -np.inf, np.inf, False, scale, at)
+        for (at, part), scale in zip(
+            problem.parts, (1.0 / np.abs(problem.columns).max(axis=0, initial=0.0)).tolist(), strict=True
+        )
+    ]
+    unknowns, scale = [*problem.unknowns, *free], np.array([one.scale for one in free])
+    whole = independent(problem, point, np.column_stack([problem.derivatives(x), point.columns * scale]))
+    spread = covariance(whole, good.variance)[0]
+    found, names = [*x.tolist(), *(point.background / scale).tolist()], [one.name for one in unknowns]
+    positive = np.array([one.logarithmic for one in unknowns])
+    curves = tuple(_fitted(problem, index, x, point) for index in range(len(problem.models)))
+    told = "the run of the best point did not reach its end"
+    return FitResult(
+        scene=with_values(scene, problem.values(x)),
+        settings=problem.settings,
+        curves=curves,
+        estimates=tuple(map(Estimate.of, unknowns, found, np.diag(spread).tolist())),
+        correlations=(together := correlation(spread)),
+        combinations=combinations(names, whole, positive, good.variance),
+        confused=confused(names, together),
+        goodness=good,
+        warnings=(*warnings, *(f"{one.curve.name}: {told}: {one.failure}" for one in curves if one.failure)),
+        tolerance=problem.tolerance,
+        **how,
+    )
+
+
 def goodness(problem: FitProblem, point: Point) -> Goodness:
     """Whether a point explains the data."""
     from scipy import special  # takes longer to load than all else that a curve needs
@@ -220,23 +278,21 @@ def goodness(problem: FitProblem, point: Point) -> Goodness:
     over_noise = point.residuals.copy()
     tests, shares, known = [], [], 0.0
     for model, rows in zip(problem.models, problem.force_rows, strict=True):
-        own = point.residuals[rows][point.compared[rows]]
+        own = point.residuals[rows][point.hold[rows]]
         over_noise[rows] *= model.allowed / model.moments.noise
-        tests.append(runs_test(model.curve.name, own))
+        tests.append(RunsTest.of(model.curve.name, own))
         shares.append(rms(own) * model.allowed / float(np.ptp(model.curve.force)))
         known += model.moments.noise_degrees
-    free = len(problem.unknowns) + point.background.size
-    degrees = max(int(point.compared.sum()) - free, 1)
+    degrees = max(int(point.hold.sum()) - len(problem.unknowns) - point.background.size, 1)
     total, within = float(over_noise @ over_noise), problem.settings.within
-    own_variance = float(point.residuals @ point.residuals) / degrees
     if np.isfinite(known):
         chance = float(special.fdtrc(degrees, known, total / degrees))
         pooled = (total + known) / (degrees + known)
     else:
         chance, pooled = float(special.chdtrc(degrees, total)), 1.0
+    own_variance = float(point.residuals @ point.residuals) / degrees
     variance = max(own_variance, 1.0) if chance < UNLIKELY else pooled
-    misfit = float(np.sqrt(total / degrees))
-    variance = own_variance if within else variance
+    misfit, variance = math.sqrt(total / degrees), own_variance if within else variance
     return Goodness(total, degrees, known, chance, tuple(tests), misfit, max(shares), within, variance)
 
 
@@ -249,88 +305,34 @@ def independent(problem: FitProblem, point: Point, rows_of: Array) -> Array:
     """Rows of a Jacobian, or residuals, over the root of the length over which those of a curve correlate."""
     found = rows_of.copy()
     for rows in problem.force_rows:
-        found[rows] /= np.sqrt(correlation_length(point.residuals[rows][point.compared[rows]]))
+        found[rows] /= np.sqrt(correlation_length(point.residuals[rows][point.hold[rows]]))
     return found
-
-
-def judged(problem: FitProblem, x: Array, scene: Scene, warnings: Sequence[str], **how: Any) -> FitResult:
-    """Errors and goodness of the point at which a search ended; ``how`` it was carried out."""
-    point, slopes = problem.at(x), problem.derivatives(x)
-    good = goodness(problem, point)
-    unknowns = [*problem.unknowns.found, *_background(problem)]
-    scale = np.array([one.scale for one in unknowns[len(x) :]])
-    whole = independent(problem, point, np.column_stack([slopes, point.columns * scale]))
-    spread = covariance(whole, good.variance)[0]
-    found, names = [*x.tolist(), *(point.background / scale).tolist()], [one.name for one in unknowns]
-    positive = np.array([one.logarithmic for one in unknowns])
-    curves = tuple(_fitted(problem, index, x, point) for index in range(len(problem.models)))
-    told = "the run of the best point did not reach its end"
-    return FitResult(
-        scene=with_values(scene, problem.unknowns.values(x)),
-        settings=problem.settings,
-        curves=curves,
-        estimates=tuple(map(estimate, unknowns, found, np.diag(spread).tolist())),
-        correlations=correlation(spread),
-        combinations=combinations(names, whole, positive, good.variance),
-        confused=confused(names, correlation(spread)),
-        goodness=good,
-        warnings=(*warnings, *(f"{one.curve.name}: {told}: {one.failure}" for one in curves if one.failure)),
-        tolerance=problem.tolerance,
-        **how,
-    )
-
-
-def _background(problem: FitProblem) -> list[Unknown]:
-    """The parts of the background, which start from nothing and have no bounds."""
-    scales = 1.0 / np.abs(problem.columns).max(axis=0, initial=0.0)
-    return [
-        Unknown(f"{part}@{problem.models[at].curve.name}", 0.0, -np.inf, np.inf, False, scale, at)
-        for (at, part), scale in zip(problem.parts, scales.tolist(), strict=True)
-    ]
 
 
 def _fitted(problem: FitProblem, index: int, x: Array, point: Point) -> FittedCurve:
     """A curve beside the fitted force."""
-    model = problem.models[index]
-    curve, seen = model.curve, model.moments
-    rows = problem.force_rows[index]
-    background = model.allowed * (problem.columns[rows] @ point.background)
-    force, kept = point.predictions[index].force + background, point.compared[rows]
+    model, rows, predicted = problem.models[index], problem.force_rows[index], point.predictions[index]
+    curve, kept = model.curve, point.hold[rows]
+    force = predicted.force + model.allowed * (problem.columns[rows] @ point.background)
     left = curve.force - force
     return FittedCurve(
         curve,
         force,
-        left / seen.noise,
+        left / model.moments.noise,
         kept,
-        curve.position - problem.unknowns.values(x, index).get(CONTACT_POINT, 0.0),
-        seen.noise,
-        seen.noise_source,
+        curve.position - problem.values(x, index).get(CONTACT_POINT, 0.0),
+        model.moments.noise,
+        model.moments.noise_source,
         correlation_length(left[kept]),
         misfitting_stretch(np.where(kept, left / model.allowed, 0.0)),
-        point.predictions[index].failure,
+        predicted.failure,
     )
-
-
-def runs_test(curve: str, residuals: Array) -> RunsTest:
-    """Count stretches of one sign; few of them mean that the model misses the shape of the curve."""
-    signs = residuals[residuals != 0.0] > 0.0
-    above = int(signs.sum())
-    below = signs.size - above
-    runs = 1 + int((signs[1:] != signs[:-1]).sum()) if signs.size else 0
-    if min(above, below) == 0:
-        return RunsTest(curve, runs, float(runs), 1.0 if signs.size < 10 else 0.0)
-    both = above + below
-    expected = 1.0 + 2.0 * above * below / both
-    variance = (expected - 1.0) * (expected - 2.0) / max(both - 1.0, 1.0)
-    z = (runs + 0.5 - expected) / np.sqrt(variance) if variance > 0.0 else 0.0
-    return RunsTest(curve, runs, expected, 0.5 * math.erfc(-z / math.sqrt(2.0)))
 
 
 def correlation_length(residuals: Array) -> float:
     """Rows that tell as much as one: twice the sum of the autocorrelation, up to what white noise has."""
     rows = residuals.size
-    power = np.abs(np.fft.rfft(residuals, 2 * rows)) ** 2
-    product = np.fft.irfft(power)[:rows]
+    product = np.fft.irfft(np.abs(np.fft.rfft(residuals, 2 * rows)) ** 2)[:rows]
     if rows < 2 or product[0] <= 0.0:
         return 1.0
     correlations = product[1:] / product[0]
@@ -343,8 +345,7 @@ def misfitting_stretch(residuals: Array) -> slice:
     """The rows whose squares exceed twice the variance of residuals by most in all (Bentley, Commun. ACM 27,
     865, 1984); none if no row does."""
     total = np.concatenate([[0.0], np.cumsum(residuals**2 - 2.0)])
-    lowest = np.minimum.accumulate(total)
-    end = int(np.argmax(total - lowest))
+    end = int(np.argmax(total - np.minimum.accumulate(total)))
     return slice(int(np.argmin(total[: end + 1])), end)
 
 
@@ -358,21 +359,6 @@ def covariance(jacobian: Array, variance: float) -> tuple[Array, Array, Array]:
     blind = (np.abs(directions[~seen]) > np.sqrt(NEGLIGIBLE)).any(axis=0)
     result[blind, blind] = np.inf
     return result, deviations[::-1], directions[::-1]
-
-
-def estimate(one: Unknown, at: float, variance: float) -> Estimate:
-    """A number with its standard deviation and 95 % interval, within its bounds."""
-    deviation = float(np.sqrt(variance))
-    low, high = one.plain(one.low), one.plain(one.high)
-    reach = QUANTILE * deviation
-    note = ""
-    if min(at - low, high - at) < AT_BOUND:
-        note = "held by its bound"
-    elif not deviation < (VAGUE if one.logarithmic else np.inf):
-        note = "not determined by these data"
-    size = deviation if one.logarithmic else deviation * one.scale
-    ends = one.value(max(at - reach, low)), one.value(min(at + reach, high))
-    return Estimate(one.name, one.value(at), size, one.logarithmic, *ends, one.start, note)
 
 
 def correlation(spread: Array) -> Array:
@@ -390,8 +376,7 @@ def combinations(
     """Products of powers of the positive parameters with independent errors, the least known first, all other
     parameters following: the directions of what their derivatives do not share with those."""
     own, others = jacobian[:, positive], jacobian[:, ~positive]
-    own = own - others @ least_squares(others, own)
-    _, deviations, directions = covariance(own, variance)
+    _, deviations, directions = covariance(own - others @ least_squares(others, own), variance)
     named, made = [name for name, one in zip(names, positive, strict=True) if one], []
     for deviation, direction in zip(deviations, directions, strict=True):
         largest = direction[np.argmax(np.abs(direction))]
