@@ -343,12 +343,10 @@ class ContactProblem:
         nodes = SurfaceRecord(here.positions, b / here.unit, here.profile / here.unit, int(np.floor(s)) + 1)
         if state.record is None or s <= NO_CONTACT:
             return nodes
-        ends, sites = here.geometry.effective[nodes.edge - 1 :], here.positions[nodes.edge :]
-        # components sit aside of the middle of their radii by an error of the stiffness: the same all around
-        sited = 2.0 * (sites[0] + sites[1]) / (ends[0] + 2.0 * ends[1] + ends[2])
+        edge = here.site(s)
+        sited = edge / self.geometry.radius(s)
         moments = self._moments(s)
         penetrations = state.penetration, self.penetration(s)
-        edge = sited * self.geometry.radius(s)
         passed = state.record.after(
             self.solid, self.dt, penetrations, edge, lambda x: moments(x / sited), nodes
         )

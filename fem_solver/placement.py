@@ -197,6 +197,15 @@ class Placement:
         """Penetration at which elastic contact without adhesion ends at a radius."""
         return float(self._depth_over_square(radius**2))
 
+    def site(self, s: float) -> float:
+        """Where components at an edge position sit.
+
+        Aside of the middle of their radii by an error of the stiffness, the same all around.
+        """
+        node = int(np.floor(s)) + 1
+        ends, sites = self.geometry.effective[node - 1 : node + 2], self.positions[node : node + 2]
+        return float(2.0 * sites.sum() / (ends[0] + 2.0 * ends[1] + ends[2]) * self.geometry.radius(s))
+
     @cached_property
     def depths(self) -> Array:
         """That of each component; shape (n,)."""
@@ -211,6 +220,12 @@ class Placement:
         if 0 < tip < count and squares[tip - 1] < self.plane_tip**2:  # which lies between two components
             squares, depths = np.insert(squares, tip, self.plane_tip**2), np.insert(depths, tip, 0.0)
         return PchipInterpolator(squares, depths)
+
+    @cached_property
+    def wide(self) -> NDArray[np.bool_]:
+        """Whether each node is away from the fine strip."""
+        nodes = np.arange(len(self.radii))
+        return np.asarray((nodes < int(self.lowest)) | (nodes > self.geometry.last))
 
     @property
     def fine_intervals(self) -> int:

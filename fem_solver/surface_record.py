@@ -145,7 +145,8 @@ def averaged(x: Array, values: Array, bounds: Array) -> Array:
     with np.errstate(over="ignore"):  # as above
         total = PchipInterpolator(x, values, axis=1).antiderivative()(within)
     total += values[:, :1] * np.minimum(bounds - x[0], 0.0) + values[:, -1:] * np.maximum(bounds - x[-1], 0.0)
-    return np.asarray(np.diff(total, axis=1) / np.diff(bounds))
+    width, there = np.diff(bounds), interpolated(x, values, bounds[1:])
+    return np.divide(np.diff(total, axis=1), width, out=there, where=width > 0.0)
 
 
 def _needed(x: Array, values: Array, count: int) -> NDArray[np.bool_]:
