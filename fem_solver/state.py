@@ -94,9 +94,9 @@ def transferred(state: ComponentState, old: Placement, new: Placement, solid: Co
     forces. Elements are wide away from the strip: there a node takes the mean over its radii, so that forces
     stay where an edge has left a jump behind. What the surface holds beyond the means is kept as an energy,
     which relaxes as the surface there does: in contact as far as its points tell, outside all of it. The
-    contact's energy on two meshes differs by a hundred-thousandth as well, an error that goes when the contact
-    goes, and that a surface without force would keep. What the interface holds in the partly released node
-    has been work done on the surface.
+    contact's energy differs between two meshes by a hundred-thousandth as well: an error that goes when the
+    contact goes, and that a surface without force would keep. What the interface holds in the partly released
+    node has been work done on the surface.
     """
     if old.place == new.place:
         return state

@@ -119,7 +119,7 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
 
 @pytest.mark.slow
 def test_what_branches_dissipate_under_an_edge_that_opens_over_hundreds_of_zones_in_each_step():
-    """The mesh moves on in every step, and the edge, with what has just been released, is in a wide element."""
+    """The mesh moves on in every step: the edge, and what has just been released, are in a wide element."""
     trace = FiniteElements().solve(load("steady-rate-si").scene, 4)
     dissipated = trace.extra["branch_dissipation"][-1]
     assert dissipated == pytest.approx(1.5252e-7, rel=2e-3)
