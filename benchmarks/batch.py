@@ -1,21 +1,28 @@
-"""The batch solver against the reference: ``python -m benchmarks.batch [--sample N | --random N]``.
+"""The batch solver against the reference: ``python -m benchmarks.batch [--random N | --sweep N]``.
 
 Each row is a family of random scenes. Both solvers take turns on one core; the reference solves a sample. A
 line tells processor time a scene of both, how many have an answer, and of the sample the differences of the
 pull-off force, in the median, of 99 in 100, the largest, and how many are larger than the error estimate.
 ``--random N``: N scenes drawn from all families instead, each solved by both; how many differences are larger
 than the estimate, and than it and the reference's own together, and the worst ratios.
+``--sweep N``: the command ``crosscontact sweep`` with N retractions on two processes; what it takes.
 """
 
 from __future__ import annotations
 
 import argparse
+import resource
+import subprocess
+import sys
+import tempfile
 import time
 import tracemalloc
 from collections import Counter
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+import tomli_w
 
 from contact_scene import Adhesion, Branch, Hold, Indenter, Loading, Material, PowerLaw, Ramp, Scene, Sphere
 from validation.reference import batch
@@ -150,6 +157,39 @@ def calibrate(asked: argparse.Namespace) -> None:
         print(f"{ratio:8.2f} times, {apart:.1e}: {name}")
 
 
+def sweep(count: int) -> None:
+    """Print time and memory of a sweep, its sample by the reference and its data set included."""
+    keys = {
+        "loading.steps.0.rate": (1e-3, 10.0),
+        "adhesion.work": (1e-4, 1e-3),
+        "adhesion.zone": (3e-3, 0.013),
+    }
+    ranges = [{"key": key, "range": list(span), "scale": "log"} for key, span in keys.items()]
+    plan = {"scene": "retraction-fast", "solver": "batch", "design": "sobol", "points": count, "drawn": []}
+    with tempfile.TemporaryDirectory() as folder:
+        file, began = Path(folder) / "plan.toml", time.perf_counter()
+        file.write_text(tomli_w.dumps(plan | {"coordinates": ranges}))
+        asked = [
+            sys.executable,
+            "-m",
+            "crosscontact",
+            "sweep",
+            str(file),
+            "--out",
+            f"{folder}/out",
+            "--jobs",
+            "2",
+        ]
+        subprocess.run(asked, check=True)
+        wall, spent = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
+        size = sum(one.stat().st_size for one in Path(folder).rglob("*") if one.is_file())
+    processor = spent.ru_utime + spent.ru_stime
+    print(
+        f"{count} runs in {wall:.0f} s; processor {processor:.0f} s, {1e3 * processor / count:.2f} ms a run"
+    )
+    print(f"largest process {spent.ru_maxrss / 1e3:.0f} MB; files {size / 1e6:.0f} MB")
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
@@ -159,7 +199,11 @@ def main() -> None:
     parser.add_argument("--only", default="")
     parser.add_argument("--resolution", type=int, help="of the reference; by default its own")
     parser.add_argument("--random", type=int, default=0, help="scenes for the calibration of estimates")
+    parser.add_argument("--sweep", type=int, default=0, help="runs of a sweep")
     asked = parser.parse_args()
+    if asked.sweep:
+        sweep(asked.sweep)
+        return
     if asked.random:
         calibrate(asked)
         return

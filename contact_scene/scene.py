@@ -172,6 +172,8 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
 def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") -> Scene:
     """Build a scene from the parsed contents of a scene file; tables are looked up in ``folder``.
 
+    A part that is built already stands for its table.
+
     Examples
     --------
     >>> scene = cc.scene_from_dict({
@@ -187,12 +189,13 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
         raise SceneError("", f"got {shown(data)}", _A_SCENE)
     check_keys(data, ("title", *_TABLES))
     for key in _TABLES:
-        if key in data and not isinstance(data[key], dict):
+        if key in data and not isinstance(data[key], (dict, Checked)):
             raise SceneError(key, f"got {shown(data[key])}", f"a table [{key}]")
         if key not in data and key in ("material", "indenter", "loading"):
             raise SceneError(key, "is missing", f"a table [{key}]")
     parts = {key: value for key, value in data.items() if key != "machine"}
-    parts["material"] = under("material", lambda: material_of(data["material"], where))
+    if isinstance(data["material"], dict):
+        parts["material"] = under("material", lambda: material_of(data["material"], where))
     under("loading", lambda: check_keys(data["loading"], ("start", "penetration", "steps")))
     if "machine" in data:  # a table of its own in a file, part of the loading in a scene
         machine = under("machine", lambda: from_table([Machine], data["machine"], where))

@@ -17,7 +17,7 @@ import contact_scene as cs
 from validation.reference.jkr import JKR
 from validation.solvers import SOLVERS, out_of_range, scene_warnings, trace_warnings
 from validation.solvers.base import step_budget
-from validation.solvers.contact_range import largest_contact_radius, start_radius
+from validation.solvers.contact_range import contact_bounds, largest_contact_radius, start_radius
 
 MATERIAL = cs.Material(0.75, 0.5, (cs.Branch(6.75, 1.0),))
 PULL = cs.Ramp(-0.1, 0.01)
@@ -186,6 +186,15 @@ def test_a_punch_that_was_pressed_in_and_is_torn_off_is_warned_of(depth, rate, w
 @given(scenes.filter(lambda asked: not isinstance(asked.indenter, cs.TabulatedProfile)))
 def test_telling_never_fails_and_never_warns(asked):
     assert can_be_told(asked)
+    bounds = contact_bounds(asked)
+    assert bounds is None or bounds[0] <= largest_contact_radius(asked) <= bounds[1]
+
+
+def test_the_largest_radius_of_what_is_pressed_in_needs_no_search(monkeypatch):
+    least, most = contact_bounds(scene())
+    assert least < largest_contact_radius(scene()) < most < 3.0 * least
+    monkeypatch.delattr("validation.solvers.model_range.largest_contact_radius")
+    assert out_of_range(scene()) is None
 
 
 ends = st.sampled_from([1e-60, 1e-31, 1e-12, 1e-3, 1.0, 1e3, 1e9, 1e31, 1e60])

@@ -46,6 +46,8 @@ def canonical(value: Any) -> Any:
     Dataclass fields that take no part in a comparison are left out: where a table came from, and what is
     derived from other fields.
     """
+    if isinstance(value, float):
+        return float(value).hex()
     if is_dataclass(value) and not isinstance(value, type):
         return [
             type(value).__name__,
@@ -53,8 +55,6 @@ def canonical(value: Any) -> Any:
         ]
     if isinstance(value, (tuple, list)):
         return [canonical(entry) for entry in value]
-    if isinstance(value, float):
-        return float(value).hex()
     if value is None or isinstance(value, (str, int)):
         return value
     if hasattr(value, "tobytes"):

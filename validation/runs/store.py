@@ -201,6 +201,8 @@ def loads(text: str, kind: Any) -> Any:
 
 
 def _plain(value: Any) -> Any:
+    if type(value) in _WORDS:
+        return value
     if is_dataclass(value) and not isinstance(value, type):
         return {entry.name: _plain(getattr(value, entry.name)) for entry in fields(value)}
     if isinstance(value, np.ndarray) and value.dtype == np.float64 and value.ndim == 1:
@@ -211,7 +213,7 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(entry) for key, entry in value.items()}
     if isinstance(value, (tuple, list)):
         return [_plain(entry) for entry in value]
-    if value is None or isinstance(value, (bool, int, float, str)):
+    if isinstance(value, (int, float, str)):
         return value
     raise TypeError(f"{type(value).__name__} cannot be stored")
 
@@ -222,10 +224,11 @@ def checked(data: Any, kind: Any, key: str = "") -> Any:
     A kind is a dataclass, an enumeration, a float, int, bool or str, an array of floats, a dictionary by
     strings, a tuple, or one of several of these.
     """
-    if type(data) is kind and kind in _WORDS and kind is not int:
-        return data
     origin, inner = get_origin(kind), get_args(kind)
-    if origin in (Union, types.UnionType):
+    several = origin in (Union, types.UnionType)
+    if type(data) in (inner if several else (kind,)) and type(data) in _WORDS and type(data) is not int:
+        return data
+    if several:
         return _one_of(data, inner, key)
     if isinstance(kind, type) and is_dataclass(kind) and isinstance(data, dict):
         hints = _hints(kind)

@@ -145,6 +145,26 @@ def largest_contact_radius(scene: Scene) -> float:
     raise SceneError("loading", "never brings a contact about", "a penetration or force that touches")
 
 
+@np.errstate(over="ignore", invalid="ignore", under="ignore", divide="ignore")
+def contact_bounds(scene: Scene) -> tuple[float, float] | None:
+    """Radii between which the largest one lies, where no search is needed: of a power that is pressed in.
+
+    ``c a^n - sqrt(2 pi (a + zone) w/E)`` is convex: where it is more than the penetration it stays so.
+    """
+    shape, (deepest, strongest, farthest) = sneddon.transform(scene.indenter), _largest_load(scene)
+    driven = max(strongest, farthest) == -math.inf and deepest > 0.0
+    if not driven or scene.body is not None or not isinstance(shape, sneddon.PowerTransform):
+        return None
+    least = most = (np.float64(deepest) / shape.coefficient) ** (1.0 / shape.exponent)
+    if not 0.0 < least < math.inf:
+        return None
+    work, zone = (scene.adhesion.work, scene.adhesion.zone) if scene.adhesion is not None else (0.0, 0.0)
+    pull = 2.0 * np.pi * work / np.float64(scene.material.relaxed_plane_modulus)
+    while shape.coefficient * most**shape.exponent - np.sqrt(pull * (most + zone)) <= deepest:
+        most *= 2.0
+    return float(least), SPARE * float(most)
+
+
 @lru_cache(maxsize=64)
 @np.errstate(over="ignore", invalid="ignore", under="ignore")
 def start_radius(scene: Scene) -> float:

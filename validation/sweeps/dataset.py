@@ -13,8 +13,9 @@ import math
 import os
 import shutil
 import tempfile
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -114,7 +115,8 @@ def _differences(runs: SweepRuns) -> dict[str, dict[str, float]]:
 
 def _columns(plan: SweepPlan, runs: SweepRuns) -> tuple[dict[str, np.ndarray], int]:
     """One-dimensional, in the order of the plan: numbers, then words; and how many runs are unfinished."""
-    numbers = {name: np.full(plan.count, np.nan) for name in plan.measures}
+    column = partial(np.full, plan.count, np.nan)
+    numbers = defaultdict(column, {name: column() for name in plan.measures})
     words: dict[str, list[str]] = {name: [] for name in _WORDS}
     by: list[str] = []
     unfinished = 0
@@ -123,7 +125,7 @@ def _columns(plan: SweepPlan, runs: SweepRuns) -> tuple[dict[str, np.ndarray], i
             for name, value in found.items():
                 wanted = name in plan.measures if plan.measures else name not in _NOT_REPEATABLE
                 if wanted and value is not None and math.isfinite(value):
-                    numbers.setdefault(name + ending, np.full(plan.count, np.nan))[index] = value
+                    numbers[name + ending][index] = value
         for name, said in zip(_WORDS, (run.outcome, run.reason, "; ".join(run.warnings)), strict=True):
             words[name].append(said)
         by.append(run.solver)

@@ -25,7 +25,7 @@ import re
 import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -38,6 +38,7 @@ from contact_scene.checked import Checked, Finite, Key, Positive, check_keys, fi
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text
 from contact_scene.material import MODELS
+from contact_scene.material_file import material_of
 from contact_scene.run_control import whole_number
 from contact_scene.scene import scene_table
 from contact_scene.value_checks import one_of, positive, whole_from
@@ -73,8 +74,17 @@ class SceneTable:
 
     def with_values(self, settings: Mapping[str, Any]) -> cs.Scene:
         """The scene with other values at some paths, without its title: equal scenes compare equal."""
-        data = reduce(lambda table, item: put(table, *item), settings.items(), self.data)
-        return replace(cs.scene_from_dict(data, self.folder), title="")
+        data = reduce(lambda table, item: put(table, *item), settings.items(), self.data | {"title": ""})
+        built = {name: part for name, part in self.parts.items() if data[name] is self.data[name]}
+        return cs.scene_from_dict(data | built, self.folder)
+
+    @cached_property
+    def parts(self) -> dict[str, Any]:
+        """What is built of its tables once, for all scenes in which they stand unaltered."""
+        declared = fields_of(cs.Scene)
+        tables = {name: table for name, table in self.data.items() if name in ("indenter", "adhesion")}
+        built = {name: declared[name].check(table, name, self.folder) for name, table in tables.items()}
+        return built | {"material": material_of(self.data["material"], self.folder)}
 
     def unit(self, path: str) -> str:
         """Unit of what the scene declares at a path; empty where it declares nothing."""
