@@ -46,6 +46,11 @@ class AcceptedRow(NamedTuple):
     load_ahead: float = 0.0
 
 
+_RESTS = 1e-13
+"""Change of the load between rows, over the load, that is rounding of its sums (up to 1e-14 was seen): what
+turns in it is no extremum, and steps towards one would halve for ever."""
+
+
 @dataclass
 class AcceptedSteps:
     """Accepted states of an interval.
@@ -169,6 +174,8 @@ class AcceptedSteps:
         if len(self.rows) < 3:
             return math.inf
         (t0, _, f0, *_), (t1, _, f1, *_), (t2, _, f2, *_) = self.rows[-3:]
+        if max(abs(f2 - f1), abs(f1 - f0)) <= _RESTS * abs(f2):
+            return math.inf
         late, early = (f2 - f1) / (t2 - t1), (f1 - f0) / (t1 - t0)
         curvature, third, h, k = (late - early) / (t2 - t0), 0.0, t2 - t1, t2 - t0
         if len(self.rows) > 3:

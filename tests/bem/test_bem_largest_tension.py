@@ -11,10 +11,13 @@ from contact_scene import (
     ForceRamp,
     Hold,
     Loading,
+    Machine,
     Material,
+    OutcomeKind,
     Ramp,
     Scene,
     Sphere,
+    Table,
 )
 from validation.cases import load
 from validation.solvers.boundary_elements import BoundaryElements
@@ -67,3 +70,16 @@ def test_a_step_that_passes_it_where_slopes_bend_is_taken_back():
     """The zone leaves the edge at which the contact has rested; to that step the load would turn later."""
     trace = BoundaryElements().solve(load("layer-dwell").scene, 6)
     assert -trace.force.min() == pytest.approx(0.015955733, rel=1e-4)  # front tracking; without 2.6e-4
+
+
+def test_rounding_of_a_resting_load_has_no_extremum():
+    """A stage that rests for a snap-in: steps towards extrema of rounding halved until their budget ended."""
+    stage = Table((0.7533592561886379, 2.753359265869461, 6.409), (0.0, 0.04000000028448159, -0.0331))
+    question = Scene(
+        Material(0.9, 0.5),
+        Sphere(1.0),
+        Loading("snap-in", 0.0, (stage,), Machine(0.2)),
+        Adhesion(5e-4, 0.01),
+    )
+    trace = BoundaryElements().solve(question, None, max_steps=1000)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
