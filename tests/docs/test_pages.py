@@ -123,11 +123,12 @@ def test_readme_fits_a_screen_and_its_table_is_that_of_the_saved_report():
     assert "| `fem` |" in text
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "page",
     [
-        pytest.param(path, marks=[pytest.mark.exhaustive] if path.name == "fit.md" else [])  # five minutes
+        pytest.param(
+            path, marks=[] if path.name == "fit.md" else [pytest.mark.slow]
+        )  # which no other test runs
         for path in EXECUTED
     ],
     ids=_name,
