@@ -427,24 +427,6 @@ def test_means_of_rows_stand_in_the_report(monkeypatch):
     assert found.curves[0].curve.time.size == 60
 
 
-@pytest.mark.exhaustive
-def test_stated_intervals_hold_the_truth_about_as_often_as_they_say():
-    inside = []
-    for number in range(50):
-        draw = np.random.default_rng([7, number])
-        modulus, work = 0.9 * np.exp(draw.uniform(-0.5, 0.5)), 5e-4 * np.exp(draw.uniform(-0.7, 0.7))
-        truth = Scene(Material(modulus, 0.5), Sphere(1.0), visco().loading, Adhesion(work, 1e-6))
-        table = Table((0.0, 1.0, 3.0), (0.0, 0.03, -0.03))
-        recorded = replace(truth, loading=Loading("jump-in", 0.0, (table,)))
-        curve = synthetic(recorded, 0.01, seed=number, solver="closed-form")
-        guess = replace(truth, material=Material(0.8, 0.5), adhesion=Adhesion(6e-4, 1e-6))
-        options = settings_of("adhesion.work", "material.modulus", free=("baseline",))
-        found = fit_curves([curve], guess, options)
-        both = zip(found.estimates, (work, modulus), strict=False)
-        inside += [one.low <= at <= one.high for one, at in both]
-    assert 0.90 <= np.mean(inside) <= 0.99
-
-
 def bead_on_gel(radius, depth, adhesion=None):
     loading = Loading("relaxed", 0.0, (Ramp(depth, 1.0), Ramp(-3.0 * depth, 1.0)))
     return Scene(Material(1e-3, 0.5), Sphere(radius), loading, adhesion, body=Layer(5.0, "bonded"))

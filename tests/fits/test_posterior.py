@@ -202,6 +202,7 @@ def test_an_edge_at_rest_but_for_rounding_sets_off_nowhere():
     radius = 1.0 + 1e-15 * np.random.default_rng(0).uniform(-1.0, 1.0, time.size)
     still, jittering = (FitRun(time, force, one, time) for one in (np.ones(time.size), radius))
     assert_array_equal(jittering.values(force, at), still.values(force, at))
+    assert FitRun(0.0 * time, force, radius, time).corners.size == 0  # rows of a jump, were they 100,000
 
 
 def test_a_table_of_a_motion_is_its_ramps():
