@@ -1,5 +1,15 @@
 """What measured curves say about material and adhesion: curves, parameters, fits and their errors.
 
 One of the kinds of evidence that stand beside each other: runs compared with an instrument's record
-instead of another solver's run.
+instead of another solver's run. From the bottom up, each module knows only those before it:
+
+``contact``: the contact point of an approach; ``features``: what a record shows without a solver;
+``record``: a curve, its signs, segments, and the above as its methods; ``readers``: files of curves;
+``curve_page``: the table and picture of what a record shows.
+
+``moments``: when contact begins and ends, noise, the motion as straight lines; ``model``: a record, the scene
+that is to explain it, and residuals of a run; ``problem``: parameters, a point of the search with all
+residuals and derivatives, by single runs or in batches; ``data_checks``: refusals and warnings beforehand;
+``result``: errors and goodness of the point found; ``posterior``; ``fit``: search, profile, second solver,
+many curves; ``page``: what is written. ``synthetic``: curves as an instrument would record them.
 """

@@ -69,15 +69,9 @@ class Cycle(NamedTuple):
         return {"level": np.ones_like(way), "drift": since, "tilt": way, "drag": self.speed}
 
 
-class Loss(NamedTuple):
-    """Of a retraction: the ``row`` from which it is free, if any, and the height of a ``jump``."""
-
-    row: int | None
-    jump: float | None
-
-
-def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
-    """From the last row backward against its own line, then the jump behind the minimum that frees it."""
+def loss_of_contact(stage: Array, force: Array, noise: float) -> tuple[int | None, float | None]:
+    """The row from which a retraction is free, if any, and the height of a jump: from the last row backward
+    against its own line, then the jump behind the minimum that frees it."""
     count = stage.size
     width, tail = max(3, count // 400), max(min(12, count // 4), count // 20)
     deepest = float(np.median(force[-max(10, count // 20) :]) - force.min())
@@ -113,7 +107,7 @@ def loss_of_contact(stage: Array, force: Array, noise: float) -> Loss:
     still = row > count - max(min(12, count // 4), count // 50) and jump is None
     bent = abs(line[1]) > STEEP * max(deepest, 0.2 * float(np.ptp(force)))
     steep = bent and (row > (1.0 - SHORT) * count or row <= 1)
-    return Loss(None if still or steep else row, jump)
+    return None if still or steep else row, jump
 
 
 def _smooth(values: Array, width: int) -> Array:

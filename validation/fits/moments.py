@@ -106,7 +106,7 @@ def moments(curve: MeasuredCurve) -> Moments:
 
     def lost(part: NDArray[np.intp], never: int) -> int:
         enough = part.size >= FEWEST_ROWS
-        row = loss_of_contact(curve.position[part], force[part], noise).row if enough else None
+        row = loss_of_contact(curve.position[part], force[part], noise)[0] if enough else None
         return never if row is None else int(part[row])
 
     first, last = lost(cycle.approach[::-1], -1) + 1, lost(cycle.retraction, rows)
