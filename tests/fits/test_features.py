@@ -85,6 +85,21 @@ def test_a_cycle_that_sticks_is_told_with_its_background():
     assert told.rough == pytest.approx(5e-12, rel=0.1)
 
 
+def test_a_tether_behind_the_loss_is_no_background():
+    """Over sixty rows with a fifth of the pull-off force: taken for free ones they turned the tilt."""
+    rows, spring = 3000, 0.05
+    stage, depth = 3e-6 - 4e-6 * np.abs(np.linspace(-1.0, 1.0, 2 * rows)), np.linspace(0.0, 2e-6, 8000)
+    held = HERTZ * 5e3 * depth**1.5 - 5e-10
+    force = np.interp(stage, depth + held / spring, held, left=0.0)
+    force[:rows][stage[:rows] < 0.0] = 0.0
+    lost = rows + int(np.argmax(force[rows:] == 0.0))
+    force[lost + 100 : lost + 160] -= 1e-10
+    force += 2e-10 + 1e-5 * stage + 5e-12 * np.random.default_rng(0).normal(size=2 * rows)
+    told = cc.MeasuredCurve(np.arange(2 * rows) * 1e-3, force, stage=stage, stiffness=spring).features(RADIUS)
+    assert told.pull_off == pytest.approx(-5e-10, rel=0.02)
+    assert told.background["tilt"] == pytest.approx(1e-5, abs=3e-6)
+
+
 PUBLISHED = [  # file, radius, contact from the first row (um), its error, modulus (Pa), its error, loss (um)
     ("spot3.jpk-force", 1e-5, 4.7753, 0.002, 14742.0, 0.03, 4.624),
     ("flipsign.jpk-force", 1e-5, 49.698, 0.02, 9724.0, 0.05, None),

@@ -170,8 +170,8 @@ def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) 
     varied = [entry.partition("=")[0] for entry in (*shared, *settings.per_curve)]
     ties = [(path, other) for path, _, other in (entry.partition("=") for entry in settings.tie)]
     for path, other in ties:
-        if not path or not other or path == other:
-            problem = f"{shown(path)} is tied to {'itself' if other else 'nothing'}"
+        if not path or path == other or not other:
+            problem = f"{shown(path)} is tied to {'itself' if path == other else shown(other)}"
             raise SceneError("tie", problem, "PATH=OTHER, two numbers of the scene")
         if other not in varied:
             raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
