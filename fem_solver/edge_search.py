@@ -145,6 +145,11 @@ class EdgeSearch:
         s = NO_CONTACT if radius <= 0.0 else here.geometry.position(radius)
         return self.candidate(self.problem(here), EdgePosition(EdgeMotion.RESTING, s))
 
+    def resting(self) -> ContactCandidate:
+        """State with the edge where the step begins, in equilibrium or not."""
+        problem = self.problem(self.setup.surfaces.around(self.setup.state.radius))
+        return self.candidate(problem, EdgePosition(EdgeMotion.RESTING, problem.state.edge))
+
     def first_contact(self) -> ContactCandidate:
         """Largest stable contact, with the mesh placed around the axis."""
         placement = self.setup.surfaces.around(0.0)
@@ -153,13 +158,11 @@ class EdgeSearch:
 
     def leaving(self, expected: float, low: float, high: float) -> ContactCandidate:
         """An edge that is pinned where it is, or leaves it in one direction and is followed there."""
-        radius = self.setup.state.radius
-        placement = self.setup.surfaces.around(radius)
-        problem, law = self.problem(placement), self._law(placement, 0.0)
+        radius, pinned = self.setup.state.radius, self.resting()
+        law = self._law(pinned.problem.placement, 0.0)
         assert isinstance(law, IrreversibleEdge)
-        here = problem.state.edge
-        motion = law.departure(problem, here)
-        pinned = self.candidate(problem, EdgePosition(EdgeMotion.RESTING, here))
+        self.counters.closure_evaluations += 1
+        motion = law.departure(pinned.problem, pinned.edge.s)
         if motion is EdgeMotion.RESTING:
             return pinned
         low, high = (radius, high) if motion is EdgeMotion.ADVANCING else (low, radius)

@@ -105,27 +105,26 @@ class NodeReleaseRun(SteppedStates):
     ) -> None:
         """From one stop to the next; ``span`` is the swing of the prescribed value over the load step.
 
-        Where an indenter comes to touch on its way, in two parts.
+        Where an indenter comes to touch on its way, or an edge sets off, in parts.
         """
-        if self._touches(segment, stop.time):
-            self._touch(segment.control, segment.value(self.time))
-        end = self._first_touch(segment, start, stop.time)
-        self.interval = interval = self._new_interval(start, end, self._longest(segment))
-        self.before = None
-        while not interval.done:
-            outcome = interruption(self.monitor, self.time)
-            if outcome is not None:
-                raise RunEnded(outcome)
-            self._advance(segment, interval, span)
-            if self.progress is not None:
-                self.progress(self.cursor.share(loading, segment, self.time))
-            if self._triggered(segment):
-                return
-        self.interval = None
-        if interval.end < stop.time:
-            self.step = None
-            self._carry_out_interval(loading, segment, interval.end, stop, span)
-            return
+        while start < stop.time:
+            if self._touches(segment, stop.time):
+                self._touch(segment.control, segment.value(self.time))
+            end = self._first_touch(segment, start, stop.time)
+            self.interval = interval = self._new_interval(start, end, self._longest(segment))
+            self.before = None
+            while not interval.done:
+                outcome = interruption(self.monitor, self.time)
+                if outcome is not None:
+                    raise RunEnded(outcome)
+                self._advance(segment, interval, span)
+                if self.progress is not None:
+                    self.progress(self.cursor.share(loading, segment, self.time))
+                if self._triggered(segment):
+                    return
+            self.interval, start = None, interval.end
+            if start < stop.time:
+                self.step = None
         self._on_stop()
         if stop.kink:
             self.estimator.reset()

@@ -62,12 +62,17 @@ class DyadicInterval:
     @property
     def shortest(self) -> bool:
         """Whether the step cannot be halved."""
-        return self._length(self.step) <= self._shortest(self.position)
+        return self._length(self.step) <= self.least
+
+    @property
+    def least(self) -> float:
+        """Shortest step from here."""
+        return self._shortest(self.position)
 
     def limit(self, dt: float, shortest: float) -> None:
         """Start with steps of at most ``dt``; never go below ``shortest``."""
         self.floor = shortest
-        first = max(min(dt, self.ceiling), self._shortest(self.position))
+        first = max(min(dt, self.ceiling), self.least)
         self.step = _power_below(first / (self.end - self.start))
 
     def halve(self) -> None:
@@ -78,6 +83,10 @@ class DyadicInterval:
     def advance(self) -> None:
         """Accept the step."""
         self.position += self.step
+
+    def end_at(self, time: float) -> None:
+        """End the interval within the step."""
+        self.end, self.position = time, Fraction(1)
 
     def divisible(self, position: Fraction) -> bool:
         """Whether the step that led here from an earlier position can be halved."""

@@ -260,10 +260,15 @@ class SteppedStates:
 
     def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
         """A step with its edge within one step's travel."""
-        now = self.state
-        contact = self.search(dt, segment.control, segment.value(end)).trial(*self._reach())
+        return self._judged(
+            self.search(dt, segment.control, segment.value(end)).trial(*self._reach()), segment
+        )
+
+    def _judged(self, contact: ContactCandidate, segment: Segment) -> StepCandidate:
+        """A step with its slopes and its error."""
         if not contact.in_equilibrium:
             return StepCandidate(contact, {}, math.inf)
+        now, dt = self.state, contact.problem.dt
         radius, force = contact.radius, contact.force
         singular = contact.problem.singular_force(contact.edge.s)
         quantities = {
@@ -276,6 +281,30 @@ class SteppedStates:
         scales = {name: scale for name, (_, _, scale) in quantities.items()}
         error = max(self.estimator.error(slopes, scales, dt), self._path_error(contact, dt))
         return StepCandidate(contact, slopes, error)
+
+    def _setting_off(
+        self, contact: ContactCandidate, segment: Segment, shortest: float
+    ) -> ContactCandidate | None:
+        """The state in which an edge that has rested sets off within a step; ``None`` if none does."""
+        adhesion, state, start = self.setup.adhesion, self.setup.state, self.time
+        way = contact.radius - state.radius
+        moves_on = any((state.radius - radius) * way > 0.0 for _, radius in state.before[:1])
+        if adhesion is None or adhesion.reversible or way == 0.0 or moves_on:
+            return None
+        limit, dt = adhesion.work if way < 0.0 else adhesion.closing, contact.problem.dt
+
+        def resting(share: float) -> ContactCandidate:
+            return self.search(share * dt, segment.control, segment.value(start + share * dt)).resting()
+
+        def excess(share: float) -> float:
+            held = resting(share)
+            self.counters.closure_evaluations += 1
+            return max(held.problem.closure(held.edge.s) / limit, 0.0) - 1.0
+
+        if not excess(0.0) * way > 0.0 > excess(1.0) * way:
+            return None
+        share = float(brentq(excess, 0.0, 1.0))
+        return resting(share) if share * dt > shortest else None
 
     def _path_error(self, contact: ContactCandidate, dt: float) -> float:
         """Error of the edge's path over a step, relative to the allowed one.
@@ -321,12 +350,18 @@ class SteppedStates:
         candidate, error = self._accepted_trial(segment, interval, span)
         contact, slopes = candidate.contact, candidate.slopes
         if segment.trigger is not None:
-            at_level = step_to_level(self, segment, segment.trigger, interval.dt, contact)
+            at_level = step_to_level(self, segment, segment.trigger, contact)
             if at_level is not None:
                 self.time += at_level.problem.dt
                 self._commit(at_level)
                 self.cursor.level_reached()
                 return
+        if contact.problem.dt < interval.dt:  # what follows has a slope of its own
+            self.time += contact.problem.dt
+            interval.end_at(self.time)
+            self._commit(contact)
+            self.estimator.reset()
+            return
         radius, travel, jumped = self.state.radius, self.setup.travel, not contact.in_equilibrium
         if jumped:
             contact, slopes, error = self._edge_jump(contact, segment, interval.dt), {}, 0.0
@@ -356,6 +391,9 @@ class SteppedStates:
                 continue
             self._check_budget()
             candidate = self.trial_step(segment, interval.dt, interval.next_time)
+            setting_off = self._setting_off(candidate.contact, segment, interval.least)
+            if setting_off is not None:
+                candidate = self._judged(setting_off, segment)
             error = max(deviation, candidate.error)
             if self._first_step_was_too_long(candidate, interval):
                 continue
@@ -461,10 +499,10 @@ class _NoEquilibrium(Exception):
 
 
 def step_to_level(
-    run: SteppedStates, segment: Segment, trigger: Trigger, dt: float, contact: ContactCandidate
+    run: SteppedStates, segment: Segment, trigger: Trigger, contact: ContactCandidate
 ) -> ContactCandidate | None:
     """The state at the level; ``None`` if the step does not pass it, or passes it in a jump of the edge."""
-    now = run.state
+    now, dt = run.state, contact.problem.dt
     before = trigger.excess(now.penetration, now.force, now.radius)
 
     def excess_of(candidate: ContactCandidate) -> float:

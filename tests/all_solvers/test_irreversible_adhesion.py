@@ -242,3 +242,14 @@ def test_contact_is_lost_on_a_spring(adhesion, solver):
     assert_allclose(trace.extra["separation_energy"][-1], spent, rtol=1e-2)  # of the snap too
     lost = expected.extra["instability_loss"][-1]
     assert_allclose(trace.extra["instability_loss"][-1], lost, atol=1e-2 * abs(trace.external_work).max())
+
+
+@each_solver
+def test_a_pinned_edge_has_a_row_where_it_sets_off(solver):
+    """By the closed form: on the turn the edge is pinned, and leaves on the line to its opening branch."""
+    trace = solved(solver, scene([Ramp(0.02, 1e-3), Ramp(-0.1, 1e-3)], HYSTERESIS))
+    turn = int(trace.penetration.argmax())
+    pinned = np.isclose(trace.contact_radius[turn:], trace.contact_radius[turn], rtol=1e-7)
+    last = turn + int(np.flatnonzero(pinned)[-1])
+    opening = FiniteZone(1.0, 1.0, WORK, ZONE).state(float(trace.contact_radius[turn])).penetration
+    assert_allclose(trace.penetration[last], opening, rtol=0.0, atol=1e-3 * trace.penetration[turn])
