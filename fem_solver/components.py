@@ -166,6 +166,12 @@ class Components:
         """``y``."""
         return self.modulus.relaxed * v + b.sum(axis=0)
 
+    def mean_force(self, v: Array, b: Array, dt: Array | float, reached: Array) -> Array:
+        """Mean of ``y`` over a time in which ``v`` goes linearly to ``reached``."""
+        y = dt / self._times
+        branches = phi(y) * b + self._moduli * mean_phi(y) * (reached - v)
+        return np.asarray(0.5 * self.modulus.relaxed * (v + reached) + branches.sum(axis=0))
+
     def stored(self, v: Array, b: Array) -> Array:
         """Energy of the springs of each component."""
         return 0.5 * (self.modulus.relaxed * v**2 + (b**2 / self._moduli).sum(axis=0))

@@ -170,8 +170,8 @@ class ContactProblem:
                 return (state.penetration + theta * change) * unit - profile
 
             if self.at_once:
-                ends = penetration * unit - profile, self._free[nodes]
-                passage.at_once(self.dt, share, *ends, released)
+                ways = *map(imposed, np.array([0.0, 1.0])), self._free[nodes]
+                passage.at_once(self.dt, share, *ways, released)
             elif opens:
                 passage.release(self.dt, share[0], at[1:], at[:-1], imposed, partly, before)
             else:
@@ -227,7 +227,6 @@ class ContactProblem:
             else:
                 rest.linear(np.full(len(rest.v), self.dt), v[nodes])
             passage.dissipated += rest.dissipated
-            passage.received += rest.received
         state = self.state
         unresolved = self.solid.remaining(state.unresolved, self.dt)
         uneven = self.solid.remaining_in_contact(state.uneven, self.dt)
@@ -251,7 +250,7 @@ class ContactProblem:
             edge=s,
             before=state.rows_and_this(self.dt) if 0.0 < self.dt < math.inf else (),
             dissipated=state.dissipated + passage.dissipated + relaxed + lost,
-            received=state.received + passage.received + passed,
+            opening=state.opening + passage.opening + passed,
             updates=state.updates + 1,
             unresolved=unresolved,
             uneven=uneven,

@@ -200,8 +200,9 @@ class NodePassage:
     """Components of a range of nodes on their way through a step; sums up energies if asked to.
 
     ``held`` are the branch variables of the partly released node if it were in contact: (branches,) those at
-    the begin of the step, (branches, 1) those at its end. ``beyond`` is what radii that the edge has passed
-    in the step, and those of the same node on their side before, hold beyond the means (see ``borders``);
+    the begin of the step, (branches, 1) those at its end. ``opening`` is the work of the forces on the gap;
+    that of the indenter is counted elsewhere. ``beyond`` is what radii that the edge has passed in the
+    step, and those of the same node on their side before, hold beyond the means (see ``borders``);
     ``strips`` those of the partly released node, where they are known.
     """
 
@@ -211,7 +212,7 @@ class NodePassage:
     held: Array
     accounts: bool
     dissipated: float = 0.0
-    received: float = 0.0
+    opening: float = 0.0
     beyond: VariablesOfParts | None = None
     strips: NodeStrips | None = None
 
@@ -223,12 +224,13 @@ class NodePassage:
         )
         return NodePassage(self.solid, v, b, held, self.accounts)
 
-    def linear(self, dt: Array, reached: Array) -> None:
-        """``v`` goes linearly to ``reached``."""
+    def linear(self, dt: Array, reached: Array, indented: Array | None = None) -> None:
+        """``v`` goes linearly to ``reached``, by ``indented`` with the indenter: all the way in contact."""
         after = self.solid.linear(self.v, self.b, dt, reached)
         if self.accounts:
-            mean = 0.5 * (self.solid.force(self.v, self.b) + self.solid.force(reached, after))
-            self.received += float(np.sum(mean * (reached - self.v)))
+            if indented is not None:
+                mean = self.solid.mean_force(self.v, self.b, dt, reached)
+                self.opening += float(np.sum(mean * (reached - self.v - indented)))
             lossy = (dt > 0.0) & np.isfinite(dt)
             if lossy.any():
                 parts = (self.v[lossy], self.b[:, lossy], dt[lossy], reached[lossy])
@@ -236,7 +238,13 @@ class NodePassage:
         self.v, self.b = reached, after
 
     def at_once(
-        self, dt: float, share: Array, imposed: Array, free: Array, partly: PartlyReleased | None
+        self,
+        dt: float,
+        share: Array,
+        begun: Array,
+        imposed: Array,
+        free: Array,
+        partly: PartlyReleased | None,
     ) -> None:
         """All nodes go linearly to their ends together, in no time or from nothing."""
         reached = share * imposed + (1.0 - share) * free
@@ -253,7 +261,7 @@ class NodePassage:
             elif at == top:
                 v, b = np.array([partly.contact]), self._held_up_to(float(share[at]))[:, None]
         held = self.solid.linear(v, b, dt, imposed[top : top + 1])
-        self.linear(np.full(len(self.v), dt), reached)
+        self.linear(np.full(len(self.v), dt), reached, imposed - begun)
         if stays_free is not None:  # radii just covered have jumped from elsewhere than those in contact
             held = (self.b[:, top] - stays_free)[:, None] / share[top]
         self.held = held
@@ -277,13 +285,14 @@ class NodePassage:
             whole -= (1.0 - share) * glassy * (imposed + float(free.sum()) / self.solid.modulus.relaxed)
         return float(v + (whole - force) / glassy)
 
-    def creep(self, dt: Array, force: Array) -> None:
-        """The force goes linearly to ``force``."""
+    def creep(self, dt: Array, force: Array, indented: Array) -> None:
+        """The force goes linearly to ``force``, the indenter by ``indented``."""
         v, b = self.solid.crept(self.v, self.b, dt, force)
         if self.accounts:
             work = self.solid.work_of_creep(self.v, self.b, dt, force, v)
             change = self.solid.stored(v, b) - self.solid.stored(self.v, self.b)
-            self.received += float(np.sum(work))
+            mean = 0.5 * (self.solid.force(self.v, self.b) + force)
+            self.opening += float(np.sum(work - mean * indented))
             self.dissipated += float(np.sum(work - change))
         self.v, self.b = v, b
 
@@ -328,7 +337,7 @@ class NodePassage:
         self.held = self.solid.linear(begun[:1], stays, length[:1], reached[:1])
         force, dissipated = np.zeros(len(first)), self.dissipated
         force[0] = share * self.solid.force(reached[:1], self.held)[0]
-        self.creep(length, force)
+        self.creep(length, force, reached - begun)
         self._lose(lost, dissipated)
         self._keep(beyond)
         self.recover((1.0 - last) * dt)
@@ -353,19 +362,19 @@ class NodePassage:
         return NodeParts(self.solid, share, mean, (imposed, self.held[:, None]))
 
     def _keep(self, beyond: VariablesOfParts | None) -> None:
-        """Keep what radii hold beyond the means, which the surface has received beside what these have."""
+        """Keep what radii hold beyond the means, which opening has given beside what these have."""
         if beyond is not None:
-            self.received += float(np.sum(self.solid.stored(*beyond)))
+            self.opening += float(np.sum(self.solid.stored(*beyond)))
             self.beyond = beyond
 
     def _lose(self, lost: Array, before: float) -> None:
         """Count what the parts of the nodes lose instead of what their means have lost.
 
-        The surface receives the difference.
+        Opening gives the difference.
         """
         if self.accounts:
             beyond = float(lost.sum()) - (self.dissipated - before)
-            self.received += beyond
+            self.opening += beyond
             self.dissipated += beyond
 
     def cover(
@@ -390,7 +399,7 @@ class NodePassage:
             times = length, (1.0 - last) * dt
             lost, beyond = self.solid.lost_by_cover(times, (shares, share), parts, reached, counted)
         v, free = self.solid.recovered(free, length)
-        self.linear(length, share * reached + (1.0 - share) * v)
+        self.linear(length, share * reached + (1.0 - share) * v, reached - imposed(first))
         self._lose(lost, dissipated)
         self._keep(beyond)
         if share[-1] > _LEAST_SHARE:

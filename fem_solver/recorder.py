@@ -1,9 +1,10 @@
 """Rows of the trace: observables, work, energies and the balance that closes them.
 
 With a sharp edge the half-space receives the work of the surface forces, ``int sum_i f_i du_i``: what the
-indenter does, ``int F dD``, and what opening the interface takes, ``int sum_i f_i dg_i`` over partly released
-nodes. It stores and dissipates it in its branches; both are sums over components that
-know nothing of the work. ``balance_residual`` is what is left of that identity, and measures steps and nodes.
+indenter does, ``int F dD`` by the rows, and what opening the interface takes, ``int sum_i f_i dg_i`` over the
+nodes that the edge passes. It stores and dissipates it in its branches; both are sums over components that
+know nothing of the rows. ``balance_residual`` is what is left of that identity, and measures steps, rows and
+the mesh where it moves on.
 
 The parts of the node next to the edge, in contact and free, hold an energy beyond that of their mean (see
 ``nodes``). It belongs to ``stored_energy``, which without it would sag between any two nodes by up
@@ -48,8 +49,8 @@ class SurfaceState:
         Nodal forces, compressive positive, and nodal displacements, positive downwards.
     stored, interface : float
         Energy of the half-space, and of the parts of the node next to the edge beyond that of their mean.
-    branch_dissipation, received : float
-        Energy dissipated in the branches, and work done on the surface, so far.
+    branch_dissipation, opening : float
+        Energy dissipated in the branches, and work of the surface forces on the gap, so far.
     zone : float
         Length of the process zone; 0 without adhesion.
     singular_force : float
@@ -73,7 +74,7 @@ class SurfaceState:
     stored: float
     interface: float
     branch_dissipation: float
-    received: float
+    opening: float
     zone: float
     singular_force: float
     smooth: bool
@@ -135,10 +136,11 @@ class SurfaceRecorder:
         external, surface = totals.external_work, totals.surface_work
         if last is not None:
             mean = 0.5 * (state.force + last.force)
-            external += mean * (state.penetration - last.penetration) + self._work_of_bend(state)
-            surface += state.received - last.received
-            if self.adhesion is None:  # otherwise forces at the edge open it, on straight lines
-                surface += state.bent
+            work = mean * (state.penetration - last.penetration) + self._work_of_bend(state)
+            external += work
+            surface += work + state.opening - last.opening
+            if self.adhesion is not None:  # in a jump forces at the edge open it on straight lines
+                surface -= state.bent
         first = self.first = self.first or state
         stored, interface = state.stored - first.stored, state.interface - first.interface
         if self.adhesion is None:

@@ -45,7 +45,7 @@ class ComponentState:
     edge: float = NO_CONTACT
     before: tuple[Row, ...] = ()
     dissipated: float = 0.0
-    received: float = 0.0
+    opening: float = 0.0
     updates: int = 0
     unresolved: Array = field(default_factory=lambda: np.zeros(0))
     uneven: Array = field(default_factory=lambda: np.zeros(0))
@@ -96,7 +96,7 @@ def transferred(state: ComponentState, old: Placement, new: Placement, solid: Co
     which relaxes as the surface there does: in contact as far as its points tell, outside all of it. The
     contact's energy differs between two meshes by a hundred-thousandth as well: an error that goes when the
     contact goes, and that a surface without force would keep. What the interface holds in the partly released
-    node has been work done on the surface.
+    node has been work of opening.
     """
     if old.place == new.place:
         return state
@@ -133,7 +133,7 @@ def transferred(state: ComponentState, old: Placement, new: Placement, solid: Co
     )
     springs = interface_energy(state, old, solid) - interface_energy(moved, new, solid)
     beyond_means = _free_energies(state, old, solid) - _free_energies(moved, new, solid)
-    return replace(moved, received=state.received + springs, unresolved=state.unresolved + beyond_means)
+    return replace(moved, opening=state.opening + springs, unresolved=state.unresolved + beyond_means)
 
 
 def _on_nodes(x: Array, values: Array, new: Placement, first: int, ends: Array) -> Array:

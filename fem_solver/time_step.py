@@ -157,7 +157,7 @@ class SteppedStates:
                 stored=setup.stored_energy,
                 interface=setup.interface_energy,
                 branch_dissipation=setup.state.dissipated,
-                received=setup.state.received,
+                opening=setup.state.opening,
                 zone=problem.zone(s),
                 singular_force=problem.singular_force(s),
                 smooth="force" in self.estimator.slopes,

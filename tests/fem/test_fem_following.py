@@ -57,7 +57,7 @@ COARSE = 5e-3
 def followed(borders: NodeBorders, passage: NodePassage, dt: float, edge: tuple[float, float]) -> NodeBorders:
     """Borders after a step, with the one that it leaves and what they lose counted."""
     later, lost, received = borders.after(passage.solid, dt, edge, np.ones_like)
-    passage.dissipated, passage.received = passage.dissipated + lost, passage.received + received
+    passage.dissipated, passage.opening = passage.dissipated + lost, passage.opening + received
     return later if passage.beyond is None else later.with_border(edge[0], passage.beyond)
 
 
@@ -120,7 +120,7 @@ def test_radii_released_one_by_one_lose_what_each_stores_after_its_jump(time, st
     creeping = solid.free_energies(solid.crept(v, b, np.zeros(1), np.zeros(1))[1])
     assert float(left[0]) == pytest.approx(creeping @ phi(2.0 * solid._rates * time), rel=1e-9)
     gained = float((left - solid.stored(v, b))[0])
-    assert passage.received - passage.dissipated == pytest.approx(gained, rel=1e-9)
+    assert passage.opening - passage.dissipated == pytest.approx(gained, rel=1e-9)
 
 
 @pytest.mark.parametrize("steps", [1, 7])
@@ -150,7 +150,9 @@ def test_a_jump_within_a_node_leaves_its_radii_where_each_of_them_jumps_to(after
     away, free = solid.recovered(np.array([[0.05], [-0.02], [0.01]]), 0.4)
     v, b = before * contact + (1.0 - before) * away, before * held + (1.0 - before) * free
     passage = NodePassage(solid, v, b, held[:, 0], True)
-    passage.at_once(0.0, np.array([after]), imposed, away, PartlyReleased(0, before, float(contact[0])))
+    passage.at_once(
+        0.0, np.array([after]), contact, imposed, away, PartlyReleased(0, before, float(contact[0]))
+    )
     in_contact = solid.linear(contact, held, 0.0, imposed)
     if after > before:
         covered = solid.linear(away, free, 0.0, imposed)
@@ -346,7 +348,7 @@ def test_short_zones_are_passed_over_with_little_error():
     assert np.abs(errors(trace)).max() < COARSE
     assert trace.counters.steps < 150
     residual = trace.extra["balance_residual"]
-    assert np.abs(residual).max() < 2e-3 * trace.external_work[-1]
+    assert np.abs(residual).max() < 1e-4 * trace.external_work[-1]
 
 
 def straight(true):

@@ -107,8 +107,8 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
     assert_allclose(*free, rtol=1e-12)
     # work on the interface's spring, which the half-space does not hold
     springs = interface_energy(state, here, solid) - interface_energy(moved, there, solid)
-    rounding = np.spacing(state.received)  # ten thousand times what is transferred
-    assert moved.received - state.received == pytest.approx(springs, rel=1e-12, abs=rounding)
+    rounding = np.spacing(state.opening)  # ten thousand times what is transferred
+    assert moved.opening - state.opening == pytest.approx(springs, rel=1e-12, abs=rounding)
     assert abs(np.sum(moved.unresolved - state.unresolved)) > 1e-6 * energy(state, here)
     # where the mesh was fine, nothing is lost on the way to wide elements and back
     back, top = transferred(moved, there, here, solid), int(state.edge)

@@ -10,7 +10,6 @@ balance shows a reversible gain or loss. What the branches dissipate never falls
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -109,9 +108,8 @@ def closes_the_energy_balance(solver: CoarseSolver, scene: cs.Scene) -> None:
 
     A sharp edge takes the glassy ``K^2/(2 Einf*)`` per area; as soon as an edge that rested or receded
     advances, that is the one of the ground it has just covered. The finite elements do without ``K`` and give
-    the residual of their own balance; with adhesion it is asked of steps shorter than every relaxation time,
-    in which the edge does not cross the layer it leaves behind. The boundary elements are asked without
-    adhesion only: ``K`` is that of their annuli, which do not reach into that layer.
+    the residual of their own balance. The boundary elements are asked without adhesion only: ``K`` is that of
+    their annuli, which do not reach into the layer that an edge leaves behind.
     """
     trace = profiled(solver, scene)
     if trace is None or len(trace) == 0 or trace.events or (solver.name == "bem" and scene.is_adhesive):
@@ -121,9 +119,7 @@ def closes_the_energy_balance(solver: CoarseSolver, scene: cs.Scene) -> None:
     dissipated = np.diff(columns["branch_dissipation"])
     assert np.abs(dissipated[~flows]).max(initial=0.0) <= ROUND_OFF * effort(scene, trace)
     if "balance_residual" in columns:
-        shortest = min((branch.time for branch in scene.material.branches), default=math.inf)
-        crossed = scene.is_adhesive & (np.diff(columns["time"]) > shortest)
-        residual = np.cumsum(np.where(crossed, 0.0, np.diff(columns["balance_residual"])))
+        residual = columns["balance_residual"]
     else:
         stored = columns["stored_energy"] + columns.get("machine_energy", 0.0)
         work, unknown = _tip_work(scene, columns)
