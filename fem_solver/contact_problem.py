@@ -170,8 +170,8 @@ class ContactProblem:
                 return (state.penetration + theta * change) * unit - profile
 
             if self.at_once:
-                ways = *map(imposed, np.array([0.0, 1.0])), self._free[nodes]
-                passage.at_once(self.dt, share, *ways, released)
+                begun, reached = imposed(np.zeros(1)), imposed(np.ones(1))
+                passage.at_once(self.dt, share, begun, reached, self._free[nodes], released)
             elif opens:
                 passage.release(self.dt, share[0], at[1:], at[:-1], imposed, partly, before)
             else:
