@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import bem, front
-from support.closed_forms.separate_bulk import equivalent_material
 from support.paper_scenes import ELASTIC, ONE, PULL, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
@@ -127,20 +126,6 @@ def test_adhesionless_first_contact_and_lift_off():
     assert_allclose(never.contact_radius, 0.0)
     pulled = solve(scene(Force(-1.0, 1.0), at=-0.01, adhesion=None), COARSE)
     assert pulled.outcome.kind is OutcomeKind.DETACHED
-
-
-@pytest.mark.parametrize(
-    "branches", [ONE.branches, (Branch(6.0, 1.0), Branch(1.0, 1.0 + 1e-9), Branch(2.0, 40.0))]
-)
-def test_where_bulk_does_not_relax_the_surface_has_the_modulus_of_a_closed_form(branches):
-    material = Material(0.75, 0.4, branches, "elastic")
-    found, known = surface_material(material), equivalent_material(material)
-    plane = 1.0 - known.poisson**2
-    assert found.modulus * plane == pytest.approx(known.modulus, rel=1e-14)
-    for time in (1e-3, 0.1, 1.0, 10.0, 1e3):
-        assert found.relaxation_modulus(time) * plane == pytest.approx(
-            known.relaxation_modulus(time), rel=1e-12
-        )
 
 
 @pytest.mark.parametrize("shear", [(), (Branch(6.0, 1.0),), (Branch(6.0, 0.5), Branch(0.3, 7.0))])

@@ -1,61 +1,20 @@
 """The parts of the reference against definitions, brute force and independent integrators."""
 
 import math
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.integrate import quad
 from scipy.linalg import expm
 
-from contact_scene import Branch, Cone, FlatPunch, Indenter, Material, PowerLaw, Sphere, TabulatedProfile
+from contact_scene import Branch, Material
 from validation.reference.path.closure import closure
 from validation.reference.path.fields import Points
 from validation.reference.path.memory import PATH_AT_NODES, ConstantRate, collocation
 from validation.reference.path.numerics import bracketed, dip, inverse
 from validation.reference.path.rheology import rheology
 from validation.reference.path.solver import estimated_errors
-from validation.reference.sneddon import transform
 
-RADII = np.linspace(0.0, 1.0, 41)
-SHAPES = [
-    Sphere(2.0),
-    Cone(75.0),
-    FlatPunch(3.0),
-    PowerLaw(2.7, 0.4),
-    TabulatedProfile((0.0, 0.2, 0.5, 1.0), (0.0, 0.01, 0.3, 0.5)),
-]
 SPREAD = Material(0.75, 0.3, (Branch(2.0, 1e-3), Branch(1.0, 1.0), Branch(0.5, 1.5), Branch(3.0, 1e4)))
-
-
-def _kinks(shape: Indenter, x: float) -> list[float]:
-    table = shape.radii if isinstance(shape, TabulatedProfile) else ()
-    return [math.asin(r / x) for r in table if 0.0 < r < x]
-
-
-@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.shape)
-@pytest.mark.parametrize("x", [0.1, 0.37, 1.4])
-def test_transform_is_its_integral(shape: Indenter, x: float) -> None:
-    ends = [0.0, *_kinks(shape, x), 0.5 * math.pi]
-    pieces = [
-        quad(lambda angle: float(shape.slope(x * math.sin(angle))), a, b, epsabs=1e-13)[0]
-        for a, b in pairwise(ends)
-    ]
-    assert float(transform(shape)(np.array(x))) == pytest.approx(x * sum(pieces), rel=1e-10, abs=1e-14)
-
-
-@pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.shape)
-def test_integral_of_transform(shape: Indenter) -> None:
-    g = transform(shape)
-    ends = [0.0, 0.2, 0.5, 0.9]
-    total = sum(quad(lambda x: float(g(np.array(x))), a, b, epsabs=1e-13)[0] for a, b in pairwise(ends))
-    assert g.integral(0.9) == pytest.approx(total, rel=1e-8, abs=1e-14)
-
-
-def test_transform_of_a_tabulated_paraboloid() -> None:
-    g = transform(TabulatedProfile(tuple(RADII), tuple(RADII**2 / 2.0)))
-    x = np.array([0.0, 0.1, 0.33, 0.77])
-    np.testing.assert_allclose(g(x), x**2, atol=1e-12)
 
 
 def test_both_representations_are_one_material() -> None:

@@ -9,16 +9,12 @@ The zone ``da`` is the length over which the tension of the sharp edge has the m
 
 **Steady opening** (:mod:`validation.reference.steady_crack`): tractions follow the moving elastic field, so
 that ``da = (pi/8) (K/s)^2 = da_0 G/dg`` with the width at rest ``da_0 = pi E0* dg/(4 s^2)``, and the law at
-fixed length holds at that length: ``G/dg = f(da_0 (G/dg)/v)``. R.A. Schapery (Int. J. Fracture 11, 141, 1975)
-and B.N.J. Persson, E.A. Brener (Phys. Rev. E 71, 036123, 2005) close their laws in the same way:
-:func:`support.closed_forms.schapery.fixed_stress_enhancement` and
-:func:`support.closed_forms.persson_brener.blunting_enhancement`.
+fixed length holds at that length: ``G/dg = f(da_0 (G/dg)/v)``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,20 +59,12 @@ class FixedStressContact(FiniteZone):
         return fixed.closure(contact_radius, penetration)
 
 
-def closed_at_fixed_stress(
-    enhancement: Callable[[Material, float, float], ArrayLike], material: Material, zone: float, speed: float
-) -> float:
-    """``G/dg = f(zone G/dg)`` of an opening edge whose zone grows with what it takes up."""
-    highest = material.glassy_modulus / material.modulus
-    if highest == 1.0:
-        return 1.0
-    return float(
-        brentq(lambda g: g - float(np.asarray(enhancement(material, zone * g, speed))), 1.0, highest)
-    )
-
-
 def opening(material: Material, zone: float, speed: ArrayLike) -> Array:
     """``G/dg`` of an edge that recedes at ``speed > 0`` at fixed stress; ``zone`` is its length at rest."""
-    return np.vectorize(
-        lambda v: closed_at_fixed_stress(steady_crack.opening, material, zone, v), otypes=[float]
-    )(speed)
+    highest = material.glassy_modulus / material.modulus
+
+    def closed(v: float) -> float:
+        """``G/dg = f(zone G/dg)``: the zone grows with what the edge takes up."""
+        return float(brentq(lambda g: g - float(steady_crack.opening(material, zone * g, v)), 1.0, highest))
+
+    return np.vectorize(closed, otypes=[float])(speed)

@@ -15,18 +15,13 @@ first touch, nothing before.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import quad
 
 from contact_scene import FlatPunch, Indenter, Material
 from validation.reference import prony_integrals, sneddon, ting
 
 Array = NDArray[np.float64]
-_ACCURACY = {"epsabs": 0.0, "epsrel": 1e-11, "limit": 400}
-"""Options of the adaptive quadrature."""
 
 
 def ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -> tuple[Array, Array]:
@@ -37,22 +32,18 @@ def ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -
     return radius, 2.0 * rate * swept
 
 
-def history_force(
-    material: Material,
-    indenter: Indenter,
-    penetration: Callable[[float], float],
-    rate: Callable[[float], float],
-    time: float,
-) -> float:
-    """Force at ``time`` for any smooth ``D(t)`` that rises from zero at ``t = 0``.
-
-    The convolution itself, by adaptive quadrature; ``rate`` is the derivative of ``penetration``."""
-
-    def integrand(s: float) -> float:
-        radius = sneddon.contact_radius(indenter, penetration(s))
-        return float(prony_integrals.relaxation(material, time - s)) * 2.0 * radius * rate(s)
-
-    return float(quad(integrand, 0.0, time, **_ACCURACY)[0])
+def force_of_rows(
+    material: Material, indenter: Indenter, time: Array, penetration: Array, radius: Array
+) -> Array:
+    """Force of a growing contact at rows between which its elastic force is straight; glassy at the first."""
+    elastic = 2.0 * (penetration * radius - sneddon.depth_integral(indenter, radius))
+    relaxed, moduli, times = prony_integrals.plane_spectrum(material)
+    memory = np.full((len(time), len(times)), elastic[0])
+    for row in range(1, len(time)):
+        y = (time[row] - time[row - 1]) / times
+        shared = np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
+        memory[row] = np.exp(-y) * memory[row - 1] + shared * (elastic[row] - elastic[row - 1])
+    return np.asarray(relaxed * elastic + memory @ moduli)
 
 
 def radius_under_force_step(

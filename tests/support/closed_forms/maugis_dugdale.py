@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq
 
 
 @dataclass(frozen=True)
@@ -64,15 +64,6 @@ class MaugisDugdale:
         a = contact_radius / self.radius_unit
         unit = self.radius_unit**2 / self.radius
         return float(unit * (a**2 - 4.0 / 3.0 * self.transition * self._ring(a)))
-
-    def pull_off_force(self) -> float:
-        """Largest tension under force control, positive: between 1.5 and 2 ``pi dg R``."""
-        # The least force lies at a' <= (3/2)^(1/3), its JKR place; for small lambda it is at a = 0.
-        widest = 1.5 * self.radius_unit
-        least = minimize_scalar(
-            self.force, bounds=(0.0, widest), method="bounded", options={"xatol": 1e-12 * widest}
-        )
-        return -min(float(least.fun), self.force(0.0))
 
     def _ring(self, a: float) -> float:
         """``b'`` at ``a'``: the condition that the gap at ``c`` is ``dg/s0``."""
