@@ -9,12 +9,8 @@ from itertools import product
 
 import pytest
 
-import bem_solver
-import fem_solver
-from contact_scene import SceneError
 from validation.cases import load
 from validation.measure.observables import observe
-from validation.reference import path as reference
 from validation.solvers import solver
 
 APART = 1e-9
@@ -49,10 +45,3 @@ def test_pairs_of_stops_change_neither_pull_off_nor_loop(name, scene):
     if expected.pull_off_force is not None:
         assert seen.pull_off_force == pytest.approx(expected.pull_off_force, rel=5e-4)
     assert seen.loop_energy == pytest.approx(expected.loop_energy, rel=5e-4)
-
-
-@pytest.mark.parametrize("options", [bem_solver.Options, fem_solver.Options, reference.Options])
-@pytest.mark.parametrize("key", ["stop_times", "profile_times"])
-def test_times_that_are_not_finite_are_refused(options, key):
-    with pytest.raises(SceneError, match=f"^{key}: got nan; allowed: finite times$"):
-        options(**{key: (0.1, float("nan"))})

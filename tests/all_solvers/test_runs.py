@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from itertools import product
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.paper_scenes import WORK, scene
 
-from contact_scene import Adhesion, Hold, Material, OutcomeKind, Ramp, SceneError
+import bem_solver
+from contact_scene import Adhesion, Force, ForceRamp, Hold, Material, OutcomeKind, Ramp, SceneError
+from validation.reference import path as reference
 from validation.solvers import solver
 
 every_solver = pytest.mark.parametrize("name", ["bem", "fem", "reference"])
@@ -71,3 +76,35 @@ def test_a_zone_longer_than_the_contact_is_refused(name):
     stiff = scene(at=1e-3, material=Material(7500.0, 0.5), adhesion=Adhesion(WORK, 0.5))
     with pytest.raises(SceneError, match="zone"):
         solver(name).solve(stiff, 4)
+
+
+@pytest.mark.parametrize("name", ["bem", "reference"])
+def test_where_nothing_touches_nothing_happens(name):
+    """Withdrawn the run completes; under a tension the indenter is gone at once."""
+    never = solver(name).solve(scene(Ramp(-0.03, 0.05), at=-0.01, adhesion=None), 4)
+    assert never.outcome.kind is OutcomeKind.COMPLETED
+    assert not never.contact_radius.any()
+    for step, at in product((Force(-2e-3, 1.0), ForceRamp(-2e-3, 0.01)), (-5e-3, 0.0)):
+        pulled = solver(name).solve(scene(step, at=at, adhesion=None), 4)
+        assert (pulled.outcome.kind, pulled.outcome.reason) == (
+            OutcomeKind.DETACHED,
+            "pulled without contact",
+        )
+        assert not pulled.force.any()
+
+
+@pytest.mark.parametrize("options", [bem_solver.Options, reference.Options], ids=["bem", "reference"])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        *({"resolution": value} for value in (0, 6.5, True, "6")),
+        *({"tolerance": value} for value in (0.0, -1.0, math.nan, 2.0)),
+        *({key: (0.0, value)} for key in ("profile_times", "stop_times") for value in (math.inf, "late")),
+        {"max_steps": 0},
+    ],
+    ids=str,
+)
+def test_options_are_checked(options, wrong):
+    with pytest.raises(SceneError, match=next(iter(wrong))) as error:
+        options(**wrong)
+    assert "allowed" in str(error.value)

@@ -5,59 +5,15 @@ Values of the cycles: converged front tracking, written down; ``F~ = F/(pi E0* R
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 from scipy.interpolate import PchipInterpolator
-from support.bem_runs import SCALED, bem, front, observed_order
-from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, WORK, cycle, scene
+from support.bem_runs import bem, front, observed_order
+from support.paper_scenes import ELASTIC, cycle, scene
 
 from bem_solver import Options, solve
-from contact_scene import Adhesion, OutcomeKind, Ramp
+from contact_scene import Ramp
 from validation.measure.observables import observe
-from validation.reference.frozen import FrozenRetraction
 
 # rate: F~ and a at the end of approach, pull-off over JKR, D where contact is lost, loop of F~ dD~
-CYCLES = {
-    0.002: (4.2685e-3, 0.21116, 4.5242, -0.02277, 1.8872e-4),
-    0.02: (1.47721e-2, 0.20183, 4.300, 0.013264, 1.5104e-4),
-    0.1: (2.13035e-2, 0.20092, 1.7023, 0.0042386, 7.469e-5),
-}
-FAST = scene(Ramp(-0.5, 10.0), start="relaxed", at=0.032)
-
-
-@pytest.mark.parametrize("rate", [0.02, *(pytest.param(v, marks=pytest.mark.slow) for v in (0.002, 0.1))])
-def test_cycle(rate):
-    force, radius, pull, lost, loop = CYCLES[rate]
-    trace = bem(cycle(rate))
-    assert trace.outcome.kind is OutcomeKind.DETACHED
-    seen = observe(trace)
-    assert_allclose(seen.approach_force / SCALED, force, rtol=3e-3)
-    assert_allclose(seen.approach_radius, radius, rtol=3e-3)
-    assert_allclose(seen.pull_off_force / PULL, pull, rtol=3e-3)
-    assert_allclose(seen.detachment_penetration, lost, rtol=3e-3)
-    assert_allclose(seen.loop_energy / SCALED, loop, rtol=5e-3)
-
-
-def test_fast_retraction():
-    seen = observe(bem(FAST))
-    exact = observe(front(FAST, 6))
-    assert_allclose(seen.pull_off_force, exact.pull_off_force, rtol=5e-3)
-    assert_allclose(seen.pull_off_penetration, exact.pull_off_penetration, rtol=5e-3)
-    assert_allclose(seen.pull_off_radius, exact.pull_off_radius, rtol=5e-3)
-    assert_allclose(seen.pull_off_force / PULL, 9.85, rtol=5e-3)
-
-
-@pytest.mark.slow
-def test_fast_retraction_approaches_its_limit_from_below():
-    """The zone shrinks, the enhancement rises towards 9.9138 of the frozen limit."""
-    limit = -FrozenRetraction(ONE, SPHERE, WORK, 0.032).pull_off().force / PULL
-    assert_allclose(limit, 9.9138, rtol=1e-4)
-    lacks = []
-    for zone in (0.026, 0.013, 0.0065):
-        retraction = scene(Ramp(-0.5, 100.0), start="relaxed", at=0.032, adhesion=Adhesion(WORK, zone))
-        lacks.append(1.0 + bem(retraction).force.min() / PULL / limit)
-    assert np.all(np.array(lacks) > 0.0)
-    assert np.all(np.diff(lacks) < 0.0)
-    assert lacks[-1] < 6e-3
 
 
 def force_missed(trace, exact):

@@ -59,26 +59,6 @@ def test_hold_and_force_of_no_duration_cost_nothing():
     assert_allclose(trace.time[-1], 0.1)
 
 
-def test_detachment_is_an_event_at_the_least_penetration():
-    trace = bem(scene(Ramp(-0.5, 0.01), start="relaxed", at=0.01, material=ELASTIC))
-    assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert trace.outcome.finished
-    (event,) = trace.events
-    exact = FiniteZone(1.0, 1.0, WORK, ZONE).pull_off_penetration_control()
-    assert event.kind == "pull-off"
-    assert_allclose(event.penetration, exact.penetration, rtol=1e-3)
-    assert_allclose(event.force, exact.force, rtol=0.02)
-    assert_allclose(event.contact_radius, exact.contact_radius, rtol=0.02)
-    assert event.time == trace.outcome.time
-
-
-def test_dead_tension_beyond_the_pull_off_is_not_carried():
-    trace = solve(scene(ForceRamp(-2.0 * PULL, PULL), start="relaxed", material=ELASTIC), COARSE)
-    assert trace.outcome.kind is OutcomeKind.DETACHED
-    exact = FiniteZone(1.0, 1.0, WORK, ZONE).pull_off_force_control().force
-    assert_allclose(trace.force.min(), exact, rtol=2e-3)
-
-
 def ledge():
     """A paraboloid with a broad, almost level ledge: contact spreads over it all at once."""
     r = np.linspace(0.0, 0.8, 81)

@@ -4,35 +4,24 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.bem_runs import at_times, bem, front
-from support.closed_forms import punch
-from support.closed_forms.lee_radok import radius_under_force_ramp, radius_under_force_step
-from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, THREE, WORK, cycle, scene
+from support.paper_scenes import PULL, THREE, WORK, cycle, scene
 
-from bem_solver import Options, solve
 from contact_scene import (
     Adhesion,
     Branch,
     Cone,
-    FlatPunch,
     Force,
     ForceRamp,
     Hold,
     Material,
     Oscillate,
-    OutcomeKind,
     PowerLaw,
     Ramp,
     Sweep,
     Table,
-    TabulatedProfile,
 )
 from validation.measure.observables import observe
-from validation.reference import punch_oscillation
-from validation.reference.ting import Ting
 
-GRID = np.linspace(0.0, 1.0, 41)
-TABLE = TabulatedProfile(tuple(GRID), tuple(0.5 * GRID**2))
-PUNCH = FlatPunch(0.2)
 STIFF = Material(0.75, 0.5, (Branch(74.25, 1.0),))
 HARD = Material(0.91, 0.3, (Branch(8.19, 1.0),))
 
@@ -120,66 +109,6 @@ def test_only_the_plane_modulus_counts():
     assert_allclose(other.time[-1], plain.time[-1], rtol=1e-9)
 
 
-@pytest.mark.slow
-def test_tabulated_sphere_is_the_sphere():
-    mine, sphere = bem(cycle(0.1, indenter=TABLE), resolution=6), bem(cycle(0.1), resolution=6)
-    assert_allclose(mine.force.min(), sphere.force.min(), rtol=1e-7)
-    assert_allclose(mine.external_work[-1], sphere.external_work[-1], rtol=1e-6)
-
-
-def test_oscillating_punch_is_one_linear_element():
-    question = scene(
-        Oscillate(1e-3, 2.0, 6.0), start="relaxed", at=0.01, material=THREE, indenter=PUNCH, adhesion=None
-    )
-    trace = bem(question)
-    assert trace.outcome.kind is OutcomeKind.COMPLETED
-    expected = 0.4 * 0.01 + punch_oscillation.force(THREE, 0.2, 2.0, 1e-3, trace.time)
-    assert_allclose(trace.force, expected, atol=1e-3 * expected.max())
-    assert_allclose(trace.contact_radius, 0.2, rtol=1e-14)
-
-
-def test_elastic_punch_detaches_at_kendalls_force():
-    excess = []
-    for zone in (8e-3, 4e-3):
-        question = scene(
-            Ramp(-0.5, 1e-3),
-            start="relaxed",
-            at=1e-3,
-            material=ELASTIC,
-            indenter=PUNCH,
-            adhesion=Adhesion(WORK, zone),
-        )
-        trace = bem(question)
-        assert trace.outcome.kind is OutcomeKind.DETACHED
-        excess.append(-trace.force.min() / punch.pull_off_force(0.2, 1.0, WORK) - 1.0)
-    assert 0.0 < excess[1] < 4e-3
-    assert_allclose(excess[0] / excess[1], 2.0, rtol=0.15)
-
-
-@pytest.mark.parametrize(
-    "indenter", [SPHERE, pytest.param(Cone(80.0), marks=pytest.mark.slow)], ids=["sphere", "cone"]
-)
-def test_adhesionless_cycle_with_hold_is_tings(indenter):
-    question = scene(
-        Ramp(0.04, 0.05), Hold(0.2), Ramp(-0.05, 0.08), material=THREE, indenter=indenter, adhesion=None
-    )
-    exact, trace = Ting(THREE, indenter, 0.05, 0.8, 0.08, 0.2), bem(question, resolution=4)
-    assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert_allclose(trace.outcome.time, exact.detachment(), rtol=2e-3)
-    assert_allclose(trace.force, exact.force(trace.time), atol=1e-3 * trace.force.max())
-
-
-def test_creep_under_a_dead_load_and_a_growing_one():
-    """The contact grows from nothing under a force; duals of Lee and Radok's loading."""
-    dead = bem(scene(Force(0.01, 3.0), start="relaxed", material=THREE, adhesion=None), resolution=5)
-    rows = dead.time > 0.0
-    exact = radius_under_force_step(THREE, SPHERE, 0.01, dead.time[rows])
-    assert_allclose(dead.contact_radius[rows], exact, rtol=5e-3)
-    growing = bem(scene(ForceRamp(0.01, 0.005), start="relaxed", at=0.005, adhesion=None), resolution=5)
-    exact = radius_under_force_ramp(ONE, SPHERE, 0.005, growing.time, growing.force[0])
-    assert_allclose(growing.contact_radius, exact, rtol=2e-3)
-
-
 def test_a_stiff_glass_that_creeps_under_a_force_is_lee_radoks():
     """What a step misses of displacements at the edge, a glass twenty times as stiff makes large."""
     glass = Material(0.75, 0.5, (Branch(14.25, 1.0),))
@@ -188,13 +117,3 @@ def test_a_stiff_glass_that_creeps_under_a_force_is_lee_radoks():
     depth = (0.75 * force * (1.0 - 0.95 * np.exp(-trace.time / 20.0))) ** (2.0 / 3.0)
     assert_allclose(trace.penetration, depth, rtol=1e-3)
     assert_allclose(trace.contact_radius, np.sqrt(trace.penetration), rtol=1e-3)
-
-
-@pytest.mark.slow
-def test_dwell_strengthens_the_pull_off():
-    """Pressed longer, the contact has grown wider and relaxed: it holds more."""
-    pulls = []
-    for dwell in (0.0, 1.0, 10.0):
-        question = scene(Ramp(0.02, 0.1), Hold(dwell), Ramp(-0.5, 0.1))
-        pulls.append(-solve(question, Options(resolution=6)).force.min())
-    assert np.all(np.diff(pulls) > 0.0)

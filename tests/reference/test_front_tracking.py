@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.interpolate import PchipInterpolator
 from support.paper_scenes import ONE, STICKY, WORK, ZONE
 from support.paper_scenes import PULL as F_JKR
 
@@ -15,6 +14,7 @@ from contact_scene import (
     Adhesion,
     Branch,
     Force,
+    Hold,
     Loading,
     Material,
     Oscillate,
@@ -22,6 +22,7 @@ from contact_scene import (
     Ramp,
     Scene,
     Sphere,
+    Step,
     Sweep,
     Table,
     Trace,
@@ -33,7 +34,7 @@ from validation.measure.observables import Observables, measure, observe
 from validation.measure.scaling import scale
 from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.path import Options, solve, solver
+from validation.reference.path import Options, solve
 from validation.reference.path.solver import estimated_errors
 
 
@@ -44,30 +45,6 @@ def _solved(scene: Scene, resolution: int | None) -> Trace:
 
 def _run(speed: float, resolution: int | None = None, material: str = "one") -> Trace:
     return _solved(cycle(speed, material), resolution)
-
-
-@cache
-def _with_branch_power(material: str) -> tuple[Trace, list[tuple[float, float]]]:
-    """The finer run of a cycle, and what the branches dissipate at every row, from the fields."""
-    power: list[tuple[float, float]] = []
-    accepted = solver.PathRun._accepted
-
-    def add_power(run, arrival, state, s):  # type: ignore[no-untyped-def]
-        rheology = run.recorder.body.rheology
-        held = state.held_squares / (rheology.moduli * rheology.times)
-        free = state.free_squares / (rheology.compliances * rheology.retardation)
-        power.append((state.time, 2.0 * float(held.sum() + free.sum())))
-        accepted(run, arrival, state, s)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solver.PathRun, "_accepted", add_power)
-        return solve(cycle(0.02, material), Options(resolution=128)), power
-
-
-def _fine(speed: float, material: str = "one") -> Trace:
-    """A run of twice the default resolution."""
-    known = speed == 0.02 and material in ("one", "two")
-    return _with_branch_power(material)[0] if known else _run(speed, 32, material)
 
 
 def _seen(trace: Trace) -> Observables:
@@ -81,38 +58,6 @@ def _elastic(modulus: float) -> Scene:
 
 
 # Digits of an independent prototype; the tolerance is half a unit of the last, or 1e-5.
-CYCLES = {
-    0.002: {
-        "approach_radius": (0.21116, 5e-6),
-        "approach_force": (4.2685e-3 * math.pi, 5e-8 * math.pi),
-        "pull_off_force": (4.5242 * F_JKR, 1e-4 * F_JKR),
-        "pull_off_radius": (0.1543, 3e-4),
-        "detachment_penetration": (-0.02277, 5e-6),
-        "loop_energy": (1.8872e-4 * math.pi, 1e-8 * math.pi),
-    },
-    0.02: {
-        "approach_radius": (0.20183, 5e-6),
-        "approach_force": (1.47721e-2 * math.pi, 5e-8 * math.pi),
-        "pull_off_force": (4.300 * F_JKR, 1e-4 * F_JKR),
-        "pull_off_penetration": (0.01469, 1e-5),
-        "detachment_penetration": (0.013264, 5e-7),
-        "loop_energy": (1.5104e-4 * math.pi, 1.2e-8 * math.pi),
-    },
-    0.1: {
-        "approach_radius": (0.20092, 5e-6),
-        "approach_force": (2.13035e-2 * math.pi, 1e-7 * math.pi),
-        "pull_off_force": (1.7023 * F_JKR, 1e-4 * F_JKR),
-        "detachment_penetration": (0.0042386, 5e-8),
-        "loop_energy": (7.469e-5 * math.pi, 1e-8 * math.pi),
-    },
-}
-
-
-@pytest.mark.parametrize("speed", [pytest.param(0.002, marks=pytest.mark.slow), 0.02, 0.1])
-def test_check_values_of_the_cycles(speed: float) -> None:
-    seen = _seen(_run(speed, 8)).as_dict()
-    for name, (value, slack) in CYCLES[speed].items():
-        assert seen[name] == pytest.approx(value, abs=slack), name
 
 
 @pytest.mark.parametrize(
@@ -175,17 +120,6 @@ def test_rounding_does_not_choose_the_steps_under_a_constant_force() -> None:
             assert after[name] == pytest.approx(value, rel=1e-9, abs=0.0), name
 
 
-def test_fast_retraction_from_the_relaxed_state() -> None:
-    scene = Scene(
-        ONE, Sphere(1.0), Loading("relaxed", 0.032, (Ramp(-0.5, 100.0),)),
-        STICKY,
-    )  # fmt: skip
-    seen = _seen(_solved(scene, 8))
-    assert seen.pull_off_force == pytest.approx(9.857 * F_JKR, rel=5e-5)
-    assert seen.pull_off_penetration == pytest.approx(0.02556, abs=1e-5)
-    assert seen.pull_off_radius == pytest.approx(0.232, abs=5e-4)
-
-
 SLOW = pytest.mark.slow
 
 
@@ -203,21 +137,6 @@ def test_errors_fall_with_the_square_of_the_resolution(speed: float, material: s
     assert found[-1].worst < (1e-6 if material == "thirty" else 2e-7)  # over fifteen decades of times
     assert found[0].worst > 2.0 * found[-1].worst
     assert all(0.0 < estimate <= 2e-5 for estimate in found[1].estimates.values())
-
-
-@pytest.mark.parametrize(
-    "material",
-    [
-        pytest.param("one", marks=pytest.mark.slow),
-        *(pytest.param(m, marks=pytest.mark.exhaustive) for m in ("two", "seven", "thirty")),
-    ],
-)
-def test_default_settings_against_a_finer_run(material: str) -> None:
-    fine = _fine(0.02, material)
-    usual = _run(0.02, None, material)
-    one, two = _seen(usual), _seen(fine)
-    for name in ("approach_force", "approach_radius", "pull_off_force", "loop_energy"):
-        assert getattr(one, name) == pytest.approx(getattr(two, name), rel=2e-5), name
 
 
 def test_estimates_from_two_runs() -> None:
@@ -293,23 +212,6 @@ def test_no_estimate_is_below_the_true_difference(name: str) -> None:
     assert not short
 
 
-@pytest.mark.parametrize(
-    "speed",
-    [pytest.param(0.02, marks=SLOW), *(pytest.param(v, marks=pytest.mark.exhaustive) for v in (0.002, 0.1))],
-)
-def test_own_error_estimates(speed: float) -> None:
-    trace = solve(cycle(speed), Options(estimate_errors=True))
-    detachment = {"detachment_time", "detachment_penetration"}
-    assert set(trace.errors) == {"pull_off_force", "loop_energy", "contact_radius", "force"} | detachment
-    assert all(0.0 < error <= 2e-5 for error in trace.errors.values())
-    coarse = solve(cycle(speed), Options(resolution=4, estimate_errors=True))
-    for name in ("loop_energy", "contact_radius", "force"):
-        assert coarse.errors[name] > trace.errors[name], name
-    for name in ("pull_off_force", "loop_energy"):
-        real = abs(getattr(_seen(coarse), name) / getattr(_seen(_fine(speed)), name) - 1.0)
-        assert real < 3.0 * coarse.errors[name] + 5e-6, name
-
-
 SLOW_CYCLE = {
     "approach_force": 5.987168539e-3,
     "approach_radius": 0.24416427034,
@@ -328,21 +230,6 @@ def test_slow_approach_resolves_the_layer_behind_the_edge() -> None:
     assert usual.outcome.kind is OutcomeKind.BELOW_ZONE
     for name, value in SLOW_CYCLE.items():
         assert getattr(observe(usual), name) == pytest.approx(value, rel=2e-5), name
-
-
-@SLOW
-@pytest.mark.parametrize("material", ["one", "two"])
-def test_branches_dissipate_what_the_balance_says(material: str) -> None:
-    """The branch integral, taken from the fields step by step, against work, energy and tip release."""
-    trace, power = _with_branch_power(material)
-    at, rate = np.array(power[:-1]).T
-    direct = np.zeros_like(at)
-    for part in (at <= 1.6, at >= 1.6):  # the load turns
-        later = part & np.append(np.diff(at) > 0.0, True)
-        direct[part] += PchipInterpolator(at[later], rate[later]).antiderivative()(at[part])
-        direct[at > at[part][-1]] = direct[part][-1]
-    column = np.interp(at, trace.time[:-1], trace.extra["branch_dissipation"][:-1])
-    assert np.abs(direct - column).max() < 1e-4 * column[-1]
 
 
 @SLOW
@@ -407,12 +294,24 @@ def test_sweep_goes_over_its_own_tracks() -> None:
         assert np.abs(one - two).max() < 2e-5 * np.abs(getattr(fine, column)).max()
 
 
-@pytest.mark.slow
-def test_sweep_loses_most_at_one_over_the_relaxation_time() -> None:
-    ends = _cycle_ends(280.0)  # up to 1.68 over the relaxation time
-    trace = solve(_sweep(280.0), Options(resolution=4, profile_times=ends))
-    losses = np.diff(trace.dissipated_energy[np.searchsorted(trace.time, ends)]) / math.pi
-    frequency = 2.0 * math.pi / np.diff(ends)
-    best = int(np.argmax(losses))
-    assert frequency[best] == pytest.approx(1.0, abs=0.1)
-    assert losses[best] == pytest.approx(3.17e-11, rel=5e-3)
+@pytest.mark.parametrize(
+    ("steps", "force", "penetration", "radius"),
+    [
+        ((Hold(50.0),), -3.687039228e-4, 0.01, 0.1800381741),
+        pytest.param(
+            (Force(2.0 * F_JKR, 20.0), Force(-F_JKR, 20.0)), -F_JKR, 0.008339471159, 0.1892616929,
+            marks=pytest.mark.slow,
+        ),
+        ((Oscillate(0.004, 1.0, 6.0, drift=1e-3),), -4.736601996e-4, 0.002882338007, 0.1374725703),
+    ],
+    ids=["hold", "force", "oscillate"],
+)  # fmt: skip
+def test_other_controls_agree_with_a_finer_run(
+    steps: tuple[Step, ...], force: float, penetration: float, radius: float
+) -> None:
+    """Last row by twice the default resolution."""
+    usual = solve(Scene(ONE, Sphere(1.0), Loading("jump-in", 0.01, steps), STICKY))
+    assert usual.outcome.kind is OutcomeKind.COMPLETED
+    assert usual.force[-1] == pytest.approx(force, abs=2e-5 * np.abs(usual.force).max())
+    assert usual.penetration[-1] == pytest.approx(penetration, rel=2e-5)
+    assert usual.contact_radius[-1] == pytest.approx(radius, rel=2e-5)

@@ -27,7 +27,6 @@ from contact_scene import (
 )
 from validation.reference import sneddon
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.frozen import FrozenRetraction
 from validation.reference.path.solver import Options, solve
 
 COARSE = Options(resolution=4)
@@ -77,14 +76,6 @@ def test_force_jumps_from_nothing_and_back() -> None:
     assert trace.force.min() >= 0.0
     lost = trace.dissipated_energy[-1]
     assert trace.extra["branch_dissipation"][-1] == pytest.approx(lost, rel=1e-4)
-
-
-@pytest.mark.parametrize("depth", [-0.005, 0.0])
-@pytest.mark.parametrize("step", [Force(-0.002, 1.0), ForceRamp(-0.002, 0.01)])
-def test_pulling_at_nothing(depth: float, step) -> None:  # type: ignore[no-untyped-def]
-    trace = solve(_scene((step,), depth, material=RUBBER), COARSE)
-    assert (trace.outcome.kind, trace.outcome.reason) == (OutcomeKind.DETACHED, "pulled without contact")
-    assert not trace.force.any()
 
 
 @pytest.mark.parametrize("force", [0.0, pytest.param(1e-80, marks=pytest.mark.slow)])
@@ -197,19 +188,6 @@ def test_a_slow_approach_is_elastic_however_stiff_the_glass(contrast: float) -> 
     exact = FiniteZone(1.0, 1.0, WORK, ZONE).at_penetration(0.01)
     assert trace.contact_radius[-1] == pytest.approx(exact.contact_radius, rel=2e-5)
     assert trace.force[-1] == pytest.approx(exact.force, rel=3e-4)
-
-
-@pytest.mark.slow
-def test_fast_retraction_of_a_stiff_glass_tends_to_the_frozen_limit() -> None:
-    """The gap steps down where the edge has rested; its slopes are those of either side."""
-    material = Material(0.75, 0.5, (Branch(0.75e6, 1.0),))
-    exact = -FrozenRetraction(material, Sphere(1.0), WORK, 0.032).pull_off().force
-    lacks = []
-    for zone in (0.013, 0.0065):
-        scene = _scene((Ramp(-0.5, 1e3),), 0.032, "relaxed", material=material, adhesion=Adhesion(WORK, zone))
-        lacks.append(1.0 + solve(scene, Options(resolution=8)).force.min() / exact)
-    assert 0.06 < lacks[0] < 0.08
-    assert lacks[1] == pytest.approx(0.5 * lacks[0], rel=0.15)
 
 
 @pytest.mark.slow

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.paper_scenes import WORK, scene
 
-from contact_scene import Adhesion, Branch, Cone, FlatPunch, Hold, Loading, Material, Scene, Sphere
+from contact_scene import Adhesion, Branch, Cone, FlatPunch, Hold, Loading, Material, Ramp, Scene, Sphere
 from validation.reference import subsurface
 from validation.reference.path.equilibrium import start_state
 from validation.reference.path.fields import Passages
@@ -20,8 +21,8 @@ from validation.reference.sneddon import transform
 @pytest.mark.parametrize("indenter", [Sphere(1.0), Cone(70.0)])
 def test_elastic_contact_has_the_closed_form(indenter):
     """Displacement and pressure of an elastic contact with adhesion, at the surface of the half-space."""
-    scene = Scene(Material(1.0, 0.3), indenter, Loading("jump-in", 0.02, (Hold(1.0),)), Adhesion(1e-4, 1e-3))
-    (profile,) = solve(scene, Options(profile_times=(0.0,))).profiles
+    asked = Scene(Material(1.0, 0.3), indenter, Loading("jump-in", 0.02, (Hold(1.0),)), Adhesion(1e-4, 1e-3))
+    (profile,) = solve(asked, Options(profile_times=(0.0,))).profiles
     a, r = profile.contact_radius, profile.radius
     exact = subsurface.contact(r, 0.0 * r, indenter, a, profile.penetration, 1.0 / 0.91, 0.3)
     away = np.abs(r - a) > 0.02 * a
@@ -51,3 +52,21 @@ def test_a_contact_of_two_ages_is_two_punches():
     p += np.where(r < inner, (held[0] - held[1]) / np.sqrt(np.abs(inner**2 - r**2)), 0.0)
     assert pressed.pressure[:-1] == pytest.approx(p / np.pi, rel=1e-7)
     assert within.sum() > 50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("indenter", [Sphere(1.0), Cone(80.0), FlatPunch(0.2)], ids=lambda one: one.shape)
+def test_profiles_carry_the_force(indenter):
+    """``2 pi int p r dr = F``, by a quadrature that knows of the root at the edge."""
+    asked = scene(Ramp(0.032, 0.02), Ramp(0.0, 0.02), indenter=indenter, adhesion=Adhesion(WORK, 0.004))
+    profiles = solve(asked, Options(resolution=32, profile_times=(0.0, 0.8, 1.6, 1.9))).profiles
+    assert len(profiles) == 4
+    for one in profiles:
+        a, within = one.contact_radius, one.radius < one.contact_radius
+        angle = np.arcsin(one.radius[within] / a)
+        density = one.pressure[within] * one.radius[within] * a * np.cos(angle)
+        edge = 3.0 * density[-1] - 3.0 * density[-2] + density[-3]
+        total = 2.0 * np.pi * np.trapezoid(np.append(density, edge), np.append(angle, 0.5 * np.pi))
+        assert total == pytest.approx(one.force, abs=2e-3 * max(abs(one.force), 1e-3))
+        assert np.isfinite(one.displacement).all()
+        assert np.all(np.diff(one.radius) > 0.0)

@@ -1,4 +1,4 @@
-"""What the boundary-element tests share: runs that several tests look at, computed once."""
+"""Runs of the boundary elements and of the reference that several tests look at, computed once."""
 
 from __future__ import annotations
 
@@ -16,25 +16,24 @@ SCALED = np.pi * STIFFNESS  # F = SCALED * F~
 GLASSY = Material(7.5, 0.5)
 
 
-def bem(question: Scene, **options) -> Trace:
-    """The boundary-element answer."""
-    options = {"resolution": bem_solver.Options().divisions} | options
-    return _bem(question, tuple(sorted(options.items())))
+def bem(question: Scene, resolution: int | None = None, **options) -> Trace:
+    """The answer of the boundary elements, at their default resolution if none is given."""
+    return _bem(question, resolution or bem_solver.Options().divisions, tuple(sorted(options.items())))
 
 
-def front(question: Scene, resolution: int | None = 10) -> Trace:
-    """The front-tracking answer; at this resolution good to about 1e-4."""
-    return _front(question, resolution)
-
-
-@cache
-def _bem(question: Scene, options: tuple[tuple[str, Any], ...]) -> Trace:
-    return bem_solver.solve(question, bem_solver.Options(**dict(options)))
+def front(question: Scene, resolution: int | None = 10, **options) -> Trace:
+    """The answer of the reference; at this resolution good to about 1e-4."""
+    return _front(question, resolution, tuple(sorted(options.items())))
 
 
 @cache
-def _front(question: Scene, resolution: int | None) -> Trace:
-    return reference.solve(question, reference.Options(resolution=resolution))
+def _bem(question: Scene, resolution: int, options: tuple[tuple[str, Any], ...]) -> Trace:
+    return bem_solver.solve(question, bem_solver.Options(resolution, **dict(options)))
+
+
+@cache
+def _front(question: Scene, resolution: int | None, options: tuple[tuple[str, Any], ...]) -> Trace:
+    return reference.solve(question, reference.Options(resolution=resolution, **dict(options)))
 
 
 def at_times(trace: Trace, name: str, times: np.ndarray) -> np.ndarray:
