@@ -59,14 +59,6 @@ def test_sphere_pulled_or_not(depth):
     assert_allclose(surface.tension(distance), -surface.pressure(1.0 - distance), rtol=1e-9)
 
 
-def test_edge_strength_is_the_square_root_outside():
-    """``v = v(a) - B sqrt(r - a) - C (r - a)``, with ``B = (2/pi) sqrt(2/a) kappa``."""
-    surface = pressed(64, 0.6, edge=3.0)
-    strength = 2.0 / np.pi * np.sqrt(2.0 / 3.0) * surface.kappa
-    assert_allclose(surface.root_strength(1e-5), strength, rtol=4e-4)
-    assert surface.root_strength(0.0) == 0.0
-
-
 def test_observed_order():
     """Second order in the edge strength and the pressure, third in the force and outside.
 
@@ -103,30 +95,6 @@ def test_profile_that_the_annuli_are_made_for_is_exact(exponent):
     assert_allclose(surface.density, 0.3 / np.pi - exact.density(annuli.radii), atol=1e-12)
     punch = 0.3 * 2.0 / np.pi * np.arcsin(1.0 / OUTSIDE)
     assert_allclose(surface.outside(OUTSIDE), punch - exact.outside(OUTSIDE), atol=1e-4)
-
-
-def test_influence_matrix_is_reciprocal_in_the_mean():
-    """Work of one pressure on the displacement of another, up to the error of collocation."""
-    annuli = Annuli(64)
-    one, two = annuli.areas * np.cos(annuli.radii), annuli.areas * annuli.radii**2
-    there = one @ annuli.matrix @ (two / annuli.areas)
-    back = two @ annuli.matrix @ (one / annuli.areas)
-    assert_allclose(there, back, rtol=2e-4)
-
-
-def test_solve_takes_one_or_several_displacements():
-    annuli = Annuli(16)
-    both = np.stack((np.ones(16), annuli.radii**2), axis=1)
-    pressures = annuli.solve(both)
-    assert_allclose(annuli.matrix @ pressures, both, atol=1e-13)
-    assert_allclose(pressures[:, 1], annuli.solve(both[:, 1].copy()), rtol=1e-12)
-    assert_allclose(annuli.areas.sum(), np.pi, rtol=1e-14)
-
-
-def test_no_contact_is_no_load():
-    surface = ContactSurface.free(Annuli(16))
-    assert surface.force == surface.stress_intensity == surface.root_strength(1.0) == 0.0
-    assert_allclose(surface.outside(np.array([0.0, 1.0])), 0.0)
 
 
 def test_even_cubic_is_exact_for_cubics_inside_and_flat_at_the_ends():
@@ -180,18 +148,3 @@ def test_work_on_a_displacement_is_of_third_order(depth, grading):
     order = np.log2(errors[0] / errors[2]) / 2.0
     assert 2.6 < order < 3.4
     assert errors[-1] < 5e-6
-
-
-@pytest.mark.parametrize("grading", [1.0, 1e-2])
-def test_means_over_annuli(grading):
-    """Of one exactly; of ``r^2`` the mean of its values at the borders, of ``r^4`` in closed form."""
-    annuli = Annuli(60, grading)
-    inner, outer = annuli.borders[:-1] ** 2, annuli.borders[1:] ** 2
-    pressure = 1.0 + annuli.radii
-    for power, mean in (
-        (0, 1.0),
-        (2, 0.5 * (inner + outer)),
-        (4, (inner**2 + inner * outer + outer**2) / 3.0),
-    ):
-        expected = (annuli.areas * pressure) @ np.broadcast_to(mean, 60)
-        assert_allclose(annuli.work(pressure, annuli.radii**power), expected, rtol=1e-5)

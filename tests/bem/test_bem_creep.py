@@ -4,14 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from support.bem_runs import observed_order
-from support.paper_scenes import ELASTIC, ONE, THREE
+from support.paper_scenes import ONE, THREE
 
-from bem_solver.creep import Chain, phi
+from bem_solver.creep import Chain
 from bem_solver.surface_points import load_inside, pressed
 from contact_scene import Branch, Material
 
@@ -23,13 +21,6 @@ SLIGHT = Material(1.0, 0.4, (Branch(1e-20, 1.0), Branch(5.0, 2.0), Branch(1e-18,
 MATERIALS = {"one": ONE, "two": Material(1.0, 0.0, (Branch(1, 1), Branch(9, 10))), "three": THREE}
 MATERIALS |= {"seven": SEVEN, "thirty": THIRTY, "close": CLOSE, "weak": WEAK, "slight": SLIGHT}
 materials = pytest.mark.parametrize("material", MATERIALS.values(), ids=MATERIALS)
-
-
-@materials
-def test_rotation_is_orthogonal(material):
-    rotation = Chain(material).rotation
-    assert_allclose(rotation @ rotation.T, np.eye(len(rotation)), atol=1e-13)
-    assert_allclose(rotation.T @ rotation, np.eye(len(rotation)), atol=1e-13)
 
 
 @materials
@@ -49,27 +40,6 @@ def test_both_forms_are_one_element(material):
     assert_allclose(decay / scale, same / scale, rtol=1e-12, atol=1e-13)
     back, given_scale = rotation.T @ chain.lag_scale, chain.stress_scale / chain.relaxed
     assert_allclose(back, given_scale, atol=1e-13 * np.linalg.norm(given_scale))
-
-
-@materials
-def test_limits_are_the_elastic_ones(material):
-    chain = Chain(material)
-    plane = 1.0 - material.poisson**2
-    assert_allclose(chain.relaxed * plane, material.modulus, rtol=1e-14)
-    assert_allclose(chain.glassy * plane, material.glassy_modulus, rtol=1e-14)
-    assert_allclose(1.0 / chain.glassy + chain.compliances.sum(), 1.0 / chain.relaxed, rtol=1e-12)
-    rest, rise = np.zeros((1, len(chain))), np.array([0.02])
-    at_once, ages = (load_inside(chain, pressed(chain, rest, rise, d), rise) for d in (0.0, 1e30))
-    assert_allclose(at_once, chain.glassy * rise, rtol=1e-12)
-    assert_allclose(ages, chain.relaxed * rise, rtol=1e-9)
-
-
-def test_elastic_has_no_branches():
-    chain = Chain(ELASTIC)
-    assert len(chain) == 0
-    assert chain.rotation.shape == (0, 0)
-    assert chain.relaxed == chain.glassy == 1.0
-    assert_allclose(load_inside(chain, np.empty((2, 0)), np.array([1.0, 3.0])), [1.0, 3.0])
 
 
 @pytest.mark.parametrize("material", [ONE, THREE, SEVEN], ids=["one", "three", "seven"])
@@ -134,35 +104,6 @@ def test_order_of_both_schemes_in_relaxation(euler):
     assert abs(errors[-1]) < (0.05 if euler else 2e-4)
 
 
-def test_phi():
-    assert_allclose(phi(np.array([0.0, 1e-12, 1.0, 1e3])), [1.0, 1.0 - 5e-13, 1.0 - np.exp(-1.0), 1e-3])
-
-
-STEPS = st.floats(-6.0, 2.5).map(lambda k: 10.0**k)
-
-
-def remaining(y, course):
-    """``int_0^1 exp(-y (1 - x)) d course(x)`` by parts: no derivative of a square root is needed."""
-    memory = quad(lambda x: course(x) * np.exp(-y * (1.0 - x)), 0.0, 1.0, epsabs=1e-13, limit=200)[0]
-    return course(1.0) - np.exp(-y) * course(0.0) - y * memory
-
-
-@given(STEPS)
-def test_weight_of_a_linear_input(y):
-    chain, given_y = Chain(ONE), np.array([[y]])
-    assert_allclose(chain.spread(given_y), remaining(y, lambda x: x), rtol=1e-7)
-
-
-def test_strains_and_variables_are_images_of_each_other():
-    chain = Chain(THIRTY)
-    random = np.random.default_rng(7)
-    variables, load = random.normal(size=(5, 30)), random.normal(size=5)
-    there = chain.to_strains(variables, load)
-    assert_allclose(chain.from_strains(there, load), variables, atol=1e-12)
-    # nothing but load and no stress anywhere: the strains of the relaxed state
-    assert_allclose(chain.to_strains(0.0 * variables, load), load[:, None] * chain.lag_rate)
-
-
 @pytest.mark.parametrize("times", [(1.0,), (1e-3, 1.0, 1e3)])
 @pytest.mark.parametrize("duration", [1e-4, 0.02, 0.5, 0.7, 3.0, 100.0, 1e8])
 def test_a_parabola_that_meets_a_cubic_at_the_right_share_bears_its_stress(times, duration):
@@ -181,14 +122,6 @@ def test_a_parabola_that_meets_a_cubic_at_the_right_share_bears_its_stress(times
             stress += float(weight @ (1.0 - left - share))
             size += float(weight @ left)
     assert abs(stress) < 2e-3 * size
-
-
-def test_the_share_to_meet_of_short_and_long_steps():
-    chain = Chain(Material(1.0, 0.3, (Branch(2.0, 1.0),)))
-    for short in (1e-6, 1e-3):
-        assert_allclose(chain.share_to_meet(short) - 0.5, short / 20.0, rtol=1e-3)
-    assert_allclose(1.0 - chain.share_to_meet(1e4), 2e-4, rtol=1e-3)
-    assert Chain(Material(1.0, 0.3)).share_to_meet(1.0) == 0.5
 
 
 def test_a_penetration_is_met_before_the_end_of_a_step_however_short_a_branch_is():

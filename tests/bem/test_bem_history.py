@@ -9,12 +9,8 @@ from support.bem_runs import observed_order
 
 from bem_solver.history import (
     NodalVariables,
-    SurfaceHistory,
     distinct,
-    graded_nodes,
-    midpoints_of_wide_intervals,
     nodes_beyond,
-    updated_kinks,
 )
 
 UNEVEN = np.cumsum([0.0, 1.0, 0.3, 0.7, 2.0, 0.1, 0.5, 1.4]) / 6.0
@@ -46,14 +42,6 @@ def test_roots_of_the_distance_are_exact_beyond_a_kink():
     assert_allclose(exact.at(BETWEEN), state(BETWEEN), atol=1e-13)
     blind = NodalVariables(UNEVEN, state(UNEVEN))
     assert np.abs(blind.at(BETWEEN) - state(BETWEEN)).max() > 0.05
-
-
-def test_kink_at_the_first_node_is_the_edge_of_the_outer_history():
-    radius = 2.0 + UNEVEN
-    state = columns(np.sqrt(radius - 2.0))
-    track = NodalVariables(radius, state, (2.0,))
-    assert_allclose(track.at(2.0 + BETWEEN), columns(np.sqrt(BETWEEN)), atol=1e-13)
-    assert_allclose(track.at(np.array([1.0, 9.0])), [[0.0], [1.0]])
 
 
 def test_order_of_interpolation():
@@ -129,72 +117,6 @@ def test_distinct_radii(radii, fixed, smallest):
     assert not np.any(close & ~both_fixed)
     # nothing is dropped without a reason: every radius has a kept one nearby
     assert max(np.abs(kept - r).min() for r in radii) <= 2.0 * smallest
-
-
-def track_to(edge):
-    return NodalVariables(np.array([0.0, edge]), np.zeros((2, 1)))
-
-
-def test_edge_that_turned_leaves_a_kink_once_it_is_far():
-    before = SurfaceHistory(
-        track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.2,)), 1, None
-    )
-    kinks, direction, turning, _ = updated_kinks(before, 0.2, 0.199, 0.01, 1e-6)
-    assert (kinks, direction, turning) == ((), -1, 0.2)
-    before = SurfaceHistory(
-        track_to(0.199), NodalVariables(np.array([0.199, 1.0]), np.zeros((2, 1)), (0.199,)), -1, 0.2
-    )
-    kinks, direction, turning, _ = updated_kinks(before, 0.199, 0.18, 0.01, 1e-6)
-    assert (kinks, direction, turning) == ((0.2,), -1, None)
-
-
-def test_edge_at_rest_keeps_its_direction():
-    before = SurfaceHistory(
-        track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.2,)), 1, 0.15
-    )
-    kinks, direction, turning, _ = updated_kinks(before, 0.2, 0.2, 0.1, 1e-6)
-    assert (kinks, direction, turning) == ((), 1, 0.15)
-
-
-def test_kinks_near_the_edge_are_dropped_and_all_others_kept():
-    many = tuple(0.01 * k for k in range(1, 20))
-    before = SurfaceHistory(
-        track_to(0.5), NodalVariables(np.array([0.5, 1.0]), np.zeros((2, 1)), (*many, 0.5)), 1, None
-    )
-    kinks, *_ = updated_kinks(before, 0.5, 0.51, 1e-4, 1e-6)
-    assert kinks == many
-    kinks, *_ = updated_kinks(before, 0.5, 0.1501, 1e-3, 1e-6)
-    assert min(abs(k - 0.1501) for k in kinks) >= 1e-3
-
-
-def test_a_kink_that_the_edge_comes_near_is_held_until_it_is_far():
-    before = SurfaceHistory(
-        track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.15, 0.2)), -1, None
-    )
-    kinks, _, turning, _ = updated_kinks(before, 0.2, 0.1501, 1e-3, 1e-6)
-    assert (kinks, turning) == ((), 0.15)
-    before = SurfaceHistory(
-        track_to(0.1501), NodalVariables(np.array([0.1501, 1.0]), np.zeros((2, 1)), (0.1501,)), -1, 0.15
-    )
-    kinks, _, turning, _ = updated_kinks(before, 0.1501, 0.14, 1e-3, 1e-6)
-    assert (kinks, turning) == ((0.15,), None)
-    kinks, _, turning, _ = updated_kinks(before, 0.1501, 0.15 + 1e-8, 1e-3, 1e-6)
-    assert turning == 0.15
-
-
-def test_nodes_around_an_edge():
-    radii = np.array([0.1, 0.5, 0.9, 0.99])
-    assert_allclose(graded_nodes(radii, 2.0, 0.3), [1.8, 1.98, 2.0, 2.2, 2.02])
-    assert_allclose(midpoints_of_wide_intervals(np.array([0.0, 0.1, 1.0]), np.array([0.2, 0.2])), [0.55])
-    assert_array_equal(SurfaceHistory.blank(3).radius, np.empty(0))
-
-
-def test_beyond_the_last_node_strains_fall_as_far_from_a_load():
-    empty = NodalVariables(np.empty(0), np.empty((0, 2)))
-    history = SurfaceHistory(empty, NodalVariables(np.array([1.0, 4.0]), np.array([[8.0, 4.0], [2.0, 1.0]])))
-    assert_allclose(
-        history.outside(np.array([4.0, 8.0, 40.0])), [[2.0, 1.0], [1.0, 0.5], [0.2, 0.1]], rtol=1e-15
-    )
 
 
 def test_an_edge_that_nears_the_last_node_has_more_of_them():

@@ -30,7 +30,6 @@ from contact_scene import (
     Table,
     TabulatedProfile,
 )
-from validation.cases import load
 from validation.reference.finite_zone import FiniteZone
 
 COARSE = Options(resolution=6)
@@ -40,23 +39,6 @@ def finite(trace):
     columns = trace.columns().values()
     profiles = [c for p in trace.profiles for c in (p.pressure, p.displacement, p.gap)]
     return all(np.isfinite(column).all() for column in (*columns, *profiles))
-
-
-def test_a_run_that_completes_ends_on_time():
-    trace = solve(scene(Ramp(0.01, 0.1), Hold(0.3), Ramp(0.005, 0.05)), COARSE)
-    assert trace.outcome.kind is OutcomeKind.COMPLETED
-    assert trace.outcome.finished
-    assert_allclose(trace.time[-1], 0.1 + 0.3 + 0.1, rtol=1e-14)
-    assert trace.penetration[-1] == 0.005
-    for time, depth in ((0.1, 0.01), (0.4, 0.01)):  # kinks are stepped onto
-        row = int(np.argmin(np.abs(trace.time - time)))
-        assert_allclose((trace.time[row], trace.penetration[row]), (time, depth), rtol=1e-14)
-
-
-def test_hold_and_force_of_no_duration_cost_nothing():
-    trace = solve(scene(Hold(0.0), Ramp(0.01, 0.1), Hold(0.0)), COARSE)
-    assert trace.outcome.kind is OutcomeKind.COMPLETED
-    assert_allclose(trace.time[-1], 0.1)
 
 
 def ledge():
@@ -190,20 +172,6 @@ def test_whole_periods_are_not_stepped_over():
     assert len(trace) > 100
 
 
-def test_unit_of_time_is_free_after_a_jump_of_the_load():
-    def run(unit):
-        rubber = Material(1.0, 0.3, (Branch(1.0, unit),))
-        table = Table((0.0, 93.0 * unit), (0.012, -0.004))
-        return solve(
-            scene(table, start="relaxed", at=0.001, material=rubber, adhesion=Adhesion(4.8e-4, 0.02)),
-            Options(resolution=4),
-        )
-
-    one, other = run(1.0), run(2.0**-10)
-    assert_allclose(1024.0 * other.time, one.time, rtol=1e-9)
-    assert_allclose(other.force, one.force, rtol=1e-9, atol=1e-12)
-
-
 @pytest.mark.parametrize(
     "contrast", [*(pytest.param(c, marks=pytest.mark.exhaustive) for c in (1e3, 1e6)), 1e9], ids="{:g}".format
 )
@@ -267,12 +235,6 @@ def test_elastic_cycle_costs_the_same_whatever_the_zone():
         rows.append(len(trace))
     assert max(rows) < 100
     assert rows[1] < 1.2 * rows[0]
-
-
-def test_corner_of_the_force_is_not_stepped_over():
-    """Glassy retraction: the edge hardly moves, then runs; the largest tension lies between."""
-    question = load("retraction-fast").scene
-    assert_allclose(bem(question, resolution=6).force.min(), -0.02334333, rtol=1e-3)  # by front tracking
 
 
 @pytest.mark.parametrize(

@@ -12,12 +12,7 @@ from support.bem_runs import bem, front
 from support.paper_scenes import ZONE, scene
 
 from bem_solver import Options, solve
-from bem_solver.creep import Chain
 from bem_solver.equilibrium import rising_root
-from bem_solver.history import NodalVariables
-from bem_solver.motion import Motion, SurfacePoints
-from bem_solver.problem import closure_of_departure
-from bem_solver.surface_points import advanced, load_inside, pressed
 from contact_scene import (
     Adhesion,
     Branch,
@@ -65,39 +60,6 @@ def test_no_root_is_met_by_a_slope_alone():
     assert abs(found.x - 0.3) <= 1e-3
     assert_allclose(found.slope, 1.0, rtol=1e-6)
     assert rising_root(lambda x: Trial(x - 0.3), 0.3, 1e17, -1.0, 1.0, 1e-3, 1e-3).slope == 0.0
-
-
-@pytest.mark.parametrize("duration", [1e-3, 0.1, 1.0, 10.0])
-def test_both_sides_of_an_edge_change_alike(duration):
-    """Just outside, covered at once or left outside, a point goes through what the edge does."""
-    chain = Chain(Material(1.0, 0.5, (Branch(3.0, 0.1), Branch(2.0, 1.0))))
-    edge, rise = 0.2, 0.01
-    height = np.array([0.02])
-    stressed = np.array([[0.3, -0.1]])
-    at_edge = SurfacePoints(
-        np.array([edge]), height, stressed, load_inside(chain, stressed, 0.1 - height), 0.1 - height
-    )
-    beyond = SurfacePoints(
-        np.array([edge * (1.0 + 1e-13)]), height, stressed, at_edge.load, at_edge.displacement
-    )
-    expected = pressed(chain, stressed, np.array([rise]), duration)
-    load = load_inside(chain, expected, at_edge.displacement + rise)
-    for new_edge in (edge, edge * (1.0 + 1e-12)):
-        motion = Motion(duration, edge, new_edge, 0.1, 0.1 + rise, 0.0, at_edge)
-        assert_allclose(advanced(chain, beyond, motion, load), expected, rtol=1e-9)
-
-
-def test_coarsening_leaves_no_overshoot_beside_a_short_interval():
-    """A steep short interval sets the slope at its end: the neighbour must not become long."""
-    radius = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.001, 1.002, 1.003])
-    values = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1e-3, 1e-3, 1e-3])[:, None]
-    nodes = NodalVariables(radius, values)
-    wide = np.full(len(radius), 10.0)
-    between = np.linspace(0.0, 1.0, 201)
-    for parity in (0, 1):
-        coarse = nodes.coarsened(2e-3, wide, parity)
-        assert np.abs(coarse.at(radius) - values).max() <= 2e-3
-        assert np.abs(coarse.at(between)).max() < 0.1
 
 
 @pytest.mark.parametrize("resolution", [4, 8])
@@ -250,17 +212,6 @@ def test_turn_over_an_annulus(tolerance: float):
     assert trace.contact_radius.max() > trace.contact_radius[-1] + 1.5e-3  # it has turned (1.8e-3)
     usual = bem(question, resolution=12)
     assert_allclose(trace.contact_radius[-1], usual.contact_radius[-1], atol=1e-4)
-
-
-def test_an_edge_sets_off_at_what_its_way_takes_up():
-    """Between the two it rests; at fixed time the most that opening can take up counts."""
-    sticky = Adhesion(2.0, 0.1, work_closing=1.0, rate=RateTable((0.01, 1.0), (3.0, 4.0)))
-    assert closure_of_departure(sticky, 1.5, at_once=False) is None
-    assert closure_of_departure(sticky, 0.9, at_once=False) == 1.0
-    assert closure_of_departure(sticky, 2.1, at_once=False) == 2.0
-    most = sticky.opening(np.inf)
-    assert closure_of_departure(sticky, 2.1, at_once=True) is None
-    assert closure_of_departure(sticky, 1.1 * most, at_once=True) == most
 
 
 def test_a_creeping_edge_that_is_pressed_on_sets_out_on_a_row():

@@ -9,15 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.integrate import quad
 from support.bem_runs import bem, front
 from support.paper_scenes import cycle
 
 from bem_solver import Options, solve
 from bem_solver.annuli import Annuli
-from bem_solver.control import AcceptedRow, AcceptedSteps
-from bem_solver.creep import Chain
-from bem_solver.motion import BentPath, OuterFall, RecentChange
+from bem_solver.motion import BentPath
 from bem_solver.size_estimates import edge_step, graded_annuli
 from bem_solver.surface import ContactSurface
 from contact_scene import (
@@ -229,145 +226,11 @@ def test_number_of_annuli_grows_with_the_logarithm_of_the_zone():
     assert_allclose(np.diff(counts), 9.0 * np.log(10.0), atol=1.1)
 
 
-PATHS = [
-    BentPath.through((0.5, 1.02), 1.0, 1.0, 0.9),
-    BentPath.through((0.5, 0.98), 1.0, 1.0, 1.1),
-    BentPath.through((0.5, 1.06), 1.0, 1.0, 0.9),
-    BentPath.through((2.0, 1.3), 1.0, 1.0, 0.9),
-    BentPath.through((0.6, 0.97), 1.0, 1.0, 1.1),
-    BentPath.through((1.4, 1.08), 1.0, 1.0, 0.9, True),
-    BentPath.through((2.5, 1.1), 1.0, 1.0, 0.9, True),
-    BentPath.through((0.5, 0.98), 1.0, 1.0, 1.1, True),
-]
-
-
-@pytest.mark.parametrize("path", PATHS)
-def test_path_goes_through_its_rows(path):
-    edge = path.edge(np.array([0.0, 1.0]))
-    assert_allclose(edge, [path.end, 1.0], rtol=1e-14)
-    passed = np.linspace(*sorted(edge), 9)
-    assert_allclose(path.edge(path.left(passed)), passed, rtol=1e-14)
-
-
-def test_path_goes_through_the_earlier_row():
-    assert_allclose(PATHS[0].edge(np.array([1.5])), 1.02, rtol=1e-14)
-
-
-def test_path_of_an_edge_that_runs_away():
-    """As the root of the time that is left: a parabola of the time over the edge, and of nothing else."""
-    late, now, end = 1.0 - np.array([1.2, 1.0, 0.8]) ** 2
-    path = BentPath.through((now - late, 1.2), 1.0, end - now, 0.8, True)
-    left = np.linspace(0.0, 1.0, 9)
-    assert_allclose(path.edge(left), np.sqrt(1.0 - end + left * (end - now)), rtol=1e-14)
-
-
-@pytest.mark.parametrize("runs_away", [True, False])
-def test_time_or_edge_whichever_is_smoother(runs_away):
-    """An edge that runs away as the root of the time that is left, and one that sets out from rest."""
-    steps = AcceptedSteps()
-    for time in (1.0, 2.0, 3.0, 4.0):
-        steps.add(AcceptedRow(time, np.sqrt(5.0 - time) if runs_away else -(time**2), 0.0))
-    assert steps.runs_away == runs_away
-
-
-def test_an_edge_that_has_crept_has_a_path_of_time():
-    """Its load has changed with the time: bent over the travel, it was a spike of 6 % in the force."""
-    assert BentPath.through((1.4, 1.08), 1.0, 1.0, 0.9, True).of_time != 0.0
-    assert BentPath.through((1.4, 1.001), 1.0, 1.0, 0.9, True).of_time == 0.0
-
-
 def test_few_steps_up_to_where_the_edge_runs_away():
     """A path of the edge over the time misses the instant of the loss by 1.4e-4, with as many steps."""
     trace = bem(cycle(0.002), resolution=4)
     assert trace.counters.steps < 80
     assert_allclose(trace.time[-1], 43.3846019, rtol=2e-5)
-
-
-@pytest.mark.parametrize("path", PATHS)
-def test_edge_does_not_turn_within_a_step(path):
-    steps = np.diff(path.edge(np.linspace(0.0, 1.0, 1001))) / -path.travel
-    assert steps.min() > 0.0
-
-
-@pytest.mark.parametrize("path", PATHS)
-def test_passage_goes_on_evenly_beyond_the_step(path):
-    """Its share is a coordinate there, which has no corner at the ends of the path."""
-    for end in path.edge(np.array([0.0, 1.0])):
-        share = path.passage(end + 1e-8 * np.arange(-2.0, 3.0))
-        assert_allclose(np.diff(share), np.diff(share)[0], rtol=1e-4)
-
-
-@pytest.mark.parametrize("y", [1e-4, 0.019, 0.021, 1.0, 50.0])
-def test_penetration_that_bends(y):
-    """What is left of ``s (s - 1)``, against quadrature."""
-    chain = Chain(Material(0.75, 0.5, (Branch(6.75, 1.0),)))
-    expected = quad(lambda s: np.exp(-y * (1.0 - s)) * (2.0 * s - 1.0), 0.0, 1.0, epsabs=1e-14)[0]
-    assert_allclose(chain.spread_bent(np.array([y]))[0], expected, rtol=1e-8)
-
-
-def test_outer_fall_of_a_sphere():
-    """A square root near the edge, of the stress intensity factor; all of the load far out."""
-    annuli, depth = Annuli(60, 1e-2), 0.7
-    surface = ContactSurface.under(annuli, 1.0, depth - 0.5 * annuli.radii**2)
-    fall = OuterFall.outside(surface, 1e-6)
-    x = np.array([1e-5, 1e-4, 1e-2, 1.0, 1e3])
-    exact = surface.outside(np.ones(1)) - surface.outside(1.0 + x)
-    assert_allclose(fall(x, 0.0), exact, rtol=2e-3)
-    tip = np.array([1e-9, 1e-7])
-    assert_allclose(fall(tip, 1.0), 2.0 / np.pi * surface.kappa * np.sqrt(2.0 * tip), rtol=5e-3)
-    later = fall.towards(ContactSurface.under(annuli, 1.0, np.full(60, 0.2)))
-    assert_allclose(later(x, 0.0), fall(x, 0.5), rtol=1e-14)
-    assert_allclose(later(tip, 1.0), 0.4 / np.pi * np.sqrt(2.0 * tip), rtol=1e-3)
-
-
-def test_outer_fall_between_its_readings():
-    """Closer than straight lines between them by an order: what it misses is an uneven speed of the edge."""
-    readings = np.geomspace(1e-6, 1.0, 6 * 128 + 1)
-    between = np.geomspace(1e-5, 0.1, 3000)
-    first, last = (lambda x: 1.0 + np.sin(np.log(x))), (lambda x: np.cos(np.log(x)))
-    fall = OuterFall(readings, first(readings), last(readings))
-    for share in (0.0, 0.25, 1.0):
-        exact = (1.0 - share) * first(between) + share * last(between)
-        assert_allclose(fall(between, share) / np.sqrt(between), exact, atol=1e-4)
-
-
-@pytest.mark.parametrize("bend", [-0.99, 0.0, 0.99])
-@pytest.mark.parametrize("y", [1e-2, 1.0, 100.0])
-def test_recent_change_outside_an_edge_that_moves_by_rounding(bend, y):
-    """Its passage of a radius lies 1e16 steps away; a load that falls evenly has ``(1 - exp(-y))/y``."""
-    for travel in (5e-17, -5e-17):
-        path = BentPath(1.0, travel, bend)
-        radius = np.array([1.0 + 1e-9, 1.5, 200.0])
-        recent = RecentChange(path, radius[:, None], np.array([y]), np.ones((3, 1)), np.zeros((3, 1)))
-        change = recent.of(lambda _, gone: gone - 1.0)
-        assert_allclose(change[:, 0], -np.expm1(-y) / y, rtol=1e-6)
-
-
-@pytest.mark.parametrize("path", PATHS)
-@pytest.mark.parametrize("y", [1e-2, 1.0, 100.0])
-def test_recent_change_of_a_root(path, y):
-    """Against quadrature, for radii passed at any time, just missed, and far away."""
-    receding = path.travel < 0.0
-    for radius in (0.9001, 0.95, 0.99, 1.001, 1.05, 1.0999, 1.1001, 1.2):
-        r = np.array([radius])
-        if not receding and radius < 1.0:
-            continue
-        passed = min(path.end, 1.0) < radius < max(path.end, 1.0)
-        share = float(path.left(r)[0])
-        begin, end = (share, 0.0) if passed and receding else (1.0, share if passed else 0.0)
-
-        def root(left, r=r):
-            return float(np.sqrt(np.abs(r - path.edge(np.array([left]))))[0])
-
-        span = begin - end
-        parts = [p for p in (1.0 / y, 10.0 / y, 30.0 / y, 0.999 * span) if p < span]
-        lagging = quad(
-            lambda u, e=end, f=root: y * np.exp(-y * u) * f(e + u), 0.0, span, points=parts, limit=200
-        )
-        expected = root(end) - np.exp(-y * span) * root(begin) - lagging[0]
-        recent = RecentChange(path, r[:, None], np.array([y]), np.array([[begin]]), np.array([[end]]))
-        value = recent.of(lambda x, _: np.sqrt(x))
-        assert_allclose(value[0, 0], expected, atol=2e-6 * (root(begin) + root(end)))
 
 
 @pytest.mark.slow

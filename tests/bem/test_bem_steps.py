@@ -10,7 +10,7 @@ from support.bem_runs import bem
 from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
-from bem_solver.control import SHARE_OF_WAY, AcceptedRow, AcceptedSteps, departure_from_chord, span
+from bem_solver.control import AcceptedRow, AcceptedSteps, departure_from_chord, span
 from contact_scene import (
     Adhesion,
     Branch,
@@ -136,40 +136,6 @@ def test_a_chord_is_missed_by_no_more_than_roundings():
         interval = LoadingInterval("force", 0.0, 1.0, value, lambda _: 0.0, jump=False, after_kink=True)
         departure = departure_from_chord(interval, 0.0, 1.0) * span(interval) / last_place
         assert (departure == 0.0) if not least else (30.0 < departure < 40.0)
-
-
-def test_a_row_a_hair_before_the_last_tells_nothing_of_a_long_step():
-    steps = AcceptedSteps()
-    for parameter in (0.0, 0.3, 0.5, 0.5001):
-        steps.add(AcceptedRow(parameter, 1.0, 0.0))
-    assert steps.earlier(1e-5).parameter == 0.5
-    assert steps.earlier(0.1).parameter == 0.3
-    assert steps.earlier(2.0).parameter == 0.0
-
-
-def test_a_cubic_path_is_expected_where_it_goes():
-    """After equal steps; a parabola misses it by the same amount every time."""
-    steps = AcceptedSteps()
-    for share in np.linspace(0.0, 0.4, 5):
-        steps.add(AcceptedRow(share, 1.0 + 0.01 * share**3, 0.0))
-    assert_allclose(steps.edge_after(0.1), 1.00125 - 6e-5, rtol=1e-12)
-    travel = 0.00125 - 0.00064 - 6e-5
-    missed = 6e-5 * (travel / (0.00064 - 0.00027)) ** 3
-    assert_allclose(steps.expected_edge(0.1), steps.edge_after(0.1) + missed, rtol=1e-12)
-    steps.start(AcceptedRow(0.5, 2.0, 0.0))
-    assert steps.expected_edge(0.1) == 2.0
-
-
-@pytest.mark.parametrize("way", [1e-2, 1e-4, 1e-6, 1e-9])
-def test_a_limit_point_nearer_than_the_least_travel_shortens_no_step_further(way):
-    """Three rows cannot place it closer; a fast start was stepped on by less than it is known."""
-    steps = AcceptedSteps(least=1e-3)
-    for distance in (way + 0.03, way + 0.02, way + 0.01, way):  # the parameter is a parabola of the edge
-        steps.add(AcceptedRow(-(distance**2), 1.0 - distance, 0.0))
-    assert_allclose(steps.way_to_limit_point(), way, rtol=1e-6)
-    until = max(way, steps.least) ** 2
-    share = 2.0 if way < steps.least else 1.0 - (1.0 - SHARE_OF_WAY) ** 2
-    assert_allclose(steps.step_of_travel(0.1), share * until, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("rate", "most", "evaluations"), [(0.002, 8, 330), (0.02, 5, 250)])
