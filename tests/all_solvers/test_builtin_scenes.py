@@ -7,18 +7,14 @@ import dataclasses
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from support.spring_solver import fake
 
-from contact_scene import Loading, Oscillate, OutcomeKind, Ramp, Sweep
-from validation import solvers
-from validation.cases import Expected, load
-from validation.compare.checks import against_reference, check_case, check_run
+from contact_scene import Loading, Oscillate, Ramp, Sweep
+from validation.cases import load
 from validation.compare.suite import all_pairs
 from validation.measure.scaling import unit_sizes
 from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.ting import Ting
-from validation.runs.run import run
 from validation.scenes import FOLDER, SUITES, names, suite
 
 
@@ -83,98 +79,6 @@ def test_cycle_times():
 @pytest.mark.parametrize("step", [Oscillate(1e-3, 2.0 * np.pi, 1.1e6), Sweep(1e-3, 2.2e6 * 2.0 * np.pi, 1.0)])
 def test_more_cycles_than_any_solver_takes_are_not_listed(step):
     assert cycle_times(Loading("relaxed", 0.0, (step,))) == ()
-
-
-@pytest.fixture
-def bem(monkeypatch):
-    monkeypatch.setitem(solvers.SOLVERS, "bem", fake())
-    return load("cycle-v0.1")
-
-
-def verdict(case, result, **expected):
-    case = dataclasses.replace(case, expected=(Expected(source="here", **expected),))
-    return check_run(case, result)[-1]
-
-
-def test_value_checks(bem):
-    result = run(bem, "bem")
-    found = result.measures["pull_off_force"]
-    tolerance = {"bem": 1e-3}
-    assert verdict(bem, result, observable="pull_off_force", value=found * 1.0009, tolerance=tolerance).passed
-    assert not verdict(
-        bem, result, observable="pull_off_force", value=found * 1.002, tolerance=tolerance
-    ).passed
-    assert not verdict(
-        bem, result, observable="pull_off_force", value=found * 0.998, tolerance=tolerance
-    ).passed
-    scaled = verdict(
-        bem, result, observable="pull_off_force", value=1.01 * found, tolerance=tolerance, scale=20 * found
-    )
-    assert scaled.passed
-    assert scaled.difference == pytest.approx(-0.0005)
-
-
-def test_missing_number_fails(bem):
-    result = run(bem, "bem")
-    missing = verdict(bem, result, observable="peak_cycle_loss", value=1.0, tolerance={"bem": 1.0})
-    assert (missing.passed, missing.found) == (False, None)
-    assert not verdict(bem, result, observable="peak_cycle_loss", at_most=1.0).passed
-
-
-def test_limits(bem):
-    result = run(bem, "bem")
-    found = result.measures["pull_off_force"]
-    assert verdict(bem, result, observable="pull_off_force", at_most=found).passed
-    assert not verdict(bem, result, observable="pull_off_force", at_most=0.99 * found).passed
-    assert verdict(bem, result, observable="pull_off_force", at_least=found).passed
-    assert not verdict(bem, result, observable="pull_off_force", at_least=1.01 * found).passed
-
-
-def test_column_at_a_time(bem):
-    result = run(bem, "bem")
-    at = {"observable": "force", "tolerance": {"bem": 1e-12}}
-    assert verdict(bem, result, at_time=0.2, value=0.02, **at).passed
-    assert verdict(bem, result, at_time=1e6, value=0.02, **at).found is None
-
-
-def test_check_of_another_solver_is_not_asked(bem):
-    result = run(bem, "bem")
-    only = dataclasses.replace(
-        bem, expected=(Expected("pull_off_force", "x", 1.0, tolerance={"reference": 1}),)
-    )
-    assert [check.quantity for check in check_run(only, result)] == ["outcome"]
-
-
-def test_wrong_ending_fails(bem, monkeypatch):
-    monkeypatch.setitem(solvers.SOLVERS, "bem", fake(kind=OutcomeKind.COMPLETED))
-    assert not check_run(bem, run(bem, "bem"))[0].passed
-
-
-def test_against_the_reference(bem, monkeypatch):
-    monkeypatch.setitem(solvers.SOLVERS, "reference", fake())
-    base, same = run(bem, "reference"), run(bem, "bem")
-    assert all(check.passed for check in against_reference(bem, same, base))
-    monkeypatch.setitem(solvers.SOLVERS, "bem", fake(1.0 + 3.5e-3))
-    verdicts = {check.quantity: check for check in against_reference(bem, run(bem, "bem"), base)}
-    assert not verdicts["pull_off_force"].passed
-    assert verdicts["pull_off_force"].difference == pytest.approx(3.5e-3)
-    assert verdicts["loop_energy"].passed
-    assert verdicts["detachment_penetration"].passed
-    assert verdicts["F(t), RMS"].found == pytest.approx(3.5e-3 / np.sqrt(3), rel=0.1)
-
-
-def test_an_oscillation_has_no_end_of_approach(monkeypatch):
-    for solver in ("bem", "reference"):
-        monkeypatch.setitem(solvers.SOLVERS, solver, fake())
-    case = load("oscillation-w1.4")
-    checks = against_reference(case, run(case, "bem"), run(case, "reference"))
-    assert {"pull_off_force", "loop_energy"} <= {check.quantity for check in checks}
-    assert not [check for check in checks if check.quantity.startswith("approach")]
-
-
-def test_without_a_reference_run_the_comparison_is_missing(bem):
-    checks = check_case(bem, {"bem": run(bem, "bem"), "reference": run(bem, "nobody")})
-    assert [check.note for check in checks if check.quantity == "reference"] == ["no reference run"]
 
 
 @pytest.mark.parametrize("name", ["relaxed-equilibrium", "elastic-relaxed", "elastic-glassy"])

@@ -8,7 +8,6 @@ import pytest
 from numpy.testing import assert_allclose
 from support.closed_forms.adhesion_hysteresis import AdhesionHysteresis
 
-import bem_solver
 from contact_scene import (
     Adhesion,
     Branch,
@@ -25,7 +24,6 @@ from contact_scene import (
     RateTable,
     Scene,
     Sphere,
-    UnsupportedScene,
 )
 from validation.reference.finite_zone import FiniteZone
 from validation.reference.jkr import JKR
@@ -210,19 +208,6 @@ def test_a_rated_edge_lets_go_of_a_punch_in_time_not_at_once():
     assert at_once.events[-1].kind == "pull-off"
     assert not in_time.events
     assert -in_time.force.min() > -1.5 * at_once.force.min()
-
-
-@pytest.mark.parametrize(
-    ("key", "adhesion"),
-    [
-        ("work_closing", Adhesion(WORK, ZONE, CLOSING)),
-        ("rate", Adhesion(WORK, ZONE, None, RATES["power"])),
-        ("stress", Adhesion(WORK, stress=0.2)),
-    ],
-)
-def test_the_papers_discretisation_refuses_what_it_leaves_out(key, adhesion):
-    with pytest.raises(UnsupportedScene, match=f"adhesion.{key}"):
-        bem_solver.solve(scene([Ramp(0.01, 1e-3)], adhesion), bem_solver.Options(annuli="uniform"))
 
 
 HYSTERESIS, RATED = Adhesion(WORK, ZONE, CLOSING), Adhesion(WORK, ZONE, None, RATES["power"])

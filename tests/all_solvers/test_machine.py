@@ -7,11 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.closed_forms.frozen_variants import FrozenSpring
 from support.invariants.checks import differences_in_units
 from support.invariants.coarse_solvers import SOLVERS
 
-import bem_solver
 import crosscontact as cc
 from benchmarks.strategies import in_units
 from contact_scene import (
@@ -30,10 +28,8 @@ from contact_scene import (
     Scene,
     Sphere,
     Table,
-    UnsupportedScene,
 )
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.frozen import FrozenRetraction
 from validation.reference.spring import SpringContact
 
 WORK, ZONE = 5.026548e-4, 0.03
@@ -190,39 +186,6 @@ def test_table_of_forces_is_a_force_ramp(name):
         for column in ("time", "penetration", "contact_radius"):
             last = getattr(wanted, column)[-1]
             assert getattr(found, column)[-1] == pytest.approx(last, rel=SOLVERS[name].declared(ramp))
-
-
-@pytest.mark.parametrize(
-    "asked",
-    [
-        scene(ELASTIC, Ramp(-0.1, 0.1), machine=Machine(1.0)),
-        scene(ELASTIC, Ramp(0.1, 0.1, until_force=0.001)),
-    ],
-    ids=["spring", "trigger"],
-)
-def test_paper_scheme_refuses_what_it_does_not_know(asked):
-    with pytest.raises(UnsupportedScene) as refused:
-        bem_solver.solve(asked, bem_solver.Options(annuli="uniform"))
-    assert "\n" not in str(refused.value)
-    assert "graded" in str(refused.value)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("share", [0.1, 1.0, 10.0])
-def test_frozen_retraction_on_a_spring(share):
-    """Faster than anything relaxes, with a process zone so short that it hardly counts."""
-    zone, material = 1e-3, Material(0.75, 0.5, (Branch(2.25, 1.0),))
-    frozen = FrozenSpring(FrozenRetraction(material, Sphere(1.0), WORK, 0.01), share * STIFFNESS)
-    lost = frozen.pull_off()
-    start = frozen.stage(frozen.retraction.relaxed)
-    last = frozen.stage(lost)
-    pull = Ramp(last - 0.2 * (start - last), 1e6 * (start - last))
-    loading = Loading("relaxed", 0.01, (pull,), Machine(share * STIFFNESS))
-    trace = SOLVERS["reference"].solve(Scene(material, Sphere(1.0), loading, Adhesion(WORK, zone)))
-    assert trace.outcome.kind is OutcomeKind.DETACHED
-    bias = 3.0 * zone / lost.contact_radius  # of a finite zone, as in an elastic contact
-    assert trace.extra["stage"].min() == pytest.approx(last, abs=bias * (start - last))
-    assert trace.force.min() == pytest.approx(frozen.largest_tension().force, rel=bias)
 
 
 @pytest.mark.parametrize("name", ["reference", *ALSO_SLOWLY])

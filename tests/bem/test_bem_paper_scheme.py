@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.paper_scenes import ONE as RUBBER
@@ -20,8 +22,11 @@ from contact_scene import (
     Force,
     ForceRamp,
     Hold,
+    Loading,
+    Machine,
     Material,
     OutcomeKind,
+    PowerRate,
     Ramp,
     SceneError,
     Table,
@@ -215,6 +220,22 @@ def test_progress_rises_to_one():
 def test_too_many_annuli_are_refused():
     with pytest.raises(UnsupportedScene, match=r"uniform annuli would be needed; allowed: at most 4000"):
         uniform(scene(Hold(1.0), start="relaxed", at=0.032, adhesion=Adhesion(GAMMA, 1e-4)))
+
+
+@pytest.mark.parametrize(
+    ("key", "left_out"),
+    [
+        ("adhesion.work_closing", {"adhesion": Adhesion(GAMMA, 0.013, 0.4 * GAMMA)}),
+        ("adhesion.rate", {"adhesion": Adhesion(GAMMA, 0.013, rate=PowerRate(1e-3, 0.5))}),
+        ("adhesion.stress", {"adhesion": Adhesion(GAMMA, stress=0.2)}),
+        ("machine", {"loading": Loading("relaxed", 0.0, (Ramp(-0.1, 0.1),), Machine(1.0))}),
+        ("level", {"loading": Loading("relaxed", 0.0, (Ramp(0.1, 0.1, until_force=1e-3),))}),
+    ],
+)
+def test_what_the_paper_leaves_out_is_refused(key, left_out):
+    asked = replace(scene(start="relaxed", material=Material(0.75, 0.5)), **left_out)
+    with pytest.raises(UnsupportedScene, match=f"{key}.*graded"):
+        uniform(asked)
 
 
 def test_a_zone_longer_than_the_contact_is_refused():

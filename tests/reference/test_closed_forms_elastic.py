@@ -121,16 +121,6 @@ def test_energy_derivatives_are_force_and_energy_release_rate(indenter):
         assert_allclose(slope, punch.force(depth, a, MODULUS), rtol=1e-6)
 
 
-def test_hertz_displacement_is_continuous_and_falls_as_a_point_force():
-    a = 0.3
-    inside, outside = (float(hertz.displacement(a * (1 + s), a, R)) for s in (-1e-9, 1e-9))
-    assert_allclose(inside, a**2 / (2 * R), rtol=1e-8)
-    assert_allclose(outside, inside, rtol=1e-8)
-    far = 300.0
-    boussinesq = float(hertz.force(a, R, 1.0)) / (np.pi * far)
-    assert_allclose(hertz.displacement(far, a, R), boussinesq, rtol=1e-5)
-
-
 def test_jkr_sphere_constants():
     law = jkr.JKR(Sphere(R), MODULUS, WORK)
     dead, fixed = law.pull_off_force_control(), law.pull_off_penetration_control()
@@ -173,23 +163,6 @@ def test_pull_off_states_are_the_extremes_of_the_curves(indenter):
         law.at_force(1.001 * law.pull_off_force_control().force)
     with pytest.raises(jkr.NoEquilibrium, match="least possible"):
         law.at_penetration(1.001 * law.pull_off_penetration_control().penetration)
-
-
-def test_jkr_without_adhesion_is_hertz():
-    law = jkr.JKR(Sphere(R), MODULUS, 1e-30)
-    state = law.at_penetration(0.1)
-    assert_allclose(state.contact_radius, np.sqrt(0.1 * R), rtol=1e-12)
-    assert_allclose(state.force, hertz.force(np.sqrt(0.1 * R), R, MODULUS), rtol=1e-12)
-
-
-def test_jkr_pressure_carries_the_force():
-    law, a = jkr.JKR(Sphere(R), MODULUS, WORK), 0.2
-    total = quad(
-        lambda b: 2 * np.pi * a**2 * np.sin(b) * np.cos(b) * float(law.pressure(a * np.sin(b), a)),
-        0,
-        np.pi / 2,
-    )[0]
-    assert_allclose(total, law.force(a), rtol=1e-10)
 
 
 def test_jkr_of_a_table_has_curves_but_no_closed_pull_off():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
-from support.closed_forms.frozen_variants import FrozenSpring, FrozenZone
+from support.closed_forms.frozen_variants import FrozenZone
 
 from contact_scene import Branch, Cone, Material, Sphere
 from validation.cases import load
@@ -64,22 +64,6 @@ def test_loss_of_the_snap_is_what_an_unloading_at_the_rigid_limit_would_give_bac
     along = quad(power, 0.0, top, epsrel=1e-8)[0]
     assert_allclose(spring.lost_in_snap(), along, rtol=1e-5)
     assert spring.lost_in_snap() > 0.0
-
-
-def test_frozen_retraction_on_a_spring():
-    material = Material(0.75, 0.5, (Branch(6.75, 1.0),))
-    retraction = FrozenRetraction(material, Sphere(1.0), WORK, 0.032)
-    dead = retraction.pull_off()
-    soft = FrozenSpring(retraction, 1e-9).pull_off()
-    assert_allclose(soft.force, dead.force, rtol=1e-8)
-    middle = FrozenSpring(retraction, 1.0)
-    lost = middle.pull_off()
-    assert lost.contact_radius <= dead.contact_radius
-    assert middle.largest_tension().force <= lost.force
-    radii = np.linspace(0.02, 1.0, 400) * retraction.relaxed.contact_radius
-    stages = retraction.penetration(radii) + retraction.force(radii)
-    assert middle.stage(lost) <= stages.min() + 1e-12
-    assert_allclose(middle.stage(lost), stages.min(), rtol=1e-4)
 
 
 def test_frozen_contact_of_finite_zone_tends_to_that_of_a_vanishing_one():

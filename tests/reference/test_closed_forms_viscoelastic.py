@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad, solve_ivp
-from support.closed_forms import hertz, lee_radok
+from support.closed_forms import lee_radok
 from support.closed_forms.separate_bulk import equivalent_material
 from support.paper_scenes import ONE
 
@@ -95,13 +95,6 @@ def test_a_ramp_is_its_convolution(material, indenter):
     assert_allclose(force, direct, rtol=1e-9)
 
 
-def test_lee_radok_is_elastic_at_both_ends():
-    sphere = Sphere(1.0)
-    for rate, modulus in ((1e-9, 1.0), (1e9, 10.0)):
-        radius, force = lee_radok.ramp(ONE, sphere, rate, 0.04 / rate)
-        assert_allclose(force, hertz.force(radius, 1.0, modulus), rtol=1e-6)
-
-
 @shapes
 def test_creep_under_a_dead_load_inverts_the_convolution(indenter):
     """The contact radius under ``F = rate t`` put back into the relaxation integral gives the force again."""
@@ -120,17 +113,6 @@ def test_creep_under_a_dead_load_inverts_the_convolution(indenter):
     slope = -9.0  # of E* at zero, decaying with exp(-t)
     memory = quad(lambda s: slope * np.exp(-s) * unit_force(time - s), 0.0, time, epsrel=1e-9)[0]
     assert_allclose(10.0 * unit_force(time) + memory, rate * time, rtol=1e-8)
-
-
-@shapes
-def test_creep_after_a_step_ends_in_the_relaxed_contact(indenter):
-    load = 1e-3
-    early, late = lee_radok.radius_under_force_step(ONE, indenter, load, [0.0, 1e6])
-    if isinstance(indenter, FlatPunch):
-        assert early == late == indenter.radius
-    else:
-        assert_allclose(sneddon.force(indenter, early, 10.0), load, rtol=1e-10)
-        assert_allclose(sneddon.force(indenter, late, 1.0), load, rtol=1e-10)
 
 
 @shapes_table_slow
@@ -168,25 +150,6 @@ def test_ting_force_is_continuous_and_ends_at_zero(indenter):
     assert float(cycle.force(end * (1 + 1e-9))) == 0.0
     assert float(cycle.contact_radius(end * (1 + 1e-9))) == 0.0
     assert cycle.penetration(end) > 0.0
-
-
-@shapes
-def test_ting_of_an_elastic_half_space_is_reversible(indenter):
-    cycle = Ting(ELASTIC, indenter, 0.05, 1.0, 0.1)
-    up, down = 0.6, 1.2  # the same penetration, 0.03
-    assert_allclose(cycle.penetration(down), cycle.penetration(up), rtol=1e-13)
-    assert_allclose(cycle.force(down), cycle.force(up), rtol=1e-12)
-    expected = sneddon.unit_force(indenter, sneddon.contact_radius(indenter, 0.03), 0.03)
-    assert_allclose(cycle.force(up), ELASTIC.relaxed_plane_modulus * expected, rtol=1e-12)
-    assert_allclose(cycle.detachment(), 1.5, rtol=1e-13)
-
-
-def test_ting_slow_and_fast_are_elastic():
-    for speed, modulus in ((1e-8, 1.0), (1e8, 10.0)):
-        cycle = Ting(ONE, Sphere(1.0), speed, 0.05 / speed, speed)
-        time = np.array([0.3, 1.0, 1.4]) * 0.05 / speed
-        expected = hertz.force(np.sqrt(cycle.penetration(time)), 1.0, modulus)
-        assert_allclose(cycle.force(time), expected, rtol=1e-5)
 
 
 @materials

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
-from scipy.optimize import minimize_scalar
-from scipy.special import j0, j1
 from support.closed_forms import hertz, punch
 
 from contact_scene import Cone, FlatPunch, PowerLaw, Sphere
@@ -34,10 +32,6 @@ def sphere_field(r, z, poisson=0.3):
     return contact(r, z, Sphere(R), A, A**2 / R, MODULUS, poisson)
 
 
-def punch_field(r, z, penetration, poisson):
-    return contact(r, z, FlatPunch(A), A, penetration, MODULUS, poisson)
-
-
 def total_force(name):
     indenter, depth = CONTACTS[name]
     return MODULUS * float(sneddon.unit_force(indenter, A, depth))
@@ -48,13 +42,6 @@ def pressure(name, r):
     lack = depth - float(sneddon.depth(indenter, A))
     rest = 0.0 if name == "punch" else sneddon.pressure(indenter, r, A, MODULUS)
     return rest + punch.pressure(r, lack, A, MODULUS)
-
-
-def max_shear(stress):
-    rr, zz, tt, rz = stress
-    middle, radius = 0.5 * (rr + zz), np.hypot(0.5 * (rr - zz), rz)
-    principal = np.sort(np.stack([middle - radius, middle + radius, tt]), axis=0)
-    return 0.5 * (principal[2] - principal[0])
 
 
 @pytest.mark.parametrize("poisson", POISSON)
@@ -109,78 +96,6 @@ def test_surface_carries_the_pressure_and_has_the_shape_of_the_indenter(poisson)
         assert_allclose(away.stress[0], expected, atol=1e-9 * PEAK)
     sphere = sphere_field(outside, 0.0, poisson)
     assert_allclose(sphere.displacement[1], -hertz.displacement(outside, A, R), rtol=1e-10)
-
-
-@pytest.mark.parametrize("poisson", POISSON)
-def test_axis_has_the_forms_of_huber_and_sneddon(poisson):
-    s = np.array([0.0, 0.02, 0.2, 0.6, 3.0])
-    x = s / A
-    sphere = sphere_field(0.0, -s, poisson).stress
-    assert_allclose(sphere[1], -PEAK / (1 + x**2), rtol=1e-11)
-    angle = np.arctan2(1.0, x)
-    hoop = -(1 + poisson) * (1 - x * angle) + 0.5 / (1 + x**2)
-    assert_allclose(sphere[0], PEAK * hoop, atol=1e-10 * PEAK)
-    flat = punch_field(0.0, -s, 0.1, poisson).stress
-    force = punch.force(0.1, A, MODULUS)
-    assert_allclose(flat[1], -force / (2 * np.pi) * (A**2 + 3 * s**2) / (A**2 + s**2) ** 2, rtol=1e-10)
-    for stress in (sphere, flat):
-        assert_allclose(stress[0], stress[2], rtol=1e-10, atol=1e-13)
-        assert_allclose(stress[3], 0.0, atol=1e-14)
-
-
-def test_largest_shear_under_a_sphere_is_0_31_p0_at_0_48_a():
-    def shear(x):
-        return -float(max_shear(sphere_field(0.0, -x * A, 0.3).stress))
-
-    found = minimize_scalar(shear, bounds=(0.1, 1.5), method="bounded")
-    assert_allclose(-found.fun / PEAK, 0.310, atol=5e-4)
-    assert_allclose(found.x, 0.481, atol=1e-3)
-    r, z = np.meshgrid(np.linspace(0.0, 1.5 * A, 91), -np.linspace(0.0, 1.5 * A, 91))
-    stress = sphere_field(r, z, 0.3).stress
-    assert max_shear(stress).max() <= -found.fun * (1.0 + 1e-12)
-
-
-def test_jkr_is_hertz_minus_a_punch():
-    r, z = np.meshgrid([0.0, 0.2, 0.3, 0.5], [-0.01, -0.3])
-    whole = at("jkr", r, z, 0.4)
-    lack = np.sqrt(2 * np.pi * A * WORK / MODULUS)
-    base = sphere_field(r, z, 0.4)
-    pulled = punch_field(r, z, -lack, 0.4)
-    assert_allclose(whole.stress, base.stress + pulled.stress, atol=1e-12 * PEAK)
-    assert_allclose(whole.displacement, base.displacement + pulled.displacement, atol=1e-13)
-
-
-@pytest.mark.parametrize("name", ["hertz", "cone", "power-law"])
-def test_fields_are_the_hankel_integrals_of_the_pressure(name):
-    """From the pressure to the stress with nothing of the closed forms: two quadratures."""
-    angle, weight = np.polynomial.legendre.leggauss(120)
-    rho = A * np.sin(0.25 * np.pi * (angle + 1.0))  # graded to the edge
-    weight = 0.25 * np.pi * weight * A * np.cos(0.25 * np.pi * (angle + 1.0))
-    r, s, poisson = 0.2, 0.15, 0.35
-    knots = np.linspace(0.0, 40.0 / s, 201)
-    node, share = np.polynomial.legendre.leggauss(8)
-    half = 0.5 * np.diff(knots)[:, None]
-    k = (knots[:-1, None] + half * (1.0 + node)).ravel()
-    share = (half * share).ravel() * np.exp(-k * s)
-    share *= j0(k[:, None] * rho) @ (weight * rho * pressure(name, rho))
-    a0, a1 = (share @ (k**n * j0(k * r)) for n in (1, 2))
-    c0, c1, c2 = (share @ (k**n * j1(k * r)) for n in (0, 1, 2))
-    ring = ((1 - 2 * poisson) * c0 - s * c1) / r
-    expected = [-a0 + s * a1 + ring, -a0 - s * a1, -2 * poisson * a0 - ring, s * c2]
-    assert_allclose(at(name, r, -s, poisson).stress, expected, atol=2e-5 * PEAK)
-
-
-def test_far_away_only_the_force_is_felt():
-    r, z, poisson = np.array([30.0, 100.0, 0.0]), np.array([-40.0, -1.0, -80.0]), 0.4
-    rho = np.hypot(r, z)
-    for name in ("punch", "hertz", "jkr", "cone"):
-        field = at(name, r, z, poisson)
-        force = total_force(name)
-        axial = 3.0 * force * z**3 / (2.0 * np.pi * rho**5)  # Boussinesq
-        twice_shear = MODULUS * (1.0 - poisson)
-        sunk = force / (2 * np.pi * twice_shear) * (z**2 / rho**3 + 2 * (1 - poisson) / rho)
-        assert_allclose(field.stress[1], axial, rtol=1e-3, atol=1e-9 * force)
-        assert_allclose(field.displacement[1], -sunk, rtol=1e-4)
 
 
 def test_interpolated_shapes_agree_with_exact_ones():

@@ -6,9 +6,7 @@ from dataclasses import dataclass
 
 from contact_scene import Material
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.frozen import FrozenRetraction
 from validation.reference.jkr import ElasticContact
-from validation.reference.spring import least
 
 
 @dataclass(frozen=True)
@@ -46,30 +44,3 @@ class FrozenZone:
     @property
     def _contrast(self) -> float:
         return self.material.glassy_modulus / self.material.modulus
-
-
-@dataclass(frozen=True)
-class FrozenSpring:
-    """A relaxed contact pulled away, faster than anything can relax, by a stage and a spring."""
-
-    retraction: FrozenRetraction
-    stiffness: float
-
-    def stage(self, state: ElasticContact) -> float:
-        """``X = D + F/k``."""
-        return state.penetration + state.force / self.stiffness
-
-    def pull_off(self) -> ElasticContact:
-        """The state in which contact is lost: where the stage is least on the release branch."""
-        start = self.retraction.relaxed.contact_radius
-
-        def state(radius: float) -> ElasticContact:
-            law = self.retraction
-            return ElasticContact(radius, float(law.penetration(radius)), float(law.force(radius)))
-
-        return state(least(lambda a: self.stage(state(a)), 0.0, start))
-
-    def largest_tension(self) -> ElasticContact:
-        """The state of largest tension, which a stiff machine passes before contact is lost."""
-        best, lost = self.retraction.pull_off(), self.pull_off()
-        return best if best.contact_radius >= lost.contact_radius else lost
