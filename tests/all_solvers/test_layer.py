@@ -91,13 +91,15 @@ def answered(name: str, solver: str):
     return found
 
 
+SLOW = dict.fromkeys(("frictionless", "repressed"), pytest.mark.slow)
+"""Of the other solvers: a scene for each base."""
 both = pytest.mark.parametrize(
     ("name", "solver"),
     [
         pytest.param(
             name,
             solver,
-            marks=() if solver == "reference" else pytest.mark.slow,
+            marks=() if solver == "reference" else SLOW.get(name, pytest.mark.exhaustive),
         )
         for name in SCENES
         for solver in TOLERANCE

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import venv
@@ -236,21 +235,13 @@ def test_a_package_in_a_fresh_environment(tmp_path):
         "--no-build-isolation",
     ]
     subprocess.run([*pip, "--target", str(library), str(package)], check=True, cwd=tmp_path, timeout=100)
-    command = [str(python), "-m", "crosscontact", "compare", "elastic-press"]
+    command = [str(python), "-m", "crosscontact", "solve", "elastic-press", "--solver", "hertz"]
     run = subprocess.run(
-        [*command, "--solvers", "reference,hertz", "--out", "report"],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-        timeout=200,
+        [*command, "--out", "hertz"], capture_output=True, text=True, cwd=tmp_path, timeout=200
     )
-    assert run.returncode in (0, 1), run.stderr  # 1: the last row before the contact vanishes is coarse
-    assert "Traceback" not in run.stderr
-    report = json.loads((tmp_path / "report" / "report.json").read_text())
-    assert report["scenes"][0]["runs"]["hertz"]["outcome"] == "detached"
-    checks = {one["quantity"]: one for one in report["scenes"][0]["checks"] if one["solver"] == "hertz"}
-    assert all(checks[name]["passed"] for name in ("outcome", "approach_force", "F(t), RMS", "loop_energy"))
-    assert "Hertz, closed form" in (tmp_path / "report" / "index.html").read_text()
+    assert run.returncode == 0, run.stderr
+    assert "by hertz: detached" in run.stdout
+    assert (tmp_path / "hertz" / "trace.csv").exists()
     listed = "from crosscontact import arguments; print(*arguments.usable())"
     run = subprocess.run(
         [str(python), "-c", listed], capture_output=True, text=True, cwd=tmp_path, timeout=100

@@ -47,7 +47,10 @@ def outside_paraboloid(radius, edge, penetration):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("branches", [THREE, (Branch(3.0, 20.0), Branch(2.0, 1e-3))])
+@pytest.mark.parametrize(
+    "branches",
+    [THREE, pytest.param((Branch(3.0, 20.0), Branch(2.0, 1e-3)), marks=pytest.mark.exhaustive)],
+)
 def test_displacement_outside_an_edge_that_never_receded_is_elastic(branches):
     """Whatever the material and the way: no pressure has been there (Lee and Radok)."""
     steps = (Ramp(0.0026781, 2.268e-5), Hold(0.5), Ramp(0.0028, 1e-3))

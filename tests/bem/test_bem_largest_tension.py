@@ -48,7 +48,7 @@ PUNCH = Scene(
 
 @pytest.mark.parametrize(
     "resolution",
-    [6, pytest.param(12, marks=pytest.mark.slow), pytest.param(24, marks=pytest.mark.exhaustive)],
+    [6, *(pytest.param(n, marks=pytest.mark.exhaustive) for n in (12, 24))],
 )
 @pytest.mark.parametrize(
     ("question", "force"),

@@ -137,7 +137,7 @@ def test_pressed_contact(indenter, ratio):
         assert_allclose(trace.force[0] * (1.0 - poisson**2), exact.force, rtol=3e-5)
 
 
-@pytest.mark.parametrize("lengths", [0.2, pytest.param(1.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("lengths", [0.2, pytest.param(1.0, marks=pytest.mark.exhaustive)])
 def test_thin_film_jkr(lengths):
     """Elastic limits of stability on a bonded incompressible layer, zone extrapolated to nothing.
 

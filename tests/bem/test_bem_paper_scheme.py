@@ -120,7 +120,7 @@ def test_the_edge_of_a_punch_is_a_border():
 @pytest.mark.slow
 def test_force_control_follows_the_force():
     steps = (ForceRamp(0.02, 0.01), Hold(1.0), ForceRamp(-0.1, 0.01))
-    trace, default = uniform(scene(*steps)), bem_solver.solve(scene(*steps), Options(resolution=6))
+    trace, default = uniform(scene(*steps), 6), bem_solver.solve(scene(*steps), Options(resolution=6))
     ramp = trace.time <= 2.0 + 0.5
     loaded = trace.force[ramp & (np.diff(trace.time, prepend=0.0) > 0.0)]
     assert np.ptp(np.diff(loaded[:100])) < 1e-12

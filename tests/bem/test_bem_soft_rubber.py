@@ -51,7 +51,7 @@ def off(name: str, resolution: int) -> np.ndarray:
     ("name", "resolution", "most", "most_stored"),
     [
         pytest.param("probe-tack", 6, 5e-4, 7e-3, marks=pytest.mark.slow),
-        pytest.param("one-branch", 6, 1e-3, 3e-3, marks=pytest.mark.slow),
+        pytest.param("one-branch", 6, 1e-3, 3e-3, marks=pytest.mark.exhaustive),
         pytest.param("slow-press", 8, 1.5e-3, 3e-3, marks=pytest.mark.exhaustive),
         pytest.param("slow-press", 12, 5e-4, 1e-3, marks=pytest.mark.exhaustive),
     ],

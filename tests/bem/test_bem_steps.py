@@ -176,7 +176,7 @@ def test_a_closing_edge_knows_no_rate():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("resolution", [8, 12])
+@pytest.mark.parametrize("resolution", [8, pytest.param(12, marks=pytest.mark.exhaustive)])
 def test_a_penetration_that_turns_within_the_first_step_after_a_corner_of_the_force(resolution):
     """It creeps on while the force falls, and would be back at the end of a long step: no change is seen."""
     moduli = (3.5, 1.8, 0.9, 0.45, 0.22, 0.11)

@@ -80,8 +80,14 @@ def test_check_values_of_the_one_branch_cycle():
     assert_allclose(force, [0.04443517, 0.10786683], atol=5.1e-9)
 
 
-@materials
-@shapes_table_slow
+@pytest.mark.parametrize(
+    ("material", "indenter"),
+    [
+        *((WIDE, one) for one in SHAPES[:-1]),
+        (ONE, SHAPES[0]),
+        pytest.param(ONE, TABLE, marks=pytest.mark.slow),
+    ],
+)
 def test_a_ramp_is_its_convolution(material, indenter):
     time, rate = 0.9, 0.05
     radius, force = lee_radok.ramp(material, indenter, rate, time)

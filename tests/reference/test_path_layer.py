@@ -228,15 +228,3 @@ def test_what_a_thin_layer_rounds_moves_no_edge():
     )
     trace = solve(scene, Options(max_steps=300))
     assert trace.outcome.kind is OutcomeKind.DETACHED
-
-
-@pytest.mark.slow
-def test_a_tenth_of_the_tolerance_changes_little():
-    scene = Scene(
-        Material(0.75, 0.45, TWO), Sphere(1.0), PULLED["ramps"], ADHESION, body=Layer(0.1, "bonded")
-    )
-    coarse, fine = solve(scene), solve(scene, Options(tolerance=1e-6))
-    assert coarse.force.min() == pytest.approx(fine.force.min(), rel=1e-6)
-    assert coarse.time[-1] == pytest.approx(fine.time[-1], rel=1e-6)
-    assert coarse.external_work[-1] == pytest.approx(fine.external_work[-1], rel=1e-6)
-    assert math.isfinite(fine.force.min())
