@@ -26,7 +26,6 @@ from contact_scene import (
     Sphere,
 )
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.jkr import JKR
 from validation.reference.rated_edge import RatedEdge, opening_speed
 from validation.solvers import SOLVERS
 
@@ -112,16 +111,6 @@ def test_the_edge_is_pinned_between_two_branches(solver):
     assert np.abs(trace.dissipated_energy).max() < 1.5 * biased  # of the finite zone; nothing relaxes
 
 
-@pytest.mark.slow
-def test_jkr_branches_follow_as_the_zone_shrinks():
-    sharp = AdhesionHysteresis(JKR(Sphere(1.0), 1.0, WORK), JKR(Sphere(1.0), 1.0, CLOSING), 1.0)
-    depths = [0.0, 0.03, 0.01]
-    trace = solved("reference", scene([Ramp(to, 1e-3) for to in depths[1:]], Adhesion(WORK, 1e-5, CLOSING)))
-    last = sharp.path(depths)[-1]
-    assert_allclose(trace.contact_radius[-1], last.contact_radius, rtol=1e-5)
-    assert_allclose(trace.force[-1], last.force, rtol=1e-4)
-
-
 def test_a_pinned_edge_under_force_control_is_a_punch():
     steps = (Force(2e-3, 1.0), ForceRamp(1e-3, 1e-3), ForceRamp(1.5e-3, 1e-3))
     trace = solved("reference", scene(steps, Adhesion(WORK, ZONE, CLOSING)))
@@ -166,17 +155,6 @@ def test_an_opening_edge_follows_its_equation_of_motion(solver, law):
     assert np.abs(loss_of_balance(trace)).max() < 1e-14
 
 
-def test_the_equation_of_motion_of_jkr_is_its_quasistatic_branch_when_slow():
-    contact = JKR(Sphere(1.0), 1.0, WORK)
-    edge = RatedEdge(Adhesion(WORK, ZONE, None, PowerRate(1.0, 1.0)), contact.energy_release_rate)
-    first = contact.at_penetration(0.02)
-    times = np.linspace(0.0, 2e6, 5)
-    radius = edge.radii(first.contact_radius, 0.02, 1e-8, times)
-    assert_allclose(
-        radius, [contact.at_penetration(0.02 - 1e-8 * t).contact_radius for t in times], rtol=1e-6
-    )
-
-
 @pytest.mark.slow
 def test_hysteresis_and_rate_agree_on_a_viscoelastic_half_space():
     """No closed form: three methods, an adhesion that jumps, pins, and slows the edge."""
@@ -196,18 +174,6 @@ def test_hysteresis_and_rate_agree_on_a_viscoelastic_half_space():
         for name in ("separation_energy", "branch_dissipation"):
             scale = spent if name == "separation_energy" else largest
             assert_allclose(trace.extra[name][-1], truth.extra[name][-1], atol=2e-2 * scale)
-
-
-@pytest.mark.slow
-def test_a_rated_edge_lets_go_of_a_punch_in_time_not_at_once():
-    steps = [Ramp(-1.0, 1e-2)]
-    at_once = solved("bem", scene(steps, Adhesion(WORK, ZONE), 0.0, indenter=FlatPunch(0.2)))
-    in_time = solved(
-        "bem", scene(steps, Adhesion(WORK, ZONE, None, RATES["power"]), 0.0, indenter=FlatPunch(0.2))
-    )
-    assert at_once.events[-1].kind == "pull-off"
-    assert not in_time.events
-    assert -in_time.force.min() > -1.5 * at_once.force.min()
 
 
 HYSTERESIS, RATED = Adhesion(WORK, ZONE, CLOSING), Adhesion(WORK, ZONE, None, RATES["power"])

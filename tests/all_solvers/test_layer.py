@@ -12,10 +12,25 @@ from functools import cache
 
 import numpy as np
 import pytest
+from support.closed_forms.layer import growing_force
 
-from contact_scene import Layer, Loading, OutcomeKind, Ramp, Scene, SceneError
+from contact_scene import (
+    Branch,
+    FlatPunch,
+    Hold,
+    Layer,
+    Loading,
+    Material,
+    OutcomeKind,
+    Ramp,
+    Scene,
+    SceneError,
+    Sphere,
+)
 from validation.cases import load
 from validation.measure.observables import observe
+from validation.reference import prony_integrals
+from validation.reference.elastic_layer import ElasticLayer
 from validation.solvers import SOLVERS
 
 ZONE = 0.013
@@ -91,15 +106,18 @@ def answered(name: str, solver: str):
     return found
 
 
+DEFAULT = dict.fromkeys(("frictionless", "dwell"), ())
 SLOW = dict.fromkeys(("frictionless", "repressed"), pytest.mark.slow)
-"""Of the other solvers: a scene for each base."""
+"""By the other solvers: a scene for each base."""
 both = pytest.mark.parametrize(
     ("name", "solver"),
     [
         pytest.param(
             name,
             solver,
-            marks=() if solver == "reference" else SLOW.get(name, pytest.mark.exhaustive),
+            marks=DEFAULT.get(name, pytest.mark.slow)
+            if solver == "reference"
+            else SLOW.get(name, pytest.mark.exhaustive),
         )
         for name in SCENES
         for solver in TOLERANCE
@@ -180,3 +198,30 @@ def test_a_contact_too_wide_for_its_layer(monkeypatch, solver):
     assert ratio[0] < 3.0 < ratio[-1] < 3.2
     with pytest.raises(SceneError, match=r"^body\.thickness: .* thicknesses"):
         SOLVERS[solver].solve(replace(wide, loading=start), 4)
+
+
+TWO = Material(0.75, 0.3, (Branch(3.0, 0.3), Branch(4.0, 3.0)))
+GROWN = [("reference", 1e-7), pytest.param("bem", 1e-4, marks=pytest.mark.slow)]
+
+
+def pressed(indenter, *steps, at=0.0, base="bonded"):
+    """Without adhesion, on a layer of a tenth of the radius."""
+    return Scene(TWO, indenter, Loading("jump-in", at, steps), body=Layer(0.1, base))
+
+
+@pytest.mark.parametrize(("solver", "accuracy"), GROWN)
+def test_growing_contact_without_adhesion(solver, accuracy):
+    """Lee and Radok on a layer, too; the radius is the elastic one."""
+    asked = pressed(Sphere(1.0), Ramp(0.02, 0.02))
+    trace, layer = SOLVERS[solver].solve(asked), ElasticLayer(asked.body, 0.3, asked.indenter)
+    assert trace.contact_radius[-1] == pytest.approx(layer.radius_at(0.02), rel=accuracy)
+    assert trace.force[-1] == pytest.approx(growing_force(TWO, layer, 0.02, 1.0), rel=accuracy)
+
+
+@pytest.mark.parametrize(("solver", "accuracy"), [("reference", 2e-7), ("bem", 1e-5)])
+def test_a_contact_that_stays_relaxes_as_its_material(solver, accuracy):
+    for indenter in (Sphere(1.0), FlatPunch(0.2)) if solver == "reference" else (FlatPunch(0.2),):
+        trace = SOLVERS[solver].solve(pressed(indenter, Hold(4.0), at=0.02, base="frictionless"))
+        relaxed = prony_integrals.relaxation(TWO, trace.time)
+        assert np.ptp(trace.contact_radius) == 0.0
+        assert trace.force / trace.force[0] == pytest.approx(relaxed / relaxed[0], rel=accuracy)

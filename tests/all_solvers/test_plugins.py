@@ -146,19 +146,6 @@ def test_commands_that_run_all_solvers_go_on_without_a_broken_one(
     )
 
 
-def test_a_sweep_names_a_broken_one_and_goes_on(found, tmp_path, capsys):
-    plan = tmp_path / "plan.toml"
-    plan.write_text(
-        f'scene = "{small_scene(tmp_path)}"\nsolver = "plug-spring"\nestimate = false\n'
-        '[[coordinates]]\nkey = "indenter.radius"\nvalues = [1.0]\n'
-    )
-    assert main(["sweep", str(plan), "--dry-run"]) == 0
-    told = capsys.readouterr()
-    assert "1 runs of small by plug-spring" in told.out
-    assert [name for name in BROKEN if f'"{name}" of ' in told.err] == list(BROKEN)
-    assert len(told.err.splitlines()) == len(BROKEN)
-
-
 def test_a_plan_with_a_broken_one_is_bad_input(found, tmp_path, capsys):
     plan = tmp_path / "plan.toml"
     plan.write_text(
@@ -270,12 +257,3 @@ def test_peers_are_found_by_name_and_run_by_nobody_else():
     assert "tamaas" in names.split()
     packages = {peer.module for peer in PEERS.values()} | {"SurfaceTopography"}
     assert not packages & set(modules.split())
-
-
-def test_a_package_that_is_missing_is_told(monkeypatch):
-    peer = PEERS["tamaas"]
-    monkeypatch.setattr(type(peer), "module", "no_such_package_anywhere")
-    reason = peer.refusal(cc.builtin("adhesionless-force"))
-    assert str(reason) == (
-        "solver: \"tamaas\" needs the package tamaas; allowed: pip install 'crosscontact[peers]'"
-    )

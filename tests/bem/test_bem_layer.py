@@ -7,22 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose, assert_array_equal
-from scipy.integrate import quad
+from numpy.testing import assert_allclose
 from scipy.special import j0, j1
 from support.bem_runs import bem
-from support.paper_scenes import ONE, scene
+from support.paper_scenes import scene
 
 from bem_solver import solve
 from bem_solver.annuli import Annuli, annulus_influence
-from bem_solver.body import HALF_SPACE, Compliance
+from bem_solver.body import Compliance
 from bem_solver.surface import ContactSurface, EdgeKinks
 from contact_scene import (
     Adhesion,
     Cone,
     FlatPunch,
     ForceRamp,
-    Hold,
     Layer,
     Loading,
     Material,
@@ -93,13 +91,6 @@ def test_former_edge_within_the_contact(old):
     assert_allclose(surface.load_work, 2.0 * w[:30] @ stress[:30], rtol=1e-4)
 
 
-def test_half_space_has_rank_zero():
-    """A body that lacks nothing has no fields; the rank grows with the contact, and is small."""
-    assert HALF_SPACE.within(3.0).fields.shape[1] == 0
-    assert [body_of(0.5, "bonded").within(edge).fields.shape[1] for edge in (0.1, 0.5, 1.0)] == [4, 6, 9]
-    assert Compliance.of(scene()) is HALF_SPACE
-
-
 def test_bases_of_different_reach_agree():
     """Over a contact just below, and just above, the border between two of them."""
     body, annuli = body_of(0.45, "bonded"), Annuli(40)
@@ -167,37 +158,12 @@ def test_thin_film_jkr(lengths):
     assert_allclose(limit, (under_load, under_penetration), rtol=2e-5)
 
 
-@pytest.mark.slow
-def test_growing_contact_without_adhesion():
-    """Lee and Radok: ``F = int E*(t - s) dF_el(D(s))/E*`` on a layer, too; the radius is the elastic one."""
-    press = replace(scene(Ramp(0.02, 0.02), adhesion=None), body=Layer(0.1, "bonded"))
-    trace, elastic = bem(press), bem(replace(press, material=Material(0.75, 0.5)))
-    depth, force = elastic.penetration[1:], elastic.force[1:]
-    smooth = np.polynomial.Polynomial.fit(np.sqrt(depth), force / depth**1.5, 9)
-
-    def load(depth):
-        return smooth(np.sqrt(depth)) * depth**1.5
-
-    faded, _ = quad(lambda s: load(0.02 * s) * np.exp(s - 1.0), 0.0, 1.0)
-    assert_allclose(trace.force[-1], 10.0 * load(0.02) - 9.0 * faded, rtol=1e-4)
-    assert_allclose(trace.contact_radius[-1], elastic.contact_radius[-1], rtol=1e-4)
-
-
 def test_steps_of_a_loaded_punch():
     """A punch under a growing force sinks as on the half-space, only less: its steps are judged alike."""
     loaded = scene(ForceRamp(1.0, 1.0), start="relaxed", indenter=FlatPunch(0.2), adhesion=None)
     trace, half_space = bem(replace(loaded, body=Layer(0.2 / 3.0, "bonded"))), bem(loaded)
     assert len(trace.time) == len(half_space.time)
     assert_allclose(18.15739 * trace.penetration[-1], half_space.penetration[-1], rtol=3e-6)
-
-
-def test_fixed_contact_relaxes_as_its_material():
-    """A punch that is held: on any layer its force falls as the modulus."""
-    held = scene(Ramp(0.01, 1e3), Hold(2.0), indenter=FlatPunch(0.2), adhesion=None)
-    trace = bem(replace(held, body=Layer(0.1, "bonded")), stop_times=(0.5, 1.0))
-    at = trace.time.searchsorted([0.5, 1.0, trace.time[-1]])
-    modulus = ONE.modulus + 6.75 * np.exp(-(trace.time[at] - 1e-5))
-    assert_allclose(trace.force[at] / trace.force[at[0]], modulus / modulus[0], rtol=1e-5)
 
 
 def test_elastic_layer_stores_what_it_is_given():
@@ -208,11 +174,3 @@ def test_elastic_layer_stores_what_it_is_given():
     trace = bem(replace(press, body=Layer(0.02, "bonded")))
     most = trace.stored_energy.max()
     assert_allclose(trace.stored_energy, trace.external_work, atol=1e-5 * most)
-
-
-def test_arrays_are_those_of_the_half_space():
-    """Rank zero adds nothing, to the bit."""
-    annuli = Annuli(24)
-    load = 0.3 - annuli.radii**2
-    surface = ContactSurface.under(annuli, 0.7, load)
-    assert_array_equal(surface.scaled, annuli.solve(load))

@@ -142,10 +142,8 @@ EXTREMES = {
     "weak adhesion": cycle(0.02, adhesion=Adhesion(1e-9, 3e-4), depth=1e-5),
     "no work of adhesion": scene(Ramp(0.01, 0.1), adhesion=Adhesion(0.0, 1.0)),
 }
-SLOW = dict.fromkeys(
-    ("fifteen decades", "frequent", "long hold", "no work of adhesion", "sharp cone", "sweep", "very slow"),
-    pytest.mark.slow,
-)
+SLOW = dict.fromkeys(("fifteen decades", "frequent", "long hold", "no work of adhesion"), pytest.mark.slow)
+SLOW |= dict.fromkeys(("sharp cone", "stiff", "sweep", "very slow"), pytest.mark.slow)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.special import j0
-from support.closed_forms.layer import FrozenLayer, growing_force
+from support.closed_forms.layer import FrozenLayer
 
 from contact_scene import (
     Adhesion,
@@ -64,14 +64,6 @@ def press(base, poisson, *steps, **others):
     return Scene(material, Sphere(1.0), Loading("jump-in", 0.0, steps), body=Layer(0.1, base), **others)
 
 
-@pytest.mark.parametrize(("base", "poisson"), BASES[:2])
-def test_growing_contact_without_adhesion(base, poisson):
-    scene = press(base, poisson, Ramp(0.02, 0.02))
-    trace, layer = solve(scene), ElasticLayer(scene.body, poisson, scene.indenter)
-    assert trace.contact_radius[-1] == pytest.approx(layer.radius_at(0.02), rel=1e-7)
-    assert trace.force[-1] == pytest.approx(growing_force(scene.material, layer, 0.02, 1.0), rel=1e-7)
-
-
 @pytest.mark.parametrize("steps", [(ForceRamp(0.05, 0.05),), (Force(0.05, 2.0),)])
 def test_growing_contact_under_a_force(steps):
     scene = press("bonded", 0.5, *steps)
@@ -99,15 +91,6 @@ def test_a_contact_outgrows_what_its_loading_says():
             unit = trace.force[0] * prony_integrals.creep(scene.material, time)
             unit -= step.rate * prony_integrals.creep_integral(scene.material, time)
             assert layer.state(radius).force == pytest.approx(float(unit), rel=1e-6)
-
-
-def test_a_contact_that_stays_relaxes_as_the_material():
-    scene = press("frictionless", 0.3, Hold(4.0))
-    scene = replace(scene, loading=replace(scene.loading, penetration=0.02))
-    trace = solve(scene)
-    relaxed = prony_integrals.relaxation(scene.material, trace.time)
-    assert np.ptp(trace.contact_radius) == 0.0
-    np.testing.assert_allclose(trace.force / trace.force[0], relaxed / relaxed[0], rtol=2e-7)
 
 
 def test_the_profile_is_what_the_pressure_does_to_the_layer():

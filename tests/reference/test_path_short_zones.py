@@ -65,7 +65,9 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", ["jump", "collapse", *(pytest.param(n, marks=pytest.mark.slow) for n in ("sinking", "saturated"))]
+)
 def test_outcomes_are_events(name: str) -> None:
     """No run ends for want of a step."""
     scene, outcome = SCENES[name]
