@@ -12,7 +12,6 @@ from support.paper_scenes import PULL as F_JKR
 from benchmarks.reference_accuracy import cycle, levels
 from contact_scene import (
     Adhesion,
-    Branch,
     Force,
     Hold,
     Loading,
@@ -100,24 +99,6 @@ def test_the_deepest_row_of_an_oscillation_is_its_first_peak() -> None:
     assert seen.approach_time == pytest.approx(0.25 * math.pi, rel=1e-8)
     assert seen.approach_penetration == pytest.approx(0.033, rel=1e-12)
     assert seen.approach_force == pytest.approx(exact.force, rel=1e-5)
-
-
-@pytest.mark.slow
-def test_rounding_does_not_choose_the_steps_under_a_constant_force() -> None:
-    """Differences of a force that is constant are rounding: no step may follow from them."""
-    perturbed = tuple(
-        Branch(branch.modulus * (1.0 - 1e-15), branch.time * (1.0 + 1e-15)) for branch in ONE.branches
-    )
-    pulled = Loading("relaxed", 0.032, (Force(-8.0 * F_JKR, 0.25),))
-    once, again = (
-        solve(Scene(material, Sphere(1.0), pulled, STICKY), Options(resolution=4))
-        for material in (ONE, replace(ONE, branches=perturbed))
-    )
-    assert again.counters == once.counters
-    before, after = observe(once).as_dict(), observe(again).as_dict()
-    for name, value in before.items():
-        if value is not None:
-            assert after[name] == pytest.approx(value, rel=1e-9, abs=0.0), name
 
 
 SLOW = pytest.mark.slow
