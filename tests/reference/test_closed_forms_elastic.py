@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from support.closed_forms import hertz, punch
-from support.paper_scenes import ONE
 
 from contact_scene import (
     Cone,
@@ -178,20 +177,3 @@ def test_jkr_of_a_table_has_curves_but_no_closed_pull_off():
 def test_no_contact_is_refused():
     with pytest.raises(ValueError, match="no adhesionless contact"):
         sneddon.contact_radius(Sphere(R), -1e-3)
-
-
-def test_kendall_pull_off_and_its_viscoelastic_bounds():
-    a = 0.3
-    depth = punch.pull_off_penetration(a, MODULUS, WORK)
-    assert_allclose(punch.force(depth, a, MODULUS), -punch.pull_off_force(a, MODULUS, WORK), rtol=1e-13)
-    assert_allclose(punch.energy_release_rate(depth, a, MODULUS), WORK, rtol=1e-13)
-    total = quad(
-        lambda b: 2 * np.pi * a**2 * np.sin(b) * np.cos(b) * punch.pressure(a * np.sin(b), depth, a, MODULUS),
-        0,
-        np.pi / 2,
-    )[0]
-    assert_allclose(total, punch.force(depth, a, MODULUS), rtol=1e-10)
-    material = ONE
-    slow, fast = punch.viscoelastic_bounds(material, a, WORK)
-    assert_allclose(slow, punch.pull_off_force(a, 1.0, WORK), rtol=1e-13)
-    assert_allclose(fast / slow, np.sqrt(10.0), rtol=1e-13)

@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-from support.closed_forms.layer import FrozenLayer, growing_force, thin_punch
-from support.closed_forms.lee_radok import ramp
-from support.paper_scenes import ONE, WORK
+from support.closed_forms.layer import thin_punch
 
-from contact_scene import Branch, Cone, FlatPunch, Layer, Material, PowerLaw, Sphere
+from contact_scene import Cone, FlatPunch, Layer, PowerLaw, Sphere
 from validation.reference import layer_formulas, sneddon
 from validation.reference.elastic_layer import ElasticLayer, force_ratio, moment, transfer
-from validation.reference.frozen import FrozenRetraction
 from validation.reference.jkr import JKR
 
 BONDED, SLIDING = "bonded", "frictionless"
@@ -137,37 +134,6 @@ def test_how_wrong_published_formulas_are():
     for ratio, row in layer_formulas.HAYES.items():
         for poisson, value in zip((0.3, 0.4, 0.45, 0.5), row, strict=True):
             assert -0.017 < value / (0.5 * punch(ratio, poisson, BONDED).stiffness) - 1.0 < 5e-4
-
-
-TWO = Material(0.75, 0.3, (Branch(3.0, 0.3), Branch(4.0, 3.0)))
-
-
-@pytest.mark.parametrize("material", [ONE, TWO])
-def test_growing_contact_of_a_thick_and_of_a_thin_layer(material):
-    thick = ElasticLayer(Layer(1e8, BONDED), material.poisson, Sphere(1.0))
-    assert growing_force(material, thick, 0.02, 1.0) == pytest.approx(
-        float(ramp(material, Sphere(1.0), 0.02, 1.0)[1]), rel=1e-7
-    )
-    thin, elastic = sphere(0.1, material.poisson), Material(0.75, material.poisson)
-    state = thin.state(thin.radius_at(0.02))
-    soft, stiff = (getattr(material, f"{end}_plane_modulus") * state.force for end in ("relaxed", "glassy"))
-    assert growing_force(elastic, thin, 0.02, 1.0) == pytest.approx(soft, rel=1e-8)
-    assert soft < growing_force(material, thin, 0.02, 1.0) < stiff
-    assert growing_force(material, thin, 2e4, 1e-6) == pytest.approx(stiff, rel=1e-4)
-
-
-def test_frozen_retraction_of_a_layer():
-    """Deep it is that of the half-space; D_off of the layers L1 and L2 of a fast pull is stated."""
-    deep = FrozenLayer(ONE, sphere(1e8), WORK, 0.032)
-    half_space = FrozenRetraction(ONE, Sphere(1.0), WORK, 0.032)
-    radius = half_space.relaxed.contact_radius
-    assert deep.relaxed.contact_radius == pytest.approx(radius, rel=1e-7)
-    for a in (radius, 0.7 * radius):
-        assert deep.release(a).penetration == pytest.approx(float(half_space.penetration(a)), rel=1e-6)
-        assert deep.release(a).force == pytest.approx(float(half_space.force(a)), rel=1e-6)
-    elastic = FrozenLayer(Material(0.75, 0.5), sphere(0.1), WORK, 0.01)
-    a = 0.8 * elastic.relaxed.contact_radius
-    assert elastic.release(a).force == pytest.approx(sphere(0.1).state(a, WORK).force, rel=1e-12)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0, 4.0, 8.0])

@@ -1,16 +1,14 @@
 """Adhesive contact on a spring: both ideal machines, the limit point, energies, frozen retraction."""
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from support.closed_forms.frozen_variants import FrozenZone
 
-from contact_scene import Branch, Cone, Material, Sphere
+from contact_scene import Cone, Sphere
 from validation.cases import load
 from validation.measure.scaling import unit_sizes
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.frozen import FrozenRetraction
 from validation.reference.jkr import JKR, NoEquilibrium
 from validation.reference.spring import SpringContact
 
@@ -64,20 +62,6 @@ def test_loss_of_the_snap_is_what_an_unloading_at_the_rigid_limit_would_give_bac
     along = quad(power, 0.0, top, epsrel=1e-8)[0]
     assert_allclose(spring.lost_in_snap(), along, rtol=1e-5)
     assert spring.lost_in_snap() > 0.0
-
-
-def test_frozen_contact_of_finite_zone_tends_to_that_of_a_vanishing_one():
-    material = Material(0.75, 0.5, (Branch(2.25, 1.0),))
-    sharp, zoned = (
-        FrozenRetraction(material, Sphere(1.0), WORK, 0.03),
-        FrozenZone(material, 1.0, WORK, 1e-7, 0.03),
-    )
-    assert_allclose(zoned.relaxed.contact_radius, sharp.relaxed.contact_radius, rtol=1e-5)
-    radii = np.linspace(0.2, 0.95, 4) * sharp.relaxed.contact_radius
-    states = [zoned.equivalent.state(a) for a in radii]
-    assert_allclose([one.force for one in states], sharp.force(radii), atol=1e-5 * sharp.relaxed.force)
-    depths = [one.penetration + zoned.offset for one in states]
-    assert_allclose(depths, sharp.penetration(radii), atol=1e-5 * 0.03)
 
 
 def stated(case):

@@ -101,26 +101,6 @@ def test_a_ramp_is_its_convolution(material, indenter):
     assert_allclose(force, direct, rtol=1e-9)
 
 
-@shapes
-def test_creep_under_a_dead_load_inverts_the_convolution(indenter):
-    """The contact radius under ``F = rate t`` put back into the relaxation integral gives the force again."""
-    rate, time = 0.02, 0.8
-    if isinstance(indenter, FlatPunch):
-        assert_allclose(lee_radok.radius_under_force_ramp(ONE, indenter, rate, [0.1, time]), indenter.radius)
-        return
-
-    def radius(t):
-        return float(lee_radok.radius_under_force_ramp(ONE, indenter, rate, t))
-
-    def unit_force(t):
-        return float(sneddon.force(indenter, radius(t), 1.0))
-
-    # F = E*(0) P(t) + int dE*/ds(s) P(t - s) ds, P the elastic force per unit modulus.
-    slope = -9.0  # of E* at zero, decaying with exp(-t)
-    memory = quad(lambda s: slope * np.exp(-s) * unit_force(time - s), 0.0, time, epsrel=1e-9)[0]
-    assert_allclose(10.0 * unit_force(time) + memory, rate * time, rtol=1e-8)
-
-
 @shapes_table_slow
 @pytest.mark.parametrize("hold", [0.0, 0.4])
 def test_ting_satisfies_its_two_integrals(indenter, hold):
