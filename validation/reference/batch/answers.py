@@ -24,11 +24,6 @@ LARGEST_ERROR, LEAST_SHARE = 1e-2, 0.05
 """Of an answer, relative to the pull-off force or that part of the largest force: beyond, it is none."""
 DOUBTFUL = "two resolutions differ by more than a hundredth"
 OTHERWISE = "two resolutions end differently"
-COMPARED = 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0
-"""Shares of the travel at pull-off where the forces of two resolutions are compared: no pull-off is held to
-be better than the curve at any of them, though it may agree by chance."""
-BESIDE = 1e-3
-"""Part of a travel over which the slope of a curve is taken."""
 NO_TENSION = 1e-12
 """Pull-off force, in the largest force, below which there is none."""
 SAME = 1e-9
@@ -118,8 +113,7 @@ def answers(
     end = one.end[0] + when
     depths = np.maximum(np.abs(leg.depth), np.abs(one.end[1]))
     tension = np.maximum(one.tension, NO_TENSION * np.abs(fine.force).max(axis=0))
-    places = [share * one.travel for share in COMPARED]
-    apart = np.max([_apart(fine, coarse, place, one.end[0], tension) for place in places], axis=0)
+    apart = _apart(fine, coarse, one, tension)
     found = {
         "pull_off_force": np.maximum(np.abs(one.tension - two.tension), apart) / tension,
         "pull_off_time": np.abs(one.pull_off[0] + when - two.pull_off[0] - other) / end,
@@ -160,16 +154,27 @@ def answers(
     return solutions
 
 
-def _apart(fine: March, coarse: March, place: Array, duration: Array, tension: Array) -> Array:
-    """Distance (B,) of two curves of the force over time at a travel, both relative to their ranges."""
-    before = (1.0 - BESIDE) * place
-    (time, force), (early, less), (other, another) = (
-        (run.at(run.time, at), run.at(run.force, at))
-        for run, at in ((fine, place), (fine, before), (coarse, place))
+def _apart(fine: March, coarse: March, found: Events, tension: Array) -> Array:
+    """Largest distance (B,) of two curves of the force over time within a zone of the pull-off.
+
+    Both are taken relative to their ranges. What the edge comes by it feels over a zone: where two
+    resolutions agree at one place of it, they do so by chance.
+    """
+    g, place, newest = fine.grid.g, found.travel, max(int(coarse.last.max()), 1)
+    low, high = g.searchsorted(place - 1.0) - 1, g.searchsorted(place + 1.0)
+    rows = np.arange(max(int(low.min()), 0), min(int(high.max()), int(fine.last.max())) + 1)
+    begin, weights, newest_used = coarse.grid.weights(g[rows], newest)
+    (time, rise), (force, climb) = (
+        (curve[rows], curve[np.minimum(rows + 1, rows[-1])] - curve[np.maximum(rows - 1, 0)])
+        for curve in (fine.time, fine.force)
     )
-    slope = np.where(time > early, (force - less) / np.where(time > early, time - early, 1.0), 0.0)
-    steep = slope * duration / tension
-    return np.asarray(np.abs(force - another - slope * (time - other)) / np.sqrt(1.0 + steep * steep))
+    other, another = (weights @ curve[begin : newest + 1] for curve in (coarse.time, coarse.force))
+    slope = np.where(rise > 0.0, climb / np.where(rise > 0.0, rise, 1.0), 0.0)
+    steep = slope * found.end[0] / tension
+    apart = np.abs(force - another - slope * (time - other)) / np.sqrt(1.0 + steep * steep)
+    row = rows[:, None]
+    known = (row < fine.last) & (newest_used[:, None] <= coarse.last) & (g[row] <= coarse.grid.g[coarse.last])
+    return np.asarray(np.where(known & (row >= low) & (row <= high), apart, 0.0).max(axis=0))
 
 
 def _table(found: March, events: Events, when: Array, before: list[Part]) -> tuple[Array, Whole]:

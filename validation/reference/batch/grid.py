@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Literal
@@ -127,6 +128,19 @@ class Grid:
         count = np.minimum(ROWS, high - low + 1)
         return np.minimum(np.maximum(panel - (count - 2) // 2, low), high - count + 1), count
 
+    def weights(
+        self, at: Array, newest: int, smooth_in: Callable[[Array], Array] = np.asarray
+    ) -> tuple[int, Array, Whole]:
+        """First row that matters for travels, weights (m, n) of rows from it to the newest, and last rows."""
+        first, count = self.panels(np.clip(self.g.searchsorted(at) - 1, 0, newest - 1), newest)
+        begin = int(first.min())
+        table = np.zeros((len(at), newest + 1 - begin))
+        for i in np.unique(count):
+            those = np.flatnonzero(count == i)
+            rows = first[those, None] + np.arange(i)
+            table[those[:, None], rows - begin] = lagrange(smooth_in(self.g[rows]), smooth_in(at[those]))
+        return begin, table, first + count - 1
+
     def step(self, k: int) -> Travel:
         """Made when it is first asked for."""
         if k not in self.steps:
@@ -151,14 +165,7 @@ class Grid:
             none = np.zeros((0, 0))
             return Travel(points, 0, 0, 0, none, np.zeros((0, 1)), np.zeros(0), none, *behind)
         s = np.asarray if self.kind == "closing" else np.sqrt  # an edge may set off with no speed
-        panel = np.minimum(self.g.searchsorted(passed) - 1, k - 1)
-        first, count = self.panels(panel, k)
-        begin = int(first.min())
-        weights = np.zeros((len(passed), k + 1 - begin))
-        for i in np.unique(count):
-            those = np.flatnonzero(count == i)
-            rows = first[those, None] + np.arange(i)
-            weights[those[:, None], rows - begin] = lagrange(s(self.g[rows]), s(passed[those]))
+        begin, weights, _ = self.weights(passed, k, s)
         low = max(int(self.breaks[self.breaks.searchsorted(k - 1) - 1]), k - ROWS) if k > 1 else 0
         guess = lagrange(s(self.g[None, low:k]), s(np.array([now])))[0]
         old, near = np.ascontiguousarray(weights[:, :-1]), int(weights[:, -1].nonzero()[0].max()) + 1
