@@ -13,6 +13,7 @@ from support.paper_scenes import ZONE, scene
 
 from bem_solver import Options, solve
 from bem_solver.equilibrium import rising_root
+from bem_solver.problem import closure_of_departure
 from contact_scene import (
     Adhesion,
     Branch,
@@ -212,6 +213,17 @@ def test_turn_over_an_annulus(tolerance: float):
     assert trace.contact_radius.max() > trace.contact_radius[-1] + 1.5e-3  # it has turned (1.8e-3)
     usual = bem(question, resolution=12)
     assert_allclose(trace.contact_radius[-1], usual.contact_radius[-1], atol=1e-4)
+
+
+def test_an_edge_sets_off_at_what_its_way_takes_up():
+    """Between the two it rests; at fixed time the most that opening can take up counts."""
+    sticky = Adhesion(2.0, 0.1, work_closing=1.0, rate=RateTable((0.01, 1.0), (3.0, 4.0)))
+    assert closure_of_departure(sticky, 1.5, at_once=False) is None
+    assert closure_of_departure(sticky, 0.9, at_once=False) == 1.0
+    assert closure_of_departure(sticky, 2.1, at_once=False) == 2.0
+    most = sticky.opening(np.inf)
+    assert closure_of_departure(sticky, 2.1, at_once=True) is None
+    assert closure_of_departure(sticky, 1.1 * most, at_once=True) == most
 
 
 def test_a_creeping_edge_that_is_pressed_on_sets_out_on_a_row():
