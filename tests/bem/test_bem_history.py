@@ -9,8 +9,10 @@ from support.bem_runs import observed_order
 
 from bem_solver.history import (
     NodalVariables,
+    SurfaceHistory,
     distinct,
     nodes_beyond,
+    updated_kinks,
 )
 
 UNEVEN = np.cumsum([0.0, 1.0, 0.3, 0.7, 2.0, 0.1, 0.5, 1.4]) / 6.0
@@ -128,3 +130,33 @@ def test_an_edge_that_nears_the_last_node_has_more_of_them():
     grown = nodes_beyond(50.0 * edge, length, first[-1])
     assert grown.min() > first[-1]
     assert grown.max() == pytest.approx(50.0 * first[-1], rel=0.02)
+
+
+def track_to(edge):
+    return NodalVariables(np.array([0.0, edge]), np.zeros((2, 1)))
+
+
+def test_kinks_near_the_edge_are_dropped_and_all_others_kept():
+    many = tuple(0.01 * k for k in range(1, 20))
+    before = SurfaceHistory(
+        track_to(0.5), NodalVariables(np.array([0.5, 1.0]), np.zeros((2, 1)), (*many, 0.5)), 1, None
+    )
+    kinks, *_ = updated_kinks(before, 0.5, 0.51, 1e-4, 1e-6)
+    assert kinks == many
+    kinks, *_ = updated_kinks(before, 0.5, 0.1501, 1e-3, 1e-6)
+    assert min(abs(k - 0.1501) for k in kinks) >= 1e-3
+
+
+def test_a_kink_that_the_edge_comes_near_is_held_until_it_is_far():
+    before = SurfaceHistory(
+        track_to(0.2), NodalVariables(np.array([0.2, 1.0]), np.zeros((2, 1)), (0.15, 0.2)), -1, None
+    )
+    kinks, _, turning, _ = updated_kinks(before, 0.2, 0.1501, 1e-3, 1e-6)
+    assert (kinks, turning) == ((), 0.15)
+    before = SurfaceHistory(
+        track_to(0.1501), NodalVariables(np.array([0.1501, 1.0]), np.zeros((2, 1)), (0.1501,)), -1, 0.15
+    )
+    kinks, _, turning, _ = updated_kinks(before, 0.1501, 0.14, 1e-3, 1e-6)
+    assert (kinks, turning) == ((0.15,), None)
+    kinks, _, turning, _ = updated_kinks(before, 0.1501, 0.15 + 1e-8, 1e-3, 1e-6)
+    assert turning == 0.15
