@@ -11,6 +11,8 @@ from bem_solver.history import (
     NodalVariables,
     SurfaceHistory,
     distinct,
+    graded_nodes,
+    midpoints_of_wide_intervals,
     nodes_beyond,
     updated_kinks,
 )
@@ -160,3 +162,18 @@ def test_a_kink_that_the_edge_comes_near_is_held_until_it_is_far():
     assert (kinks, turning) == ((0.15,), None)
     kinks, _, turning, _ = updated_kinks(before, 0.1501, 0.15 + 1e-8, 1e-3, 1e-6)
     assert turning == 0.15
+
+
+def test_nodes_around_an_edge():
+    radii = np.array([0.1, 0.5, 0.9, 0.99])
+    assert_allclose(graded_nodes(radii, 2.0, 0.3), [1.8, 1.98, 2.0, 2.2, 2.02])
+    assert_allclose(midpoints_of_wide_intervals(np.array([0.0, 0.1, 1.0]), np.array([0.2, 0.2])), [0.55])
+    assert_array_equal(SurfaceHistory.blank(3).radius, np.empty(0))
+
+
+def test_beyond_the_last_node_strains_fall_as_far_from_a_load():
+    empty = NodalVariables(np.empty(0), np.empty((0, 2)))
+    history = SurfaceHistory(empty, NodalVariables(np.array([1.0, 4.0]), np.array([[8.0, 4.0], [2.0, 1.0]])))
+    assert_allclose(
+        history.outside(np.array([4.0, 8.0, 40.0])), [[2.0, 1.0], [1.0, 0.5], [0.2, 0.1]], rtol=1e-15
+    )

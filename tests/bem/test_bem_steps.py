@@ -10,7 +10,7 @@ from support.bem_runs import bem
 from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
 
 from bem_solver import Options, solve
-from bem_solver.control import AcceptedRow, AcceptedSteps, departure_from_chord, span
+from bem_solver.control import SHARE_OF_WAY, AcceptedRow, AcceptedSteps, departure_from_chord, span
 from contact_scene import (
     Adhesion,
     Branch,
@@ -179,3 +179,24 @@ def test_a_penetration_that_turns_within_the_first_step_after_a_corner_of_the_fo
     scene = Scene(Material(5.6e5, 0.5, branches), Sphere(1e-3), Loading("relaxed", 0.0, steps))
     deepest = bem(scene, resolution=resolution).penetration.max()
     assert deepest == pytest.approx(solver("reference").solve(scene).penetration.max(), rel=3e-4)
+
+
+def test_a_row_a_hair_before_the_last_tells_nothing_of_a_long_step():
+    steps = AcceptedSteps()
+    for parameter in (0.0, 0.3, 0.5, 0.5001):
+        steps.add(AcceptedRow(parameter, 1.0, 0.0))
+    assert steps.earlier(1e-5).parameter == 0.5
+    assert steps.earlier(0.1).parameter == 0.3
+    assert steps.earlier(2.0).parameter == 0.0
+
+
+@pytest.mark.parametrize("way", [1e-2, 1e-4, 1e-6, 1e-9])
+def test_a_limit_point_nearer_than_the_least_travel_shortens_no_step_further(way):
+    """Three rows cannot place it closer; a fast start was stepped on by less than it is known."""
+    steps = AcceptedSteps(least=1e-3)
+    for distance in (way + 0.03, way + 0.02, way + 0.01, way):  # the parameter is a parabola of the edge
+        steps.add(AcceptedRow(-(distance**2), 1.0 - distance, 0.0))
+    assert_allclose(steps.way_to_limit_point(), way, rtol=1e-6)
+    until = max(way, steps.least) ** 2
+    share = 2.0 if way < steps.least else 1.0 - (1.0 - SHARE_OF_WAY) ** 2
+    assert_allclose(steps.step_of_travel(0.1), share * until, rtol=1e-6)
