@@ -15,7 +15,8 @@ A step ends at an event, seen ahead on the predictor:
 - a fold: the load parameter has a maximum over the radius. It is approached from this side and landed on
   when its place no longer changes; there the contact jumps to another radius, or is lost;
 - the smallest contact that is followed, or the rim of the indenter;
-- just before what was never in contact, for an edge that closes over what was: a corner of the path.
+- a corner of the path: the edge, or the end of its zone, comes to what was never in contact. No step is
+  predicted across it: the rows begin anew.
 """
 
 from __future__ import annotations
@@ -103,6 +104,10 @@ LARGEST_JUMP = 1e4
 """Radius up to which a stable contact is looked for, in that at which one runs away."""
 
 
+def _rungs(ratio: float) -> int:
+    return math.floor(math.log(ratio) / math.log(RUNG))
+
+
 class Ending(StrEnum):
     """What a step came to."""
 
@@ -115,7 +120,7 @@ class Ending(StrEnum):
     FOLD = "fold"
     LEAST = "smallest radius"
     RIM = "rim"
-    UNTOUCHED = "untouched surface"
+    CORNER = "corner"
     LOST = "lost"
 
 
@@ -123,7 +128,7 @@ SIGHTS = {
     Ending.END: (0, 0, 1.0),
     Ending.LEAST: (0, 1, -1.0),
     Ending.RIM: (0, 1, 1.0),
-    Ending.UNTOUCHED: (0, 1, 1.0),
+    Ending.CORNER: (0, 1, 0.0),
     Ending.TURN: (1, 1, 0.0),
     Ending.FOLD: (1, 0, -1.0),
 }
@@ -188,6 +193,7 @@ class Continuation:
     tangent: Array = field(default_factory=lambda: np.array([1.0, 0.0]))
     slopes: dict[Fixed, float] = field(default_factory=dict)
     fails: int = 0
+    tried: tuple[float, float] = (math.nan, math.nan)
     evaluations: int = 0
     geometries: int = 0
     steps: int = 0
@@ -355,7 +361,7 @@ class Continuation:
         first = len(self.rows) == 1
         error, (order, rung) = errors[min(self.rows.order, len(errors)) - 1], self._longest(errors)
         if correction is None or not error <= REJECTED:
-            return self._reject(plan, order, rung)
+            return self._reject(plan, order, rung, float(np.nanmin(errors)))
         self.fails = 0
         correction = self._to_level(plan, correction)
         self._finish(plan, correction)
@@ -407,10 +413,18 @@ class Continuation:
         best = len(errors) - int(rungs[::-1].argmax())
         return best + (best == len(errors)), int(rungs[best - 1])
 
-    def _reject(self, plan: Plan, order: int, rung: int) -> Ending:
-        """Try a shorter step; where none is short enough, look what became of the contact."""
+    def _reject(self, plan: Plan, order: int, rung: int, error: float) -> Ending:
+        """Try a shorter step; where none is short enough, look what became of the contact.
+
+        Beyond a corner the error grows as what lies beyond it, whatever the order of prediction: two failures
+        tell how far that is.
+        """
         self.rejected += 1
         self.fails += 1
+        (h, before), self.tried = self.tried, (plan.h, error)
+        if self.fails > 1 and error < before < math.inf:
+            share = 1.0 - (error - 1.0) / (before - error) * (h - plan.h) / plan.h
+            rung = min(rung, _rungs(share) if share > 0.0 else UNSEEN)
         self.h = plan.h * RUNG ** min(rung, LEAST_CUT)
         self.rows.order, self.slopes = min(len(self.rows), order), {}
         if self.h < SMALLEST_STEP or self.fails > 40:
@@ -432,6 +446,8 @@ class Continuation:
     def _at_radius(self, plan: Plan) -> Correction | None:
         """The load parameter at which the edge is at the predicted radius."""
         p, a, new = plan.z[0] * self.T, plan.z[1] * self.L, len(self.rows) == 1
+        if p <= 0.0 and not new and self._folds(a):
+            return None  # the row is a fold, as far as it is known
         s, ends = self._chord(p, a), {}
         trial = self.trial(a, s)
 
@@ -577,17 +593,14 @@ class Continuation:
         The way left after a row next to an event would be lost in what rounding leaves of the row.
         """
         path = self.rows.predictor(self.T, self.L, self.depth, self.tangent)
-        levels = {
-            Ending.END: (self.leg.end - self.state.parameter) / self.T,
-            Ending.LEAST: (self.least_radius - self.state.radius) / self.L,
-            Ending.RIM: (self.law.rim - self.state.radius) / self.L,
-            Ending.UNTOUCHED: self._untouched / self.L,
-            Ending.TURN: 0.0,
-            Ending.FOLD: 0.0,
-        }
+        levels = [(Ending.END, (self.leg.end - self.state.parameter) / self.T)]
         rests = self.law.rests(self.state.radius) and not self.moving
-        seen = {Ending.END: levels[Ending.END]} if rests else levels
-        at, kind = self._first(path, seen, self.h / TOWARDS)
+        if not rests:
+            ends = (Ending.LEAST, self.least_radius), (Ending.RIM, self.law.rim)
+            levels += [(kind, (radius - self.state.radius) / self.L) for kind, radius in ends]
+            levels += [(Ending.CORNER, way / self.L) for way in self._corners]
+            levels += [(Ending.TURN, 0.0), (Ending.FOLD, 0.0)]
+        at, kind, level = self._first(path, levels, self.h / TOWARDS)
         if kind is Ending.NONE:
             at = self.h
         elif at > self.h or (kind is Ending.FOLD and not self._settled(path, at)):
@@ -595,32 +608,36 @@ class Continuation:
         there, tangent = path.place(at), path.slope(at)
         tangent = tangent / np.hypot(*tangent[:2])
         if kind is Ending.END:
-            there[0] = levels[kind]
-        elif kind in (Ending.LEAST, Ending.RIM, Ending.UNTOUCHED):
-            there[1] = levels[kind]
+            there[0] = level
+        elif kind in (Ending.LEAST, Ending.RIM, Ending.CORNER):
+            there[1] = level
         moves = abs(tangent[1]) > MOVING and abs(there[1]) * self.L > self.still
         fixed = Fixed.RADIUS if moves and kind not in (Ending.END, Ending.TURN) else Fixed.LOAD
         return Plan(at, there, tangent, Fixed.REST if rests else fixed, kind)
 
     @property
-    def _untouched(self) -> float:
-        """Way to just before what was never in contact, for an edge that closes over what was.
+    def _corners(self) -> list[float]:
+        """Ways to where the edge, or the end of its zone, comes to what was never in contact.
 
         Without adhesion an edge may stand there that creeps on by less than a row can tell.
         """
         edges = self.state.surface.edges
-        ahead = float(edges[-1]) - self.still if len(edges) and self.law.adhesion is not None else 0.0
-        return ahead if ahead > self.still else math.inf
+        if not len(edges) or self.law.adhesion is None:
+            return []
+        ways = float(edges[-1]) - self.still, float(edges[-1]) - self.law.zone
+        return [way for way in ways if abs(way) > self.still]
 
-    def _first(self, path: Predictor, levels: dict[Ending, float], reach: float) -> tuple[float, Ending]:
-        """The first event within reach, and where it is."""
-        found, slope = [(math.inf, Ending.NONE)], float(path.slope(0.0)[1])
+    def _first(
+        self, path: Predictor, levels: list[tuple[Ending, float]], reach: float
+    ) -> tuple[float, Ending, float]:
+        """The first event within reach, where it is, and its level."""
+        found, slope = [(math.inf, Ending.NONE, 0.0)], float(path.slope(0.0)[1])
         runs = abs(slope) * reach * self.L > self.still
-        for kind, level in levels.items():
+        for kind, level in levels:
             if kind is Ending.END or (runs and (kind is not Ending.FOLD or self._folds(slope))):
                 at = path.passage(*SIGHTS[kind], level, reach)
                 if kind is not Ending.TURN or path.place(min(at, reach))[0] > 0.0:
-                    found.append((at, kind))
+                    found.append((at, kind, level))
         return min(found)
 
     def _folds(self, way: float) -> bool:
@@ -658,8 +675,8 @@ class Continuation:
                 self.moving = True
                 if self._runs_away():
                     plan.event = Ending.FOLD
-            case Ending.RIM | Ending.UNTOUCHED:
-                self._restart()
+            case Ending.RIM | Ending.CORNER:
+                self._restart(plan.tangent[:2])
 
     def _accept(self, arrival: Arrival, s: float) -> None:
         """Commit a step."""

@@ -2,8 +2,8 @@
 
 Where the load had a kink or the edge turned, what it left has a jump, or one of slope. The closure has its
 breaks there. The path has a corner where the edge or an end of its zone comes to one of these kinks. It is
-passed over: the next steps are predicted by as many rows as lie behind. The sharpest, where an edge that
-closes comes to what was never in contact, begins the rows anew.
+passed over: the next steps are predicted by as many rows as lie behind. At the sharpest, what was never in
+contact, the rows begin anew.
 
 Kinks fade, and what many old turns have left is then smooth. So at every new one the entries of the table are
 looked at two by two, and those joined that one polynomial replaces. A kink is what is still between entries.
