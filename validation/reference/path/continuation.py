@@ -675,8 +675,10 @@ class Continuation:
                 self.moving = True
                 if self._runs_away():
                     plan.event = Ending.FOLD
-            case Ending.RIM | Ending.CORNER:
-                self._restart(plan.tangent[:2])
+            case Ending.CORNER:
+                self._restart(plan.tangent[:2], FIRST_STEP * self.least_scale / self.L)
+            case Ending.RIM:
+                self._restart()
 
     def _accept(self, arrival: Arrival, s: float) -> None:
         """Commit a step."""
