@@ -94,9 +94,9 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
         print(line)
     for outcome, reason, count in dataset.endings(data)[:ENDINGS]:
         print(f"  {count} {outcome}: {reason}")
-    if dataset.AGAIN in data.attrs:
-        again, apart = data.attrs[dataset.AGAIN], data.attrs[dataset.APART]
-        print(f"  {again} runs solved again by the reference: {apart:.1e} apart at most")
+    if apart := {name: one.attrs[dataset.APART] for name, one in data.items() if dataset.APART in one.attrs}:
+        worst, again = max(apart, key=lambda name: apart[name]), data.attrs[dataset.AGAIN]
+        print(f"  {again} runs solved again by the reference: {apart[worst]:.1e} apart at most, in {worst}")
     print(f"written to {folder / dataset.FILE}")
     if unfinished := data.attrs[dataset.UNFINISHED_RUNS]:
         say(f"{unfinished} of {plan.count} runs did not reach their end")
