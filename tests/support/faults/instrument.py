@@ -37,8 +37,8 @@ FAULTS += table("bem", "bem_solver", [
         candidate, true(step, trigger, candidate)[1]), "level"),
 ])  # fmt: skip
 FAULTS += table("fem", "fem_solver", [
-    (WHOLE, "time_step:step_to_level", lambda true: lambda run, segment, trigger, dt, contact: (
-        contact if true(run, segment, trigger, dt, contact) is not None else None), "level"),
+    (WHOLE, "time_step:step_to_level", lambda true: lambda run, segment, trigger, contact: (
+        contact if true(run, segment, trigger, contact) is not None else None), "level"),
 ])  # fmt: skip
 FAULTS += table("reference", "validation.reference.path", [
     (WHOLE, "continuation:Continuation._to_level", lambda true: lambda self, plan, correction: (
