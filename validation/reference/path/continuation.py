@@ -416,8 +416,8 @@ class Continuation:
     def _reject(self, plan: Plan, order: int, rung: int, error: float) -> Ending:
         """Try a shorter step; where none is short enough, look what became of the contact.
 
-        Beyond a corner the error grows as what lies beyond it, whatever the order of prediction: two failures
-        tell how far that is.
+        Past a corner of the path the error grows in proportion to the distance past it, whatever the order of
+        prediction: the longest step within the tolerance lies on the line through the last two rejected ones.
         """
         self.rejected += 1
         self.fails += 1
