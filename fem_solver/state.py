@@ -132,7 +132,7 @@ def transferred(state: ComponentState, old: Placement, new: Placement, solid: Co
         uneven=solid.uneven_energies(spread[:, :-1], new.unit[:top]),
     )
     springs = interface_energy(state, old, solid) - interface_energy(moved, new, solid)
-    beyond_means = _free_energies(state, old, solid) - _free_energies(moved, new, solid)
+    beyond_means = free_energies(state, old, solid) - free_energies(moved, new, solid)
     return replace(moved, opening=state.opening + springs, unresolved=state.unresolved + beyond_means)
 
 
@@ -141,13 +141,6 @@ def _on_nodes(x: Array, values: Array, new: Placement, first: int, ends: Array) 
     nodes = slice(first, first + len(ends) - 1)
     there = interpolated(x, values, new.positions[nodes])
     return np.where(new.wide[nodes], averaged(x, values, ends), there)
-
-
-def _free_energies(state: ComponentState, placement: Placement, solid: Components) -> Array:
-    """Energy of the free radii by modes, as the elements hold it; shape (branches,)."""
-    parts, beyond = _node_in_part(state, placement, solid), int(np.floor(state.edge)) + 2
-    outside = solid.free_energies(state.branches[:, beyond:])
-    return outside + (1.0 - parts.share) * solid.free_energies(parts.free[1])
 
 
 def _node_in_part(state: ComponentState, placement: Placement, solid: Components) -> NodeParts:
@@ -162,3 +155,10 @@ def _node_in_part(state: ComponentState, placement: Placement, solid: Components
 def interface_energy(state: ComponentState, placement: Placement, solid: Components) -> float:
     """Energy that the radii of the partly released node hold beyond their mean."""
     return _node_in_part(state, placement, solid).energy_beyond_mean
+
+
+def free_energies(state: ComponentState, placement: Placement, solid: Components) -> Array:
+    """Energy of the free radii by modes, as the elements hold it; shape (branches,)."""
+    parts, beyond = _node_in_part(state, placement, solid), int(np.floor(state.edge)) + 2
+    outside = solid.free_energies(state.branches[:, beyond:])
+    return outside + (1.0 - parts.share) * solid.free_energies(parts.free[1])

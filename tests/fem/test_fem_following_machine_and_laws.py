@@ -30,7 +30,7 @@ from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
 from fem_solver.moduli import Prony
 from fem_solver.run import NodeReleaseRun
-from fem_solver.state import _free_energies, interface_energy, transferred
+from fem_solver.state import free_energies, interface_energy, transferred
 from validation.cases import load
 from validation.measure.observables import observe
 from validation.solvers.finite_elements import FiniteElements
@@ -101,7 +101,7 @@ def test_a_spring_divides_the_stage_and_moving_the_mesh_keeps_the_energy():
     # the energy of the contact is another one on each mesh
     assert energy(moved, there) == pytest.approx(energy(state, here), rel=2e-6)
     free = [
-        one.unresolved + _free_energies(one, placement, solid)
+        one.unresolved + free_energies(one, placement, solid)
         for one, placement in ((moved, there), (state, here))
     ]
     assert_allclose(*free, rtol=1e-12)
