@@ -31,7 +31,7 @@ from crosscontact.fitting import FitWork
 from validation.fits.fit import fit_curves
 from validation.fits.model import NO_CONTACT, CurveModel, run_of
 from validation.fits.page import document, draw_curves, statements
-from validation.fits.problem import FitProblem, FitSettings, question, unknowns
+from validation.fits.problem import FitProblem, FitSettings, first_guess, question, unknowns
 from validation.fits.readers import write_csv
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import InterruptedFit
@@ -329,6 +329,16 @@ def test_further_starts_come_to_the_same_place():
     found = fit_curves([synthetic(scene, 0.01, resolution=4)], guess, settings)
     assert len(found.starts) == 3
     assert max(found.starts) < 1.01 * min(found.starts)
+
+
+def test_a_regularisation_without_weight_adds_no_residuals():
+    """They would count as degrees of freedom, and rows that are met whatever the parameters."""
+    curve, grid = triangle(visco((4.0, 0.5)).material, 0.01), (0.05, 0.5, 5.0, 50.0)
+    sizes = {}
+    for weight in (0.0, 0.1):
+        settings = settings_of("material.modulus", prony=grid, regularisation=weight)
+        sizes[weight] = problem_of([curve], first_guess([curve], visco(), settings), settings).size
+    assert sizes == {0.0: curve.time.size, 0.1: curve.time.size + 2}
 
 
 @pytest.mark.slow

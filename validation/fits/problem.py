@@ -278,9 +278,10 @@ class FitProblem:
             np.array([one.plain(at) for one, at in zip(self.unknowns, ends, strict=True)])
             for ends in ([one.low for one in self.unknowns], [one.high for one in self.unknowns])
         )
-        # Second differences of logarithms, which are numbers of the search.
-        on_grid = np.eye(len(self.names))[[self.names.index(name) for name in self.settings.grid]]
-        self._bending = math.sqrt(self.settings.regularisation or 0.0) * np.diff(on_grid, 2, axis=0)
+        # Second differences of logarithms, which are numbers of the search; without weight they are no rows.
+        weight = self.settings.regularisation or 0.0
+        bent = [self.names.index(name) for name in self.settings.grid if weight > 0.0]
+        self._bending = math.sqrt(weight) * np.diff(np.eye(len(self.names))[bent], 2, axis=0)
         sizes = [model.prediction(NO_CONTACT, 0.0).residuals.size for model in self.models]
         begins = np.cumsum([0, *sizes]).tolist()
         self.size = begins[-1] + len(self._bending)
