@@ -11,6 +11,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
 import tomli_w
@@ -18,7 +19,7 @@ import tomli_w
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach_bound import bounded_approaches
 from contact_scene.body import Layer
-from contact_scene.checked import Checked, Key, Tabulated, check_keys, from_table, to_table, under
+from contact_scene.checked import Checked, Key, Tabulated, check_keys, fields_of, from_table, to_table, under
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import as_path, as_target, read_text, table_text, write_whole
 from contact_scene.indenter import SHAPES, Indenter
@@ -30,6 +31,8 @@ from contact_scene.value_checks import a_string, of_class
 
 _A_SCENE = "a scene: TOML tables [material], [indenter], [loading] and, if there is adhesion, [adhesion]"
 _TABLES = ("units", "material", "body", "indenter", "adhesion", "machine", "loading")
+PARTS = ("material", "indenter", "adhesion")
+"""Parts of a scene that may be built before it."""
 LONGEST_UNIT = 16
 """Characters of the name of a unit, which stands beside the axes of figures."""
 
@@ -172,7 +175,7 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
 def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") -> Scene:
     """Build a scene from the parsed contents of a scene file; tables are looked up in ``folder``.
 
-    A part that is built already stands for its table.
+    Of material, indenter and adhesion a part that is built already may stand for its table.
 
     Examples
     --------
@@ -189,19 +192,26 @@ def scene_from_dict(data: dict[str, Any], folder: str | os.PathLike[str] = ".") 
         raise SceneError("", f"got {shown(data)}", _A_SCENE)
     check_keys(data, ("title", *_TABLES))
     for key in _TABLES:
-        if key in data and not isinstance(data[key], (dict, Checked)):
+        if key in data and not isinstance(data[key], (dict, Checked) if key in PARTS else dict):
             raise SceneError(key, f"got {shown(data[key])}", f"a table [{key}]")
         if key not in data and key in ("material", "indenter", "loading"):
             raise SceneError(key, "is missing", f"a table [{key}]")
     parts = {key: value for key, value in data.items() if key != "machine"}
     if isinstance(data["material"], dict):
-        parts["material"] = under("material", lambda: material_of(data["material"], where))
+        parts["material"] = part_of("material", data["material"], where)
     under("loading", lambda: check_keys(data["loading"], ("start", "penetration", "steps")))
     if "machine" in data:  # a table of its own in a file, part of the loading in a scene
         machine = under("machine", lambda: from_table([Machine], data["machine"], where))
         parts["loading"] = data["loading"] | {"machine": machine}
     scene: Scene = from_table([Scene], parts, where)
     return scene
+
+
+def part_of(name: str, table: dict[str, Any], where: Path) -> Any:
+    """The part of a scene, one of ``PARTS``, that a table states."""
+    if name == "material":
+        return under(name, lambda: material_of(table, where))
+    return fields_of(Scene)[name].check(table, name, where)
 
 
 def scene_table(scene: Scene, file: Any = None) -> dict[str, Any]:

@@ -129,6 +129,16 @@ def test_what_a_scene_cannot_be(changes, key, allowed):
     assert allowed in line.split("; allowed: ")[1]
 
 
+def test_a_built_part_stands_for_the_table_of_material_indenter_or_adhesion_only():
+    read, layer = cs.scene_from_dict(BASE), cs.Layer(10.0, "bonded")
+    built = {name: getattr(read, name) for name in ("material", "indenter", "adhesion")}
+    assert cs.scene_from_dict(BASE | built) == read
+    others = {"loading": read.loading, "machine": cs.Machine(1.0), "units": cs.Units(), "body": layer}
+    for name, part in others.items():
+        assert refusal(cs.scene_from_dict, BASE | {name: part}).key == name
+    assert refusal(cs.scene_from_dict, BASE | {"indenter": read.material}).key == "indenter"
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [(GOOD, ""), ("radius = 1.0", "radius = 1.0\nradius = 2.0"), ("0.75", "9" * 5000), ("0.75", "[" * 10000),

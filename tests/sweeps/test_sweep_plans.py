@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import copy
+import tomllib
 
 import numpy as np
 import pytest
+from support.scene_text import GOOD
 from support.wrong_values import WRONG, refusal
 
 from contact_scene import SceneError, Units
 from contact_scene.checked import fields_of
+from contact_scene.scene import value_at
 from validation.sweeps.dataset import dimension_of
 from validation.sweeps.plan import (
     Coordinate,
+    SceneTable,
     SweepPlan,
     plan_from_dict,
     plan_names,
@@ -41,6 +45,40 @@ def test_a_grid_ties_keys_together(tmp_path):
     scenes = map(points.scene_of, points.rows())
     found = [(scene.loading.steps[0].rate, scene.adhesion.work, scene.adhesion.zone) for scene in scenes]
     assert found == [(0.1, 4e-4, 0.01), (0.2, 5e-4, 0.02)]
+
+
+BAD_PARTS = {
+    "material.modulus": ("material", {"modulus": -1.0, "poisson": 0.5}),
+    "indenter.radius": ("indenter", {"shape": "sphere"}),
+    "adhesion.work": ("adhesion", {"work": -1.0, "zone": 0.013}),
+}
+"""Parts that one value makes good, by the path of that value."""
+
+
+@pytest.mark.parametrize("path", BAD_PARTS)
+def test_a_bad_value_of_the_base_is_told_by_its_path_unless_another_takes_its_place(tmp_path, path):
+    name, part = BAD_PARTS[path]
+    table = SceneTable("base", tomllib.loads(GOOD) | {name: part}, tmp_path)
+    assert refusal(table.with_values, {"title": "varied"}).key == path
+    assert value_at(table.with_values({path: 0.01}), path) == 0.01
+
+
+@pytest.mark.parametrize("name", ["material", "indenter", "adhesion", "loading"])
+@pytest.mark.parametrize("part", [3, None])
+def test_a_part_of_the_base_that_is_no_table_is_told_by_its_key(tmp_path, name, part):
+    table = SceneTable("base", tomllib.loads(GOOD) | {name: part}, tmp_path)
+    assert refusal(table.with_values, {}).key == name
+    missing = {key: value for key, value in table.data.items() if key != name}
+    if name != "adhesion":
+        assert refusal(SceneTable("base", missing, tmp_path).with_values, {}).key == name
+
+
+def test_what_nothing_varies_is_built_once(tmp_path):
+    table = SceneTable("base", tomllib.loads(GOOD), tmp_path)
+    one, other = (table.with_values({"loading.penetration": depth, "title": "x"}) for depth in (0.01, 0.02))
+    assert one.material is other.material
+    assert one.indenter is other.indenter
+    assert one.title == ""
 
 
 def test_a_sample_covers_its_ranges_and_a_longer_one_begins_with_a_shorter_one(tmp_path):

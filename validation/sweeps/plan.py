@@ -38,9 +38,8 @@ from contact_scene.checked import Checked, Finite, Key, Positive, check_keys, fi
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text
 from contact_scene.material import MODELS
-from contact_scene.material_file import material_of
 from contact_scene.run_control import whole_number
-from contact_scene.scene import scene_table
+from contact_scene.scene import PARTS, part_of, scene_table
 from contact_scene.value_checks import one_of, positive, whole_from
 from validation import scenes, solvers
 from validation.measure.observables import measure
@@ -71,20 +70,20 @@ class SceneTable:
     name: str
     data: dict[str, Any]
     folder: Path
+    _built: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def with_values(self, settings: Mapping[str, Any]) -> cs.Scene:
         """The scene with other values at some paths, without its title: equal scenes compare equal."""
-        data = reduce(lambda table, item: put(table, *item), settings.items(), self.data | {"title": ""})
-        built = {name: part for name, part in self.parts.items() if data[name] is self.data[name]}
+        data = reduce(lambda table, item: put(table, *item), settings.items(), self.data) | {"title": ""}
+        unvaried = (name for name in PARTS if name in data and data[name] is self.data.get(name))
+        built = {name: self._part(name) for name in unvaried if isinstance(data[name], dict)}
         return cs.scene_from_dict(data | built, self.folder)
 
-    @cached_property
-    def parts(self) -> dict[str, Any]:
-        """What is built of its tables once, for all scenes in which they stand unaltered."""
-        declared = fields_of(cs.Scene)
-        tables = {name: table for name, table in self.data.items() if name in ("indenter", "adhesion")}
-        built = {name: declared[name].check(table, name, self.folder) for name, table in tables.items()}
-        return built | {"material": material_of(self.data["material"], self.folder)}
+    def _part(self, name: str) -> Any:
+        """A part that the table states, built once."""
+        if name not in self._built:
+            self._built[name] = part_of(name, self.data[name], self.folder)
+        return self._built[name]
 
     def unit(self, path: str) -> str:
         """Unit of what the scene declares at a path; empty where it declares nothing."""
