@@ -25,7 +25,7 @@ RADII = {
 
 ACCURACY = {"reference": 2e-6, "bem": 2e-3}
 QUICK = {("bem", "cone"), ("reference", "sphere"), ("fem", "power law")}
-"""Every solver and every shape once by default; the power law is a cone, too."""
+"""Every solver and every shape once by default; a power law of exponent 1 is a cone: one is enough."""
 
 
 @pytest.mark.parametrize(

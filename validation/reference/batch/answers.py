@@ -157,8 +157,8 @@ def answers(
 def _apart(fine: March, coarse: March, found: Events, tension: Array) -> Array:
     """Largest distance (B,) of two curves of the force over time within a zone of the pull-off.
 
-    Both are taken relative to their ranges. What the edge comes by it feels over a zone: where two
-    resolutions agree at one place of it, they do so by chance.
+    Both are taken relative to their ranges. A feature of the surface acts on the force as long as
+    it lies within the process zone; at a single place of that travel two resolutions may agree by chance.
     """
     g, place, newest = fine.grid.g, found.travel, max(int(coarse.last.max()), 1)
     low, high = g.searchsorted(place - 1.0) - 1, g.searchsorted(place + 1.0)
