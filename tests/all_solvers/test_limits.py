@@ -1,12 +1,15 @@
 """Limits in which a closed form answers, and check values of the paper's cycles: one body for the solvers."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.optimize import brentq
 from support.bem_runs import bem, front
 from support.closed_forms import hertz, lee_radok, punch
+from support.closed_forms.maugis_dugdale import MaugisDugdale
 from support.paper_scenes import ELASTIC, ONE, PULL, SPHERE, THREE, WORK, ZONE, cycle, scene
 
 from contact_scene import (
@@ -65,10 +68,9 @@ def test_adhesionless_elastic_contact_is_sneddons(solver, indenter):
     (profile,) = trace.profiles
     if indenter == SPHERE:
         outside = hertz.displacement(profile.radius, a, 1.0)
-        assert_allclose(profile.displacement, outside, atol=max(accuracy, 3e-6) * 0.03)
-        well_inside = profile.radius < 0.9 * a
-        pressure = hertz.pressure(profile.radius[well_inside], a, 1.0, 1.0)
-        assert_allclose(profile.pressure[well_inside], pressure, rtol=max(50 * accuracy, 2e-6))
+        assert_allclose(profile.displacement, outside, atol=1e-7 * 0.03)
+        pressure = hertz.pressure(profile.radius, a, 1.0, 1.0)
+        assert_allclose(profile.pressure, pressure, atol=2e-6 * a)
 
 
 @solvers
@@ -89,26 +91,46 @@ def test_adhesive_equilibrium_tends_to_jkr_with_the_process_zone(solver, indente
         assert abs(2 * errors[1] - errors[0]) < 3e-4
 
 
+@cache
+def dugdale_pull_off_force(plane_modulus, width):
+    """Of Maugis's sphere whose adhesive ring is ``width`` wide there."""
+
+    def largest_tension(strength):
+        contact = MaugisDugdale(1.0, plane_modulus, WORK, strength)
+        radii = contact.radius_unit * np.linspace(0.5, 1.4, 91)
+        forces = [contact.force(a) for a in radii]
+        a = radii[int(np.argmin(forces))]
+        return -min(forces), a * (contact.ring_ratio(a) - 1.0)
+
+    strength = brentq(lambda strength: largest_tension(strength)[1] - width, 1e-2, 1e2, rtol=1e-3)
+    return largest_tension(strength)[0]
+
+
 @pytest.mark.parametrize("modulus", [0.75, pytest.param(7.5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("solver", "accuracy"), [("reference", 1e-6), ("bem", 1e-3)])
 def test_elastic_pull_off_is_that_of_the_finite_zone(solver, accuracy, modulus):
-    """Withdrawn, and pulled by a growing force; the loss is an event where the closed form has it."""
+    """Withdrawn, and pulled by a growing force; the loss is an event where the closed form has it.
+
+    A Dugdale ring as long as the process zone has two thirds of its excess over JKR.
+    """
     exact = FiniteZone(1.0, modulus / 0.75, WORK, ZONE)
-    fixed, dead = exact.pull_off_penetration_control(), exact.pull_off_force_control()
-    for step, lost in ((Ramp(-0.05, 0.01), fixed), (ForceRamp(-2.0 * PULL, PULL), dead)):
+    start, dead = exact.at_penetration(0.01).force, exact.pull_off_force_control()
+    fixed = exact.pull_off_penetration_control()
+    for step, lost, time in (
+        (Ramp(-0.05, 0.01), fixed, (0.01 - fixed.penetration) / 0.01),
+        (ForceRamp(-2.0 * PULL, PULL), dead, (start - dead.force) / PULL),
+    ):
         trace = SOLVE[solver](scene(step, start="relaxed", at=0.01, material=Material(modulus, 0.5)), 8)
         assert trace.outcome.kind is OutcomeKind.DETACHED
-        assert_allclose(trace.force[0], exact.at_penetration(0.01).force, rtol=accuracy)
-        assert_allclose(trace.force.min(), dead.force, rtol=accuracy)
         (event,) = trace.events
         assert event.kind == "pull-off"
         assert event.time == trace.outcome.time
-        assert_allclose((event.penetration, event.force), (lost.penetration, lost.force), rtol=20 * accuracy)
-        assert_allclose(event.contact_radius, lost.contact_radius, rtol=max(20 * accuracy, 2e-3))
-    trace = SOLVE[solver](
-        scene(Ramp(-0.05, 0.01), start="relaxed", at=0.01, material=Material(modulus, 0.5)), 8
-    )
-    assert_allclose(trace.outcome.time, (0.01 - fixed.penetration) / 0.01, rtol=accuracy)
+        found = trace.force[0], trace.force.min(), event.time
+        assert_allclose(found, (start, dead.force, time), rtol=accuracy)
+        found = event.penetration, event.force, event.contact_radius
+        assert_allclose(found, (lost.penetration, lost.force, lost.contact_radius), rtol=accuracy)
+        ring = dugdale_pull_off_force(modulus / 0.75, ZONE)
+        assert 1.3 < (-trace.force.min() / PULL - 1.0) / (ring / PULL - 1.0) < 1.6
 
 
 def punched(solver, zone, rate, material=ELASTIC):
@@ -127,6 +149,8 @@ def test_elastic_punch_lets_go_at_kendalls_force(solver, accuracy):
     (long, trace), (short, _) = (punched(solver, zone, 1e-3) for zone in (8e-3, 4e-3))
     assert kendall < short < long
     assert_allclose(2.0 * short - long, kendall, rtol=accuracy)
+    assert_allclose((long - kendall) / (short - kendall), 2.0, rtol=0.02)
+    assert short / kendall - 1.0 < 3e-3
     assert np.all(trace.contact_radius[:-1] == 0.2)
 
 
@@ -227,10 +251,10 @@ def test_fast_retraction_tends_to_the_frozen_limit(solver, indenter, zone):
         assert_allclose(found, line - exact.relaxed.force, rtol=6.0 * zone, atol=1e-12)
 
 
-@pytest.mark.parametrize(("solver", "accuracy"), [("reference", 2e-5), ("bem", 1e-3)])
-def test_oscillating_punch_is_one_linear_element(solver, accuracy):
-    """Under an adhesion so strong that it holds the edge."""
-    glue = Adhesion(1.0, 0.01)
+@pytest.mark.parametrize("glue", [Adhesion(1.0, 0.01), None], ids=["adhesive", "adhesionless"])
+@pytest.mark.parametrize(("solver", "accuracy"), [("reference", 1e-6), ("bem", 1e-3)])
+def test_oscillating_punch_is_one_linear_element(solver, accuracy, glue):
+    """With an adhesion so strong that it holds the edge, and without any."""
     swing = Oscillate(1e-3, 2.0, 12.0)
     asked = scene(swing, start="relaxed", at=0.01, material=THREE, indenter=PUNCH, adhesion=glue)
     trace = SOLVE[solver](asked, 16 if solver == "reference" else 12)
@@ -241,12 +265,12 @@ def test_oscillating_punch_is_one_linear_element(solver, accuracy):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("solver", "accuracy"), [("reference", 1e-6), ("bem", 1e-6)])
-def test_tabulated_sphere_is_the_sphere(solver, accuracy):
+@solvers
+def test_tabulated_sphere_is_the_sphere(solver):
     table = TabulatedProfile(tuple(GRID), tuple(0.5 * GRID**2))
     mine, sphere = (SOLVE[solver](cycle(0.1, indenter=one), 6) for one in (table, SPHERE))
-    assert_allclose(mine.force.min(), sphere.force.min(), rtol=accuracy)
-    assert_allclose(mine.external_work[-1], sphere.external_work[-1], rtol=accuracy)
+    assert_allclose(mine.force.min(), sphere.force.min(), rtol=1e-7)
+    assert_allclose(mine.external_work[-1], sphere.external_work[-1], rtol=1e-6)
 
 
 # Digits of an independent prototype; what they may be off by is half a unit of the last, or 1e-5.

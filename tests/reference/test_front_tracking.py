@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 from support.paper_scenes import ONE, STICKY, WORK, ZONE
 from support.paper_scenes import PULL as F_JKR
 
@@ -33,7 +34,7 @@ from validation.measure.observables import Observables, measure, observe
 from validation.measure.scaling import scale
 from validation.measure.windows import cycle_times
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.path import Options, solve
+from validation.reference.path import Options, solve, solver
 from validation.reference.path.solver import estimated_errors
 
 
@@ -54,9 +55,6 @@ def _seen(trace: Trace) -> Observables:
 def _elastic(modulus: float) -> Scene:
     loading = Loading("relaxed", 0.032, (Ramp(-0.5, 0.01),))
     return Scene(Material(modulus, 0.5), Sphere(1.0), loading, STICKY)
-
-
-# Digits of an independent prototype; the tolerance is half a unit of the last, or 1e-5.
 
 
 @pytest.mark.parametrize(
@@ -117,6 +115,10 @@ def test_errors_fall_with_the_square_of_the_resolution(speed: float, material: s
         assert level.worst < 0.3 * Options(level.resolution).step_tolerance, level
     assert found[-1].worst < (1e-6 if material == "thirty" else 2e-7)  # over fifteen decades of times
     assert found[0].worst > 2.0 * found[-1].worst
+    detachment = {"detachment_time", "detachment_penetration"}
+    assert (
+        set(found[1].estimates) == {"pull_off_force", "loop_energy", "contact_radius", "force"} | detachment
+    )
     assert all(0.0 < estimate <= 2e-5 for estimate in found[1].estimates.values())
 
 
@@ -213,6 +215,31 @@ def test_slow_approach_resolves_the_layer_behind_the_edge() -> None:
         assert getattr(observe(usual), name) == pytest.approx(value, rel=2e-5), name
 
 
+@pytest.mark.parametrize("material", ["one", pytest.param("two", marks=SLOW)])
+def test_branches_dissipate_what_the_balance_says(material: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The branch integral, taken from the fields step by step, against work, energy and tip release."""
+    power: list[tuple[float, float]] = []
+    accepted = solver.PathRun._accepted
+
+    def add_power(run, arrival, state, s):  # type: ignore[no-untyped-def]
+        rheology = run.recorder.body.rheology
+        held = state.held_squares / (rheology.moduli * rheology.times)
+        free = state.free_squares / (rheology.compliances * rheology.retardation)
+        power.append((state.time, 2.0 * float(held.sum() + free.sum())))
+        accepted(run, arrival, state, s)
+
+    monkeypatch.setattr(solver.PathRun, "_accepted", add_power)
+    trace = solve(cycle(0.02, material), Options(resolution=128))
+    at, rate = np.array(power[:-1]).T
+    direct = np.zeros_like(at)
+    for part in (at <= 1.6, at >= 1.6):  # the load turns
+        later = part & np.append(np.diff(at) > 0.0, True)
+        direct[part] += PchipInterpolator(at[later], rate[later]).antiderivative()(at[part])
+        direct[at > at[part][-1]] = direct[part][-1]
+    column = np.interp(at, trace.time[:-1], trace.extra["branch_dissipation"][:-1])
+    assert np.abs(direct - column).max() < 1e-4 * column[-1]
+
+
 @SLOW
 def test_thirty_branches_over_fifteen_decades() -> None:
     """Times from 1e-10 to 1e5: the number of steps depends on what happens, not on the shortest time."""
@@ -296,3 +323,13 @@ def test_other_controls_agree_with_a_finer_run(
     assert usual.force[-1] == pytest.approx(force, abs=2e-5 * np.abs(usual.force).max())
     assert usual.penetration[-1] == pytest.approx(penetration, rel=2e-5)
     assert usual.contact_radius[-1] == pytest.approx(radius, rel=2e-5)
+
+
+@SLOW
+def test_constant_tension_detaches_with_delay() -> None:
+    pulled = Loading("relaxed", 0.032, (Force(-3.0 * F_JKR, 1000.0),))
+    trace = solve(Scene(ONE, Sphere(1.0), pulled, STICKY))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.time[-1] == pytest.approx(56.52096844, rel=5e-5)  # by twice the resolution
+    row = int(np.searchsorted(trace.time, 0.0, side="right")) - 1  # after the jump
+    assert trace.force[row] == pytest.approx(-3.0 * F_JKR, rel=1e-9)

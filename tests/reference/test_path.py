@@ -36,7 +36,7 @@ from validation.reference.path.trial import Trial
         ("cycle-v0.02", 1e-6),
         ("force-4", 1e-6),
         ("pdms-retraction-10nm", 1e-6),
-        pytest.param("instruments:310", 1e-4, marks=pytest.mark.exhaustive),
+        pytest.param("instruments:310", 1e-4, marks=pytest.mark.slow),
     ],
 )
 def test_an_accepted_row_satisfies_the_next_step(name, near, monkeypatch):
@@ -291,7 +291,7 @@ def test_what_earlier_turns_leave_costs_no_more_from_cycle_to_cycle():
     [
         ("instruments:608", 6.1706e-3, 3.8614e-15),  # a hold right after a step that was cut at a level
         # turns on what earlier turns have left
-        pytest.param("instruments:405", 35.70681, 4.640604e-15, marks=pytest.mark.exhaustive),
+        pytest.param("instruments:405", 35.70681, 4.640604e-15, marks=pytest.mark.slow),
         ("usual:803", 50.29868, -6.718641e-05),  # a flat face, with nothing ahead of its edge
     ],
 )
