@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.closed_forms.lee_radok import force_of_rows
+from support.closed_forms.force_of_history import force_of_history
 from support.paper_scenes import ELASTIC, ONE, STICKY, WORK
 
 from contact_scene import (
@@ -200,7 +200,7 @@ def _check_press(material: Material, shape: str, name: str) -> None:
         assert taken[settled] == pytest.approx(crept[settled], rel=2e-3)
         return
     rows = (column[grown] for column in (trace.time, depth, radius))
-    expected = force_of_rows(material, indenter, *rows)
+    expected = force_of_history(material, indenter, "jump-in", *rows)
     assert force[grown] == pytest.approx(expected, abs=2e-3 * np.abs(expected).max())
     if name == "approach":
         assert force.max() == pytest.approx(0.1 * HARDEST, rel=1e-6)

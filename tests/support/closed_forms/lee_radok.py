@@ -32,22 +32,6 @@ def ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -
     return radius, 2.0 * rate * swept
 
 
-def force_of_rows(
-    material: Material, indenter: Indenter, time: Array, penetration: Array, radius: Array
-) -> Array:
-    """Force of a growing contact at rows, straight between them; glassy at the first."""
-    rows, fine = np.arange(len(time)), np.linspace(0.0, len(time) - 1.0, 8 * (len(time) - 1) + 1)
-    time, penetration, radius = (np.interp(fine, rows, of) for of in (time, penetration, radius))
-    elastic = 2.0 * (penetration * radius - sneddon.depth_integral(indenter, radius))
-    relaxed, moduli, times = prony_integrals.plane_spectrum(material)
-    memory = np.full((len(time), len(times)), elastic[0])
-    for row in range(1, len(time)):
-        y = (time[row] - time[row - 1]) / times
-        shared = np.where(y > 0.0, -np.expm1(-y) / np.where(y > 0.0, y, 1.0), 1.0)
-        memory[row] = np.exp(-y) * memory[row - 1] + shared * (elastic[row] - elastic[row - 1])
-    return np.asarray(relaxed * elastic + memory @ moduli)[::8]
-
-
 def radius_under_force_step(
     material: Material, indenter: Indenter, force: float, time: ArrayLike, preload: float = 0.0
 ) -> Array:
