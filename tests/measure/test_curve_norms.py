@@ -88,6 +88,46 @@ def test_a_curve_has_a_corner_where_an_edge_at_rest_sets_off(kind):
     assert kind(run(time, force), line, *spans).rms > 0.005
 
 
+SMOOTH = {
+    "decay": lambda t: 1.0 + np.exp(-t),
+    "growth": np.exp,
+    "root": np.sqrt,
+    "power": lambda t: t**3.7,
+    "tanh": lambda t: np.tanh(t - 8.0),
+    "swing": lambda t: 2.0 + np.sin(2.0 * t),
+}
+
+
+@pytest.mark.parametrize("step", [0.3, 1.0, 2.0])
+@pytest.mark.parametrize("edge", SMOOTH)
+def test_a_smooth_motion_of_the_edge_has_no_corner_however_coarse_its_rows(edge, step):
+    time = np.arange(0.0, 20.0, step)
+    assert curves.edge_turns(time, SMOOTH[edge](time)).size == 0
+
+
+def test_the_interpolation_error_of_a_coarse_decay_is_of_the_size_of_the_true_one():
+    sparse, dense = np.arange(0.0, 12.1, 1.5), np.linspace(0.0, 12.0, 1201)
+    rough, right = (run(t, np.exp(-t), 1.0 + np.exp(-t)) for t in (sparse, dense))
+    missed = curves.distance(rough, right).rms
+    assert 0.3 * missed < curves.interpolation_error(rough, "force") < 10.0 * missed
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-4, 1.0])
+def test_an_edge_turns_where_it_sets_off_and_where_it_comes_to_rest(size):
+    """Between two rows at one time it does not rest."""
+    time = np.array([0.0, 1.0, 2.0, 2.5, 3.0, 3.0, 4.0, 5.0, 6.0])
+    radius = size * np.array([1.0, 1.0, 1.0, 1.5, 2.0, 2.0, 3.0, 3.0, 3.0])
+    assert curves.edge_turns(time, radius).tolist() == [2.0, 4.0]
+
+
+@pytest.mark.parametrize("after", [-0.5, -1e-6, 1e-6, 0.1, 10.0])
+def test_an_edge_turns_where_its_speed_jumps_between_smooth_motions(after):
+    time = np.concatenate((np.arange(0.0, 2.1, 0.2), 2.0 + 1e-2 * np.arange(1.0, 9.0)))
+    smooth = 0.02 * np.sin(time)
+    radius = 1.0 + np.minimum(time, 2.0) + after * np.maximum(time - 2.0, 0.0) + min(after, 1.0) * smooth
+    assert curves.edge_turns(time, radius) == pytest.approx([2.0])
+
+
 def test_curves_have_corners_where_load_steps_end():
     """A ramp, then a swing three times as steep: too little to be told from a bend."""
 

@@ -4,10 +4,10 @@ Rows are as sparse as a solver can afford: between two rows of an elastic contac
 curve by far more than the rows do. Through the rows of a smooth piece goes the cubic Hermite curve with
 harmonic slopes (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), which never leaves the range of its
 two rows. A piece ends at a jump (two rows of equal time), where a load step ends, at a corner, and where the
-speed of the edge jumps, as where it sets off or comes to rest. Nobody knows the curve between rows: as an
-estimate of the interpolation error serves the difference from the curve with three-point slopes, whose error
-is of the same order and not of the same size. Where contact begins or ends, the radius goes as some root of
-the time: it may be anything between the curve and a step.
+speed of the edge jumps. Nobody knows the curve between rows: as an estimate of the interpolation error
+serves the difference from the curve with three-point slopes, whose error is of the same order and not of the
+same size. Where contact begins or ends, the radius goes as some root of the time: it may be anything between
+the curve and a step.
 
 Two runs are laid on the union of their times, over the interval that both cover; between two neighbours each
 is one cubic, so the integral of the squared difference is exact. A jump has a left and a right limit, and
@@ -40,8 +40,8 @@ either neighbour up to the row: of a smooth curve on rows that resolve it the tw
 so, however different the steps on both sides are. Without this rule a corner between long and short steps is
 smoothed over: boundary elements on a spring would estimate their force at four tolerances."""
 FASTER = 3.0
-"""Ratio of the speeds of an edge in neighbouring steps from which its speed jumps between them: where steps
-resolve a smooth motion it is two at most, but where the motion turns."""
+"""Least ratio of the speeds of an edge in neighbouring steps between which its speed jumps, if it does not
+turn round: what changes less the rows of a column tell themselves, and a steady edge changes by rounding."""
 SHORTEST = 1e-12
 """Least distance of two rows, relative to the duration of the run, that is not a jump: round-off of times."""
 ROUNDING = 1e-14
@@ -120,19 +120,32 @@ class RowCurve:
 
 
 def edge_turns(time: Array, radius: Array) -> Array:
-    """Times at which the speed of the edge jumps: it sets off or comes to rest, or runs on after creeping.
+    """Times at which the speed of the edge jumps: it sets off or comes to rest, or the loading has a kink.
 
     There the contact stiffness jumps, and with it the rate of the force, as where an edge leaves the rim of a
     punch. A solver may come there in one step of any length and go on in short ones, over which the slope
     changes as much again: a column alone does not tell that from a smooth bend, and the slope of the short
-    steps would reach back over the whole long one.
+    steps would reach back over the whole long one. The speed of a decay in long steps falls by any factor,
+    but by the same in each: what jumps changes far more than beside it, and by a larger factor.
     """
-    step, moved = np.diff(time), np.diff(radius)
-    moved[np.abs(moved) <= ROUNDING * np.abs(radius).max(initial=0.0)] = 0.0
-    before, after = moved[:-1] * step[1:], moved[1:] * step[:-1]  # speeds, times the same positive number
-    jumps = (before * after <= 0.0) | (np.abs(after) > FASTER * np.abs(before))
-    jumps |= np.abs(before) > FASTER * np.abs(after)
-    return time[1:-1][jumps & ((before != 0.0) | (after != 0.0))]
+    lasts = np.diff(time) > 0.0
+    moves = np.abs(np.diff(radius)) > ROUNDING * np.abs(radius).max(initial=0.0)
+    speed = np.full(lasts.shape, np.nan)
+    speed[lasts] = np.where(moves, np.diff(radius), 0.0)[lasts] / np.diff(time)[lasts]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = np.log(np.abs(speed))
+        faster = np.abs(np.diff(size)) > np.log(FASTER)
+        turned = np.sign(speed[1:]) * np.sign(speed[:-1]) < 0.0
+        jumps = _abrupt(speed) & (turned | faster & _abrupt(size))
+    return time[1:-1][(jumps | (moves[1:] != moves[:-1])) & lasts[1:] & lasts[:-1]]
+
+
+def _abrupt(values: Array) -> NDArray[np.bool_]:
+    """Whether values change from one to the next by far more than before and after, shape (n - 1,); no change
+    that lacks either is known to be."""
+    change = np.abs(np.diff(values))
+    around = np.maximum(np.append(np.nan, change[:-1]), np.append(change[1:], np.nan))
+    return change > CORNER * around
 
 
 def column_curve(trace: Trace, column: str, spans: Array | None = None) -> RowCurve:
