@@ -28,6 +28,8 @@ from validation.reference.path.path import PathSegment
 from validation.reference.path.run import PathRun
 from validation.reference.path.solver import DEFAULT_TOLERANCE, Options, solve
 from validation.reference.path.trial import Trial
+from validation.stability.cases import cases
+from validation.stability.expected import EquivalentScene
 
 
 @pytest.mark.parametrize(
@@ -265,6 +267,15 @@ def test_a_step_ends_just_before_what_was_never_in_contact():
     trace = solve(scene, Options(resolution=8))
     begun = trace.contact_radius[0]
     assert np.abs(trace.contact_radius[1:] - begun).min() < 1e-5 * scene.adhesion.zone
+
+
+def test_rounding_moves_no_row():
+    """In nanometres instead of metres all numbers round otherwise; doubled steps made 5e-9 of that."""
+    (case,) = [one for one in cases("scale") if one.label == "nanometres to metres"]
+    assert isinstance(case.expected, EquivalentScene)
+    one, other = (solve(scene, Options(resolution=8)) for scene in (case.scene, case.expected.scene))
+    force = one.force / (case.expected.stress * case.expected.length**2)
+    assert np.abs(force - other.force).max() < 3e-10 * np.abs(other.force).max()
 
 
 def test_no_row_lies_next_to_a_limit_point():

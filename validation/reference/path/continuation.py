@@ -590,7 +590,8 @@ class Continuation:
     def _plan(self) -> Plan:
         """The next step: to the first event on its way, or not close to it.
 
-        The way left after a row next to an event would be lost in what rounding leaves of the row.
+        The way left after a row next to an event would be lost in what rounding leaves of the row. Other rows
+        are aimed at in single precision: doubled steps amplify the rounding of those before a thousandfold.
         """
         path = self.rows.predictor(self.T, self.L, self.depth, self.tangent)
         levels = [(Ending.END, (self.leg.end - self.state.parameter) / self.T)]
@@ -607,7 +608,9 @@ class Continuation:
             at, kind = TOWARDS * at, Ending.NONE
         there, tangent = path.place(at), path.slope(at)
         tangent = tangent / np.hypot(*tangent[:2])
-        if kind is Ending.END:
+        if kind is Ending.NONE:
+            there[:2] = there[:2].astype(np.float32)
+        elif kind is Ending.END:
             there[0] = level
         elif kind in (Ending.LEAST, Ending.RIM, Ending.CORNER):
             there[1] = level
