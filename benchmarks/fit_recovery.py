@@ -30,7 +30,7 @@ from validation.drawing.axes import drawing, format_axes
 from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
 from validation.fits.contact import Array
 from validation.fits.fit import fit_curves
-from validation.fits.problem import FitSettings
+from validation.fits.parameters import FitSettings
 from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 from validation.runs.folder import output_folder, to_json, write_whole

@@ -21,7 +21,7 @@ from crosscontact.arguments import case_of, checked_path
 from crosscontact.result import html_table
 from validation.fits import fit as fits
 from validation.fits import page, readers
-from validation.fits.problem import FitSettings, question
+from validation.fits.parameters import FitSettings, question
 from validation.fits.readers import Given, write_csv
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import Estimate, FitResult, InterruptedFit
@@ -426,7 +426,7 @@ def write_curve(curve: MeasuredCurve, path: str | os.PathLike[str]) -> None:
     """
     of_class(curve, "curve", MeasuredCurve, "a MeasuredCurve")
     file = as_target(path)
-    if file.suffix.lower() in (*readers.KNOWN, ".zip", ".txt"):
+    if file.suffix.lower() in (*readers.READERS, ".spm", ".zip", ".txt"):
         readers.write_afm(curve, file)
     else:
         write_csv(curve, file)

@@ -58,7 +58,7 @@ ROOMS = {
 # Packages that a function may import to keep them unloaded: each takes from a tenth of a second to seconds,
 # or need not be installed.
 HEAVY = {"skfem", "gmsh", "pyvista", "vtk", "vtkmodules", "meshio", "matplotlib", "PIL", "pandas", "xarray"}
-HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats", "igor2", "lmfit", "pyfmreader", "bokeh"}
+HEAVY |= {"dask", "distributed", "h5py", "pyarrow", "afmformats", "igor2", "pyfmreader", "bokeh"}
 HEAVY |= {"emcee", "corner", "tamaas", "ContactMechanics", "SurfaceTopography", "Adhesion"}
 # Packages that a function may import because a run that does not call it would load them for nothing: each
 # part of SciPy takes longer than a small scene; a bar is drawn on a terminal only; what is known about

@@ -14,7 +14,7 @@ from crosscontact.fitting import Fit, FitWork, read_all
 from validation import cases
 from validation.fits.fit import EachFit
 from validation.fits.page import each_table
-from validation.fits.problem import FitSettings
+from validation.fits.parameters import FitSettings
 from validation.fits.result import InterruptedFit
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder

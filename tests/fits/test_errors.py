@@ -5,27 +5,26 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from validation.fits.problem import Unknown
+from validation.fits.model import correlation_length, misfitting_stretch
+from validation.fits.parameters import Unknown
 from validation.fits.result import (
     Estimate,
     Goodness,
-    RunsTest,
     combinations,
     confused,
     correlation,
-    correlation_length,
     covariance,
-    misfitting_stretch,
+    runs_test,
 )
 
 
 def test_the_runs_test_is_fair_and_sees_a_bend():
     draws = np.random.default_rng(1).standard_normal((2000, 200))
-    share = np.mean([RunsTest.of("", row).probability < 0.05 for row in draws])
+    share = np.mean([runs_test("", row)["probability"] < 0.05 for row in draws])
     assert share == pytest.approx(0.05, abs=0.02)
-    bend = RunsTest.of("bend", draws[0] + 2.0 * np.sin(np.linspace(0.0, 6.0, 200)))
-    assert bend.probability < 1e-6
-    assert bend.runs < 0.7 * bend.expected
+    bend = runs_test("bend", draws[0] + 2.0 * np.sin(np.linspace(0.0, 6.0, 200)))
+    assert bend["probability"] < 1e-6
+    assert bend["runs"] < 0.7 * bend["expected"]
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.6, 0.9])
@@ -68,7 +67,7 @@ def test_the_covariance_of_a_straight_line_is_the_textbooks():
 
 
 def goodness(probability, signs, share=0.1, within=None):
-    tests = (RunsTest.of("one", signs),)
+    tests = (runs_test("one", signs),)
     return Goodness(1.0, 1, np.inf, probability, tests, 1.0, share, within, 1.0)
 
 

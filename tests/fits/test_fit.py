@@ -31,7 +31,8 @@ from crosscontact.fitting import FitWork
 from validation.fits.fit import fit_curves
 from validation.fits.model import NO_CONTACT, CurveModel, run_of
 from validation.fits.page import document, draw_curves, statements
-from validation.fits.problem import FitProblem, FitSettings, first_guess, question, unknowns
+from validation.fits.parameters import FitSettings, first_guess, question, unknowns
+from validation.fits.problem import FitProblem
 from validation.fits.readers import write_csv
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import InterruptedFit
@@ -67,8 +68,8 @@ def test_an_elastic_fit_finds_modulus_and_contact_point_within_its_errors(elasti
 
 def test_the_profile_of_a_linear_problem_is_the_covariance_again(elastic):
     [profile], modulus = elastic.profiles, elastic.estimates[0]
-    assert profile.low == pytest.approx(modulus.low, rel=0.1 * modulus.deviation)
-    assert profile.high == pytest.approx(modulus.high, rel=0.1 * modulus.deviation)
+    assert profile["low"] == pytest.approx(modulus.low, rel=0.1 * modulus.deviation)
+    assert profile["high"] == pytest.approx(modulus.high, rel=0.1 * modulus.deviation)
 
 
 def test_a_fit_in_python_prints_no_number_without_its_error(elastic, tmp_path):
@@ -161,12 +162,12 @@ def test_rows_in_contact_for_one_side_only_are_masked_and_the_moment_of_the_loss
         [synthetic(recorded, 0.01, solver="closed-form")], truth, settings_of("adhesion.work")
     )
     for factor, sign in ((0.5, -1.0), (2.0, 1.0)):  # contact is lost early, or late
-        point = problem.at(np.log([factor * 5e-4]))
-        masked = ~point.hold[problem.force_rows[0]]
+        [beside] = problem.curves_at(np.log([factor * 5e-4]))
+        masked = ~beside.hold
         assert masked.sum() > 5
-        assert not point.residuals[problem.force_rows[0]][masked].any()
-        assert sign * point.residuals[-1] > 10.0  # the moment of the loss
-        assert problem.jacobian(np.log([factor * 5e-4]))[-1, 0] > 0.0
+        assert not beside.values[masked].any()
+        assert sign * beside.values[-1] > 10.0  # the moment of the loss
+        assert problem.derivatives(np.log([factor * 5e-4]), following=True)[-1, 0] > 0.0
 
 
 def test_a_measured_contact_radius_tells_the_sphere_from_its_modulus():
@@ -204,9 +205,9 @@ def test_a_solver_that_refuses_one_of_two_curves_is_told_at_once(monkeypatch):
 
 def test_a_value_that_no_scene_takes_is_a_residual_too():
     problem = problem_of([hertz_curve(noise=2e-4)], elastic_scene(), settings_of("material.poisson"))
-    [prediction] = problem.at(np.array([0.7 / problem.unknowns[0].scale])).predictions
-    assert "poisson" in prediction.failure
-    assert not prediction.touching.any()
+    [beside] = problem.curves_at(np.array([0.7 / problem.unknowns[0].scale]))
+    assert "poisson" in beside.failure
+    assert not beside.touching.any()
 
 
 def test_a_fit_says_that_it_moves_from_its_first_run_on():
@@ -317,7 +318,7 @@ def test_adhesion_hysteresis_that_is_ignored_is_seen():
     guess = replace(scene, material=Material(3.0, 0.5))
     found = fit_curves([curve], guess, settings_of("adhesion.work", "material.modulus", starts=1))
     assert not found.goodness.explained
-    assert found.goodness.runs_tests[0].probability < 1e-6
+    assert found.goodness.runs_tests[0]["probability"] < 1e-6
 
 
 @pytest.mark.slow
@@ -337,7 +338,8 @@ def test_a_regularisation_without_weight_adds_no_residuals():
     sizes = {}
     for weight in (0.0, 0.1):
         settings = settings_of("material.modulus", prony=grid, regularisation=weight)
-        sizes[weight] = problem_of([curve], first_guess([curve], visco(), settings), settings).size
+        asked = problem_of([curve], first_guess([curve], visco(), settings), settings)
+        sizes[weight] = asked.residuals(asked.start).size
     assert sizes == {0.0: curve.time.size, 0.1: curve.time.size + 2}
 
 

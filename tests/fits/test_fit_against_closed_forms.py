@@ -21,8 +21,8 @@ from contact_scene import (
     Sphere,
 )
 from validation.fits.fit import fit_curves
-from validation.fits.moments import moments
-from validation.fits.problem import FitSettings
+from validation.fits.model import moments
+from validation.fits.parameters import FitSettings
 from validation.fits.record import MeasuredCurve
 from validation.fits.synthetic import synthetic
 from validation.reference.ting import Ting

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,19 +16,12 @@ from support.unlaid_figures import without_layout
 import crosscontact as cc
 from contact_scene import Adhesion, Branch, Hold, Loading, Material, Ramp, Scene, SceneError, Sphere, Table
 from contact_scene.scene import with_values
-from validation.fits import fit, posterior, problem
-from validation.fits.fit import Search, fit_curves
-from validation.fits.model import CurveModel, FitRun, run_of
-from validation.fits.problem import (
-    ERROR_SHARE,
-    TOLERANCES,
-    BatchProblem,
-    FitProblem,
-    FitSettings,
-    as_ramps,
-    unknowns,
-)
-from validation.fits.result import InterruptedFit, rms
+from validation.fits import posterior, problem
+from validation.fits.fit import fit_curves
+from validation.fits.model import CurveModel, FitRun, rms, run_of
+from validation.fits.parameters import FitSettings, unknowns
+from validation.fits.problem import ERROR_SHARE, TOLERANCES, FitProblem, as_ramps
+from validation.fits.result import InterruptedFit
 from validation.fits.synthetic import synthetic
 from validation.reference import batch
 from validation.reference.batch import solve
@@ -77,15 +69,16 @@ def problem_of(scene, tolerance=4e-5):
 def test_a_retraction_is_solved_in_batches_as_the_reference_solves_it():
     asked = problem_of(retraction())
     x = asked.start
-    together = BatchProblem.of(asked)
+    together = asked.in_batches()
     assert together is not None
     points = [x + shift for shift in np.random.default_rng(0).normal(0.0, 0.1, (4, 2))]
-    for point, own in zip(points, together.all_at(points), strict=True):
-        assert rms(own.residuals - asked.residuals(point)) < ERROR_SHARE * (1.0 + rms(own.residuals))
-    assert together.runs == 7  # with the first guess and its two differences
+    for point in points:
+        own = together.residuals(point)
+        assert rms(own - asked.residuals(point)) < ERROR_SHARE * (1.0 + rms(own))
+    assert together.runs == 15  # of five points with two differences each
     resting = replace(retraction().loading, steps=(Hold(0.5), Ramp(-0.3, 0.02)))
     rested = problem_of(replace(retraction(), loading=resting))
-    by_batch = BatchProblem.of(rested)
+    by_batch = rested.in_batches()
     assert by_batch is not None
     x = rested.start
     assert rms(by_batch.residuals(x) - rested.residuals(x)) < ERROR_SHARE
@@ -97,15 +90,20 @@ def test_derivatives_are_those_of_fine_runs(quick):
     was missed a derivative was up to four times as large, and the deviation of the zone a quarter."""
     asked = problem_of(retraction(0.0385757, 7.2147e-4, 0.0101565), TOLERANCES[0])
     fine = replace(asked, tolerance=TOLERANCES[-1])
-    asked.quick = BatchProblem.of(asked) if quick else None
+    if quick:
+        asked.quick, asked.trusted = asked.in_batches(), True
     x = asked.start
-    assert_allclose(norm(asked.jacobian(x), axis=0), norm(fine.jacobian(x), axis=0), rtol=0.01)
+    assert_allclose(
+        norm(asked.derivatives(x, following=True), axis=0),
+        norm(fine.derivatives(x, following=True), axis=0),
+        rtol=0.01,
+    )
 
 
 def test_a_long_step_before_the_edge_sets_off_does_not_see_what_is_behind_it():
     """Rows of a batch are three times as long as those of the reference there."""
     asked = problem_of(retraction(0.0099, 4.444e-4, 0.01094))
-    together, fine = BatchProblem.of(asked), replace(asked, tolerance=TOLERANCES[-1])
+    together, fine = asked.in_batches(), replace(asked, tolerance=TOLERANCES[-1])
     assert together is not None
     x = asked.start
     assert np.abs(together.residuals(x) - fine.residuals(x)).max() < ERROR_SHARE
@@ -130,7 +128,7 @@ def test_a_search_in_batches_ends_with_the_reference(monkeypatch):
     assert few < all_runs / 2
     monkeypatch.setattr(batch, "solve", lambda scenes: [wrong(one) for one in solve(scenes)])
     misled = fitted()[0]
-    monkeypatch.setattr(BatchProblem, "of", lambda given: None)
+    monkeypatch.setattr(FitProblem, "in_batches", lambda one: None)
     alone, count, _ = fitted()
     assert few < count
     for one, other, third in zip(plain, misled, alone, strict=True):
@@ -147,43 +145,38 @@ def test_batches_agree_if_they_move_no_parameter(monkeypatch):
     deviations or more."""
     asked = problem_of(retraction())
     x = asked.start
-    assert BatchProblem.of(asked).agrees(asked, x)
+    assert asked.agrees(asked.in_batches(), x)
     monkeypatch.setattr(batch, "solve", lambda scenes: [wrong(one, 1.0005) for one in solve(scenes)])
-    misled = BatchProblem.of(asked)
+    misled = asked.in_batches()
     assert rms(misled.residuals(x) - asked.residuals(x)) < ERROR_SHARE
-    assert not misled.agrees(asked, x)
+    assert not asked.agrees(misled, x)
 
 
 def test_batches_that_disagree_leave_the_whole_search_to_the_reference(monkeypatch):
-    """Its further starts included; and a price is that of its runs, here of a second each."""
-    runs, guess = [], retraction(work=6e-4, zone=0.03)
+    """Its further starts included."""
+    guess = retraction(work=6e-4, zone=0.03)
     settings = FitSettings(vary=WORK, starts=2, check_solver=None)
     models = [CurveModel.of(synthetic(retraction(), 0.01), guess)]
 
-    def counted(*arguments):
-        runs.append(1)
-        return run_of(*arguments)
+    def starts():
+        asked = FitProblem(models, unknowns(models, guess, settings), settings)
+        asked.search()
+        return asked.starts
 
-    def searched():
-        search = Search(FitProblem(models, unknowns(models, guess, settings), settings), None)
-        search.carry_out()
-        return search
-
-    monkeypatch.setattr(problem, "run_of", counted)
-    monkeypatch.setattr(fit, "time", SimpleNamespace(perf_counter=lambda: len(runs)))
     monkeypatch.setattr(batch, "solve", lambda scenes: [wrong(one) for one in solve(scenes)])
-    misled = searched()
-    monkeypatch.setattr(BatchProblem, "of", lambda given: None)
-    alone = searched()
-    assert len(alone.starts) == 2
-    assert_allclose(misled.starts, alone.starts, rtol=1e-5)
-    assert misled.price == alone.price == 1.0
+    misled = starts()
+    monkeypatch.setattr(FitProblem, "in_batches", lambda one: None)
+    alone = starts()
+    assert len(alone) == 2
+    assert_allclose(misled, alone, rtol=1e-5)
 
 
 def test_no_point_of_a_profile_is_the_best_of_an_interrupted_fit(monkeypatch):
     """Batches, which profiles are made of, may see a smaller sum of squares than the reference."""
-    monkeypatch.setattr(BatchProblem, "agrees", lambda *_: True)
-    monkeypatch.setattr(BatchProblem, "residuals", lambda one, x: 0.9 * FitProblem.residuals(one, x))
+    monkeypatch.setattr(FitProblem, "agrees", lambda *_: True)
+    plain = FitProblem.residuals
+    less = lambda one, x: (0.9 if one.batched else 1.0) * plain(one, x)  # noqa: E731
+    monkeypatch.setattr(FitProblem, "residuals", less)
     asked = [synthetic(retraction(), 0.01)], retraction(work=6e-4)
     settings = FitSettings(vary=(WORK, ZONE), check_solver=None)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact_scene import Loading, Material, Ramp, Scene, Sphere
-from validation.fits.problem import FitSettings
+from validation.fits.parameters import FitSettings
 from validation.fits.record import MeasuredCurve
 
 MODULUS, DEPTH, RATE = 0.8, 0.03, 0.02

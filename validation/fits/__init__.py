@@ -7,9 +7,9 @@ instead of another solver's run. From the bottom up, each module knows only thos
 ``record``: a curve, its signs, segments, and the above as its methods; ``readers``: files of curves;
 ``curve_page``: the table and picture of what a record shows.
 
-``moments``: when contact begins and ends, noise, the motion as straight lines; ``model``: a record, the scene
-that is to explain it, and residuals of a run; ``problem``: parameters, a point of the search with all
-residuals and derivatives, by single runs or in batches; ``data_checks``: refusals and warnings beforehand;
-``result``: errors and goodness of the point found; ``posterior``; ``fit``: search, profile, second solver,
-many curves; ``page``: what is written. ``synthetic``: curves as an instrument would record them.
+``model``: when contact begins and ends, noise, the motion as straight lines, and what a run of the scene
+leaves of a record; ``parameters``: settings, and the numbers of a search; ``result``: errors and goodness of
+a point; ``problem``: residuals and derivatives by single runs or in batches, the search, profiles;
+``data_checks``: refusals and warnings beforehand; ``posterior``; ``fit``: all of it in order, the second
+solver, many curves; ``page``: what is written. ``synthetic``: curves as an instrument would record them.
 """

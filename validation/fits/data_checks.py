@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from contact_scene import FlatPunch, Scene, SceneError
-from validation.fits.model import CurveModel
-from validation.fits.moments import count_lines, moments
-from validation.fits.problem import CONTACT_POINT, SPRING, Unknown
+from validation.fits.model import CurveModel, count_lines, moments
+from validation.fits.parameters import CONTACT_POINT, SPRING, Unknown
 from validation.fits.record import MeasuredCurve
 from validation.reference import sneddon
 from validation.reference.elastic_layer import ElasticLayer, moment
@@ -92,7 +91,8 @@ def _check_signs(model: CurveModel) -> None:
             problem = f"falls where {curve.driven} rises (correlation {together:.2f}): one has the wrong sign"
             raise SceneError("force", problem, "both positive towards the body")
     turned: dict[str, Any] = {curve.driven: -curve.position, "force": -curve.force, "segments": ()}
-    if not seen.has_free_rows and moments(replace(curve, **turned)).has_free_rows:
+    size, other = curve.time.size, moments(replace(curve, **turned))
+    if seen.last - seen.first == size > other.last - other.first:
         problem = "contact is where it is smallest: the wrong sign"
         raise SceneError(curve.driven, problem, "positions positive towards the body")
 

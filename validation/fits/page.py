@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,14 +45,10 @@ CAPTIONS = {
 COMBINATIONS = """\
 Products of powers of the parameters whose errors are independent of each other, the least known first, with
 their relative standard deviation (powers below 0.2 are left out); and the correlations of all parameters."""
-OF_CURVE = (
-    "noise",
-    "noise_source",
-    "misfit_over_noise",
-    "rms_over_range",
-    "rows_correlated",
-    "worst_stretch",
-)
+METHOD = ("step_tolerance", "solver_error_over_noise", "starts", "runs", "seconds")
+"""How a fit was carried out."""
+STATED = ("converged", "ended", "explained", "correlations", "hardly_told_apart", "profiles", "second_solver")
+"""What stands in ``fit.json`` as it stands in the result, besides."""
 PROFILED = ("profile from", "low", "no lower end"), ("profile to", "high", "no upper end")
 SAMPLED = {"posterior from": "low", "posterior median": "median", "posterior to": "high"}
 MOST_COLUMNS = 4  # curves or profiles side by side
@@ -64,44 +59,24 @@ LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "labelcolor": I
 def of_fit(result: FitResult) -> dict[str, Any]:
     """``fit.json``: every number of a fit. The keys are a fixed contract with whoever reads it."""
     curves = [
-        {name: getattr(one, name) for name in OF_CURVE}
-        | {"name": one.curve.name, "time": one.curve.time, "measured_force": one.curve.force}
+        {"name": one.curve.name, **one.numbers, "time": one.curve.time, "measured_force": one.curve.force}
         | {"fitted_force": one.force, "compared": one.compared}
         for one in result.curves
     ]
     sampled = result.posterior and {key: at for key, at in vars(result.posterior).items() if key != "samples"}
     return {
         "format": FORMAT,
-        "converged": result.converged,
-        "ended": result.ended,
-        "explained": result.goodness.explained,
-        "parameters": [asdict(one) for one in result.estimates],
-        "correlations": result.correlations,
-        "combinations": [asdict(one) for one in result.combinations],
-        "hardly_told_apart": result.confused,
-        "goodness": asdict(result.goodness),
-        "profiles": [asdict(one) for one in result.profiles],
-        "second_solver": result.check and asdict(result.check),
+        **{name: getattr(result, name) for name in (*STATED, *METHOD, "question")},
+        "parameters": [vars(one) for one in result.estimates],
+        "combinations": [vars(one) for one in result.combinations],
+        "goodness": vars(result.goodness),
         "posterior": sampled,
         "curves": curves,
         "statements": statements(result),
-        "settings": asdict(result.settings),
-        **_method(result),
+        "settings": vars(result.settings),
+        "resolution": result.settings.resolution,
         "environment": stamp(),
         "program": version(),
-        "question": result.question,
-    }
-
-
-def _method(result: FitResult) -> dict[str, Any]:
-    """How a fit was carried out."""
-    return {
-        "resolution": result.settings.resolution,
-        "step_tolerance": result.tolerance,
-        "solver_error_over_noise": result.error_share,
-        "starts": result.starts,
-        "runs": result.runs,
-        "seconds": result.seconds,
     }
 
 
@@ -115,56 +90,58 @@ def write_fit(result: FitResult, folder: Path) -> None:
 
 
 def document(result: FitResult, curves: Drawing) -> doc.Document:
-    """The whole page, with the figure of the curves."""
-    sections = tuple(Section(title, tuple(parts)) for title, parts in _sections(result, curves) if parts)
-    return doc.Document(f"Fit: {result.scene.title or 'a scene'}", (lead(result),), sections)
-
-
-def _sections(result: FitResult, curves: Drawing) -> Iterator[tuple[str, list[doc.Part]]]:
-    """Titles and parts of the sections, no parts where there is nothing to say."""
-    said, check, method = statements(result), result.check, asdict(result.settings) | _method(result)
-    yield "Before you use a number", [doc.Bullets(tuple(said))] if said else []
-    yield "Parameters", [table(result)]
-    yield "Curves", [_figure("curves", curves), DataTable.of(_curves(result))]
-    products = [
-        {
-            "product": one.text,
-            "standard deviation": f"{100.0 * one.deviation:.2g} %"
-            if math.isfinite(one.deviation)
-            else "not determined",
+    """The whole page, with the figure of the curves; a section without parts has nothing to say."""
+    said, other = statements(result), result.second_solver
+    numbers: list[Record] = []
+    for one, runs in zip(result.curves, result.goodness.runs_tests, strict=True):
+        chance = VerdictCell(_chance(runs["probability"]), runs["probability"] >= UNLIKELY)
+        rows = {
+            "curve": one.curve.name,
+            "rows": str(one.curve.time.size),
+            "compared": str(one.compared.sum()),
         }
+        own = {name: at for name, at in one.numbers.items() if name != "worst_stretch"}
+        signs = {"stretches of one sign": f"{runs['runs']}", "by chance": f"{runs['expected']:.0f}"}
+        numbers.append({**rows, **_plainly(own, 3), **signs, "as few by chance": chance})
+    products = [
+        {"product": one.text, "standard deviation": f"{100.0 * one.deviation:.2g} %"}
+        if math.isfinite(one.deviation)
+        else {"product": one.text, "standard deviation": "not determined"}
         for one in result.combinations
     ]
     correlations = [
         {"correlation": f"{place} {one.name}"} | {f"{n}": f"{value:+.2f}" for n, value in enumerate(row, 1)}
         for place, (one, row) in enumerate(zip(result.estimates, result.correlations, strict=True), 1)
     ]
-    apart = DataTable.of(products), DataTable.of(correlations, unbroken=("correlation",))
-    yield "What the data tell apart", [Paragraph(COMBINATIONS), *apart]
-    if result.profiles:
-        yield "Profile likelihood", [_figure("profiles", draw_profiles(result.profiles))]
-    if result.posterior:
-        yield (
-            "Posterior",
-            [Paragraph(_sampled(result.posterior)), _figure("posterior", draw_posterior(result))],
-        )
-    if check:
-        shift = "shift, to first order, over its deviation"
-        shifts = ({"parameter": name, shift: format(at, "+.3f")} for name, at in check.shifts.items())
-        yield (
-            f"The same by {check.solver}",
-            [DataTable.of(map(_plainly, check.differences)), DataTable.of(shifts)],
-        )
+    method = vars(result.settings) | {name: getattr(result, name) for name in METHOD}
     known = {name: at for name, at in method.items() if at is not False and at not in (None, (), "")}
+    sections: dict[str, list[doc.Part]] = {
+        "Before you use a number": [doc.Bullets(tuple(said))] if said else [],
+        "Parameters": [table(result)],
+        "Curves": [_figure("curves", curves), DataTable.of(numbers)],
+        "What the data tell apart": [
+            Paragraph(COMBINATIONS),
+            DataTable.of(products),
+            DataTable.of(correlations, unbroken=("correlation",)),
+        ],
+        "Profile likelihood": [_figure("profiles", draw_profiles(result.profiles))]
+        if result.profiles
+        else [],
+        "Posterior": _sampled(result.posterior) if result.posterior else [],
+    }
+    if other:
+        shift = "shift, to first order, over its deviation"
+        shifts = ({"parameter": name, shift: f"{at:+.3f}"} for name, at in other["shifts"].items())
+        differences = DataTable.of(map(_plainly, other["differences"]))
+        sections[f"The same by {other['solver']}"] = [differences, DataTable.of(shifts)]
     done = tuple(_plainly({"ended": result.ended} | known, 4).items())
-    penalty = Paragraph(
-        "The squared second differences of their logarithms, times "
-        f"{result.settings.regularisation:g}, were added to the sum of squares."
-    )
-    yield (
-        "How it was done",
-        [DataTable(("", ""), done, numeric=False), *[penalty] * bool(result.settings.prony)],
-    )
+    sections["How it was done"] = [DataTable(("", ""), done, numeric=False)]
+    if result.settings.prony:
+        weight = f"{result.settings.regularisation:g}"
+        told = f"The squared second differences of their logarithms, times {weight}, were added to the sum of"
+        sections["How it was done"].append(Paragraph(f"{told} squares."))
+    shown = tuple(Section(title, tuple(parts)) for title, parts in sections.items() if parts)
+    return doc.Document(f"Fit: {result.scene.title or 'a scene'}", (lead(result),), shown)
 
 
 def _plainly(values: Mapping[str, Any], digits: int = 2) -> dict[str, str]:
@@ -193,28 +170,41 @@ def lead(result: FitResult) -> Paragraph:
 
 def statements(result: FitResult) -> list[str]:
     """What a reader has to know before using a number."""
-    return [*result.warnings, *_misfits(result), *_of_parameters(result), *_by_second_solver(result)]
+    other = result.second_solver or {"solver": "", "differences": (), "shifts": {}}
+    failed = (
+        f"{one['curve']}: no second opinion, {other['solver']} failed: {one['failure']}"
+        for one in other["differences"]
+        if one["failure"]
+    )
+    shifted = (
+        f"{name} would move by {at:+.2f} of its standard deviations with {other['solver']}."
+        for name, at in other["shifts"].items()
+        if abs(at) > VISIBLE_SHIFT
+    )
+    return [*result.warnings, *_misfits(result), *_of_parameters(result), *failed, *shifted]
 
 
 def _misfits(result: FitResult) -> Iterator[str]:
     """Where and how the model misses data that it does not explain."""
-    if result.goodness.explained:
+    good = result.goodness
+    if good.explained:
         return
-    for one, runs in zip(result.curves, result.goodness.runs_tests, strict=True):
-        if runs.probability < UNLIKELY:
+    for one, runs in zip(result.curves, good.runs_tests, strict=True):
+        if runs["probability"] < UNLIKELY:
             yield (
-                f"{runs.curve}: the signs of the residuals change {runs.runs - 1} times, where chance gives "
-                f"{runs.expected - 1:.0f} ({_chance(runs.probability)}): the model misses the shape of this "
-                "curve. A branch or the adhesion may be missing, the zero of the record, or the spring."
+                f"{one.curve.name}: the signs of the residuals change {runs['runs'] - 1} times, where chance "
+                f"gives {runs['expected'] - 1:.0f} ({_chance(runs['probability'])}): the model misses the "
+                "shape of this curve. A branch or the adhesion may be missing, the zero of the record, or "
+                "the spring."
             )
-        if one.worst_stretch:
-            begin, end = one.worst_stretch
-            largest = float(abs(one.residuals[one.stretch]).max()) * one.noise / np.ptp(one.curve.force)
+        if stretch := one.numbers["worst_stretch"]:
+            missed = (one.curve.force - one.force)[one.stretch]
+            largest = 100.0 * float(abs(missed).max() / np.ptp(one.curve.force))
             yield (
-                f"{one.curve.name}: missed most from time {begin:.4g} to {end:.4g}, by up to "
-                f"{100.0 * largest:.2g} % of the range of the force."
+                f"{one.curve.name}: missed most from time {stretch[0]:.4g} to {stretch[1]:.4g}, by up to "
+                f"{largest:.2g} % of the range of the force."
             )
-    if result.goodness.within is None and result.goodness.probability < UNLIKELY:
+    if good.within is None and good.probability < UNLIKELY:
         yield (
             "The misfit is larger than the noise: the errors below are scaled up to it, but say nothing "
             "about how wrong a wrong model's parameters are. --within SHARE asks for a share of the range."
@@ -240,7 +230,7 @@ def _of_parameters(result: FitResult) -> Iterator[str]:
             f"The records hold times from {shortest:.3g} to {longest:.3g}: the relaxed modulus is that after "
         )
         yield f"{held}{longest:.3g}" + (f", and {outside} lies outside." if outside else ".")
-    for first, second, value in result.confused:
+    for first, second, value in result.hardly_told_apart:
         told = f"{first} and {second} are hardly told apart: correlation {value:+.3f}"
         if {kinds[first], kinds[second]} == {"adhesion.zone", "time"}:
             told += ", at one speed only their ratio: fit a record of a second speed together with this one"
@@ -250,19 +240,6 @@ def _of_parameters(result: FitResult) -> Iterator[str]:
             yield f"The data do not determine {product.text}; others below are known."
 
 
-def _by_second_solver(result: FitResult) -> Iterator[str]:
-    """That it failed, or would move a parameter."""
-    if result.check is None:
-        return
-    solver = result.check.solver
-    for one in result.check.differences:
-        if one["failure"]:
-            yield f"{one['curve']}: no second opinion, {solver} failed: {one['failure']}"
-    for name, at in result.check.shifts.items():
-        if abs(at) > VISIBLE_SHIFT:
-            yield f"{name} would move by {at:+.2f} of its standard deviations with {solver}."
-
-
 def _chance(probability: float) -> str:
     """A probability in words."""
     return f"{probability:.2g}" if probability >= 1e-4 else "below 1e-4"
@@ -270,7 +247,7 @@ def _chance(probability: float) -> str:
 
 def table(result: FitResult) -> DataTable:
     """Every parameter with its error."""
-    profiles = {one.name: one for one in result.profiles}
+    profiles = {one["name"]: one for one in result.profiles}
     sampled = result.posterior.intervals if result.posterior else {}
 
     def row(one: Estimate) -> Record:
@@ -286,7 +263,7 @@ def table(result: FitResult) -> DataTable:
             own = sampled.get(one.name, {})
             record |= {title: number(own.get(end), 5) for title, end in SAMPLED.items()}
         for title, end, without in PROFILED if profiles else ():
-            at = getattr(profiles.get(one.name), end, ABSENT)
+            at = profiles[one.name][end] if one.name in profiles else ABSENT
             record[title] = without if at is None else number(at, 5)
         return record
 
@@ -304,26 +281,13 @@ def with_error(estimate: Estimate) -> str:
     return f"{estimate.value:.{min(digits, 15)}g} ± {size:.2g}"
 
 
-def _curves(result: FitResult) -> Iterator[Record]:
-    """A row for each curve: noise, misfit, runs test."""
-    for one, runs in zip(result.curves, result.goodness.runs_tests, strict=True):
-        yield {
-            "curve": one.curve.name,
-            "rows": str(one.curve.time.size),
-            "compared": str(int(one.compared.sum())),
-            **_plainly({name: getattr(one, name) for name in OF_CURVE[:-1]}, 3),
-            "stretches of one sign": str(runs.runs),
-            "by chance": format(runs.expected, ".0f"),
-            "as few by chance": VerdictCell(_chance(runs.probability), runs.probability >= UNLIKELY),
-        }
-
-
 def draw_curves(result: FitResult) -> Drawing:
     """A column for each curve: force over position, residuals over time; what is not explained is marked."""
     panels, figure = _panels(len(result.curves), (3.6, 4.6), 1.4, (2.2, 1.0))
     length, force, time = (f" ({unit_name(result.scene, name)})" for name in ("penetration", "force", "time"))
     for place, (one, (upper, lower)) in enumerate(zip(result.curves, panels, strict=False)):
-        curve, missed = one.curve, not result.goodness.explained and one.worst_stretch
+        curve, position = one.curve, one.curve.position - one.zero
+        missed = not result.explained and one.numbers["worst_stretch"]
         parts: list[tuple[Any, str, str]] = [
             (one.compared, SERIES[0], "measured"),
             (~one.compared, GREY, "not compared"),
@@ -333,10 +297,11 @@ def draw_curves(result: FitResult) -> Drawing:
             lower.axvspan(*missed, color=SERIES[1], alpha=0.2, linewidth=0)
         for rows, colour, label in parts:
             if curve.time[rows].size:
-                upper.plot(one.position[rows], curve.force[rows], color=colour, label=label, **ROWS)
-        upper.plot(one.position, one.force, color=VERMILION, linewidth=1.1, label="fit")
+                upper.plot(position[rows], curve.force[rows], color=colour, label=label, **ROWS)
+        upper.plot(position, one.force, color=VERMILION, linewidth=1.1, label="fit")
         upper.set_title(curve.name, fontsize="medium")
-        lower.plot(curve.time[one.compared], one.residuals[one.compared], color=SERIES[0], **ROWS)
+        over_noise = (curve.force - one.force) / one.model.moments.noise
+        lower.plot(curve.time[one.compared], over_noise[one.compared], color=SERIES[0], **ROWS)
         lower.axhline(0.0, color=INK, linewidth=0.8)
         first = place % MOST_COLUMNS == 0
         for axes in (upper, lower):
@@ -367,9 +332,9 @@ def draw_profiles(profiles: Sequence[Any]) -> Drawing:
     panels, figure = _panels(len(profiles), (2.6, 2.4), 1.5)
     look: dict[str, Any] = {"color": SERIES[0], "marker": MARKERS[0], "markersize": 3, "linewidth": 1.0}
     for place, ([axes], one) in enumerate(zip(panels, profiles, strict=False)):
-        axes.plot(one.values, one.increases, **look)
+        axes.plot(one["values"], one["increases"], **look)
         axes.axhline(CHI_SQUARED, color=VERMILION, linestyle="--", linewidth=1.0, label="95 %")
-        axes.set(xlabel=one.name, ylim=(0.0, 12.0))
+        axes.set(xlabel=one["name"], ylim=(0.0, 12.0))
         format_axes(axes)
         axes.locator_params(axis="x", nbins=4)
         if place % MOST_COLUMNS == 0:
@@ -378,26 +343,21 @@ def draw_profiles(profiles: Sequence[Any]) -> Drawing:
     return figure
 
 
-def _sampled(one: Posterior) -> str:
-    """How the posterior was sampled."""
-    return (
+def _sampled(one: Posterior) -> list[doc.Part]:
+    """How the posterior was sampled; all pairs of parameters, and each by itself."""
+    import corner
+
+    told = (
         f"{one.walkers} walkers by {one.solver}, {one.steps} steps each, the first {one.discarded} left out; "
         f"autocorrelation over {one.autocorrelation:.0f} steps, {one.acceptance:.0%} accepted. Flat in the "
         "logarithms of positive numbers, within their bounds."
     )
-
-
-def draw_posterior(result: FitResult) -> Drawing:
-    """All pairs of parameters, and each by itself."""
-    import corner
-
-    assert result.posterior is not None
-    names, size = [*result.posterior.intervals], 1.8 * len(result.posterior.intervals)
-    figure, _ = drawing((size, size), len(names), len(names), layout=None)
+    count = len(one.intervals)
+    figure, _ = drawing((1.8 * count, 1.8 * count), count, count, layout=None)
     look: dict[str, Any] = {"color": SERIES[0], "label_kwargs": {"fontsize": "small", "color": INK}}
     look |= {"plot_datapoints": False, "max_n_ticks": 4, "labelpad": 0.2, "quantiles": [0.025, 0.5, 0.975]}
-    corner.corner(result.posterior.samples, labels=names, fig=figure, **look)
-    return figure
+    corner.corner(one.samples, labels=[*one.intervals], fig=figure, **look)
+    return [Paragraph(told), _figure("posterior", figure)]
 
 
 def write_each(found: Sequence[EachFit], folder: Path) -> None:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ import numpy as np
 from contact_scene import SceneError
 from validation.fits.contact import Array
 from validation.fits.problem import FitProblem
-from validation.fits.result import FitResult, Posterior, covariance, independent
+from validation.fits.result import Posterior, covariance, independent, joined
 
 WALKERS, IN_BATCH = 32, 64
 """Walkers, more than twice the parameters: few where each run has its price, more where half of them share a
@@ -30,7 +29,7 @@ MOST_STEPS, BURN_IN, CHECKED, ENOUGH = 600, 3, 100, 500
 of the least squares; and independent samples behind that are enough, counted every so many steps: they know
 the ends of a 95 % interval to an eighth of the deviation."""
 AFFORDABLE = 2.0
-"""Hours that a posterior may take, by the time of the runs before it."""
+"""Hours that a posterior may take, by the time of its first point."""
 WIDEST = 1.0
 """Standard deviation, of a number of the search, from which walkers set out, at most."""
 
@@ -44,39 +43,39 @@ def sampler_module() -> Any:
     return emcee
 
 
-def sampled(
-    problem: FitProblem, best: Array, result: FitResult, price: float, tell: Callable[[str], None]
-) -> Posterior:
-    """Sample about the best point; ``SceneError`` if runs of ``price`` seconds make that too long."""
-    runs, (low, high) = problem.quick or problem, problem.bounds
-    solver, walkers = ("batch", IN_BATCH) if problem.quick else (problem.settings.solver, WALKERS)
-    hours = price * len(problem.models) * walkers * MOST_STEPS / 3600.0
-    if problem.quick is None and hours > AFFORDABLE:
-        took = f"{walkers * MOST_STEPS} points by {solver} take up to {hours:.1f} h"
-        raise SceneError("posterior", took, f"{AFFORDABLE:g} h, or curves that are solved in batches")
+def sampled(problem: FitProblem, runs: FitProblem, best: Array, variance: float) -> Posterior:
+    """Sample about the best point by ``runs`` of the problem, or of it in batches; ``SceneError`` where the
+    time of a point makes that too long."""
+    (low, high), settings = problem.bounds, problem.settings
+    solver, walkers = ("batch", IN_BATCH) if runs.batched else (settings.solver, WALKERS)
     walkers = max(walkers, 2 * best.size + 2)
-    point, deviation = problem.at(best), math.sqrt(result.goodness.variance)
-    weights = independent(problem, point, np.full(problem.size, 1.0 / deviation))
-    weighed = independent(problem, point, problem.jacobian(best))
-    _, deviations, directions = covariance(weighed, result.goodness.variance)
-    generator = np.random.RandomState(problem.settings.seed)
+    weights = independent(problem.at(best))
+    weighed = problem.derivatives(best, following=True) * weights[:, None]
+    _, deviations, directions = covariance(weighed, variance)
+    generator = np.random.RandomState(settings.seed)
     drawn = generator.standard_normal((walkers, best.size)) * np.minimum(deviations, WIDEST)
     start = np.clip(best + drawn @ directions, low, high)
 
     def density(points: Array) -> Array:
         """Its logarithm at points of the search, shape (W, P), all runs at once."""
         inside, found = ((points >= low) & (points <= high)).all(axis=1), np.full(len(points), -np.inf)
-        left = np.reshape([one.residuals for one in runs.all_at(points[inside])], (-1, problem.size))
-        found[inside] = -0.5 * np.sum((left * weights) ** 2, axis=1)
-        runs.forget()
+        left = [joined(one.values for one in point) for point in runs.all_at(points[inside])]
+        found[inside] = [-0.5 * np.sum((one * weights) ** 2) / variance for one in left]
+        runs.kept.clear()
         return found
 
+    began = time.perf_counter()
+    density(start[:1])
+    hours = (time.perf_counter() - began) * walkers * MOST_STEPS / 3600.0
+    if not runs.batched and hours > AFFORDABLE:
+        took = f"{walkers * MOST_STEPS} points by {solver} take up to {hours:.1f} h"
+        raise SceneError("posterior", took, f"{AFFORDABLE:g} h, or curves that are solved in batches")
     sampler = sampler_module().EnsembleSampler(walkers, best.size, density, vectorize=True)
     sampler.random_state = generator.get_state()
     length, began = np.inf, time.perf_counter()
     for step, _ in enumerate(sampler.sample(start, iterations=MOST_STEPS), 1):
         left = (time.perf_counter() - began) / step * (MOST_STEPS - step)
-        tell(f"posterior by {solver}: step {step} of at most {MOST_STEPS}, at most {left:.0f} s left")
+        problem.tell(f"posterior by {solver}: step {step} of at most {MOST_STEPS}, at most {left:.0f} s left")
         if step % CHECKED == 0:
             length = float(sampler.get_autocorr_time(tol=0).max())
             if walkers * (step - BURN_IN * length) >= ENOUGH * length:

@@ -1,14 +1,15 @@
-"""What is asked of a fit: numbers of the scene by dotted path, and of the instrument; and its residuals.
+"""Residuals of curves by the numbers of a search, and the search for those that make them least.
 
-A search sees plain numbers of order one within bounds: the logarithm of a positive number, any other over its
-scale. Each sets the number it stands for, and at a ratio those that are tied to it.
+The background is linear and no number of the search, and the time offset is a shift of the same run. All
+other derivatives are differences of runs, which share no work and may be carried out side by side. Where the
+batch solver takes the runs, those of a point and of its differences are one batch: its steps depend on the
+numbers that are varied by powers of two alone, so hardly does its error, while steps that are chosen anew for
+each run may turn a difference into one of errors.
 
-The background (level, drift, tilt, drag, a wave) is linear and no parameter of the search: it costs no run,
-and every point has the one that makes its residuals least (Golub and Pereyra, SIAM J. Numer. Anal. 10, 413,
-1973). The time offset is a shift of the same run. All other derivatives are differences of runs, which share
-no work and may be carried out side by side. Where the batch solver takes the runs, those of a point and of
-its differences are one batch: its steps depend on the numbers that are varied by powers of two alone, so
-hardly does its error, while steps that are chosen anew for each run may turn a difference into one of errors.
+The first start of the search is the scene's own values. If it leads to a model that explains the data there
+is nothing better to be found; otherwise more are drawn in its neighbourhood, each is followed a few
+iterations, and the best of all to its end. Where the batch solver takes the runs all this is done with it,
+and a last search from there has the residuals of the reference; if the two disagree, all is done again.
 """
 
 from __future__ import annotations
@@ -16,283 +17,96 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Annotated
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from contact_scene import Branch, Hold, Machine, Ramp, Scene, SceneError, Table
-from contact_scene.checked import Checked, NotNegative, Positive
-from contact_scene.errors import shown
-from contact_scene.scene import value_at
-from contact_scene.value_checks import Range, low_and_high, one_of, whole_from
+from contact_scene import Hold, Ramp, Scene, SceneError, Table
 from validation.fits.contact import Array
 from validation.fits.model import (
-    BACKGROUND,
     NO_CONTACT,
+    SMALLEST,
     CurveModel,
     FitRun,
-    Prediction,
+    FittedCurve,
+    Residuals,
+    first_passing,
     least_squares,
+    rms,
     run_of,
 )
-from validation.fits.moments import SMALLEST
-from validation.fits.record import MeasuredCurve
+from validation.fits.parameters import CONTACT_POINT, TIME_OFFSET, FitSettings, Unknown
+from validation.fits.result import CHI_SQUARED, goodness, independent, joined
 from validation.reference import batch
 from validation.runs.pool import Task, TaskResult, run_tasks
-from validation.runs.provenance import fingerprint, hashed
+from validation.runs.provenance import fingerprint
 from validation.runs.store import Store
-from validation.solvers import REFERENCE, SOLVERS
+from validation.solvers import REFERENCE
 
-CONTACT_POINT, TIME_OFFSET = "contact_point", "time_offset"
-INSTRUMENT = (CONTACT_POINT, *BACKGROUND, TIME_OFFSET)
-SPRING = ("machine.stiffness", "loading.machine.stiffness")
-"""Paths of the spring between stage and indenter."""
 ERROR_SHARE = 0.05
 """Error of a run over the noise, at most: as much of its deviation moves a parameter if the error is unlike
 all derivatives; what is along one moves it by up to the root of the number of rows times as much."""
+ORDER_TWO = 4.0 / 3.0
+"""Error of a run over its difference from a run of half the step, for a method of second order."""
 SETTLED = 0.01
 """Change of the sum of squares, over the variance of a residual, at which a search ends, and up to which two
 solvers agree: the cost of a parameter that is off by a tenth of its deviation."""
 TOLERANCES = (1.6e-4, 4e-5, 1e-5, 2.5e-6)
 """Tolerances of the reference's time steps that are tried: each is half the step of the one before, the first
 is four steps per process zone, the fewest that resolve one."""
-RANGE, TIME_SHARE = 1e3, 0.1
-"""Factor about the scene's value within which a positive parameter is searched, if no bounds are given; and
-time offset over the duration of a record, at most."""
-LIMITED = {"material.poisson": (0.0, 0.5)}
-"""Numbers that may not leave an interval, by path."""
-REGULARISATION = 0.1
-"""Weight of the squared second differences of the logarithms of Prony weights, beside squares of residuals:
-neighbours on the grid may bend by a factor of exp(3) at the cost of one standard deviation."""
-
-SHARE = Range("a share of the range between 0 and 1", 0.0, 1.0, open=True)
-
-
-@dataclass(frozen=True)
-class FitSettings(Checked):
-    """What to fit and how: see :func:`crosscontact.fit`; one name needs no sequence around it."""
-
-    vary: tuple[str, ...] = ()
-    tie: tuple[str, ...] = ()
-    per_curve: tuple[str, ...] = ()
-    free: tuple[str, ...] = ()
-    prony: tuple[Positive, ...] = ()
-    regularisation: NotNegative | None = REGULARISATION
-    starts: Annotated[int, whole_from(1)] = 3
-    seed: Annotated[int, whole_from(0)] = 0
-    profile: tuple[str, ...] = ()
-    solver: str = REFERENCE
-    resolution: Annotated[int, whole_from(1)] | None = None
-    check_solver: str | None = "bem"
-    max_steps: Annotated[int, whole_from(1)] | None = None
-    within: Annotated[float, SHARE] | None = None
-    posterior: bool = False
-
-    def __post_init__(self) -> None:
-        plain = {"regularisation": REGULARISATION} if self.regularisation is None else {}
-        names = ("vary", "tie", "per_curve", "free", "profile")
-        alone = {name: (at,) for name in names if isinstance(at := getattr(self, name), str)}
-        for name, value in (plain | alone).items():
-            object.__setattr__(self, name, value)
-        super().__post_init__()
-
-    def rules(self) -> None:
-        for name in self.free:
-            one_of(name, "free", INSTRUMENT)
-        one_of(self.solver, "solver", tuple(SOLVERS))
-        one_of(self.check_solver or "none", "check_solver", ("none", *SOLVERS))
-        if list(self.prony) != sorted(set(self.prony)):
-            raise SceneError("prony", f"got {shown(self.prony)}", "rising relaxation times")
-
-    @property
-    def grid(self) -> tuple[str, ...]:
-        """Paths of the moduli on the fixed relaxation times."""
-        return tuple(f"material.branches[{index}].modulus" for index in range(len(self.prony)))
-
-
-def question(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> dict[str, str]:
-    """Hashes of curves, first guess and parameters; not of how the fit is carried out."""
-    varied = settings.vary, settings.tie, settings.per_curve, settings.free, settings.prony
-    return {
-        "curves": hashed([replace(curve, name="") for curve in curves]),
-        "first guess": hashed(scene),
-        "parameters": hashed(varied if settings.within is None else (*varied, settings.within)),
-    }
-
-
-def first_guess(curves: Sequence[MeasuredCurve], scene: Scene, settings: FitSettings) -> Scene:
-    """The scene on the spring of the curves, where it has none and they share one, with the Prony series."""
-    springs = {None if curve.stage is None else curve.stiffness for curve in curves}
-    [spring] = springs if len(springs) == 1 else [None]
-    if scene.machine is None and spring is not None:
-        scene = replace(scene, loading=replace(scene.loading, machine=Machine(spring)))
-    if not settings.prony:
-        return scene
-    relaxing = scene.material.glassy_modulus - scene.material.modulus or scene.material.modulus
-    branches = tuple(Branch(relaxing / len(settings.prony), time) for time in settings.prony)
-    return replace(scene, material=replace(scene.material, branches=branches))
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """One number that is searched, with its first guess and bounds; of one curve alone it bears its name. It
-    ``sets`` numbers by path, each at a ratio to its value."""
-
-    name: str
-    start: float
-    low: float
-    high: float
-    logarithmic: bool = False
-    scale: float = 1.0
-    curve: int | None = None
-    sets: Mapping[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        if not self.low <= self.start <= self.high or self.low >= self.high:
-            problem = f"starts at {self.start:.6g}, with bounds {self.low:.6g} to {self.high:.6g}"
-            raise SceneError(self.name, problem, "bounds with the value of the scene between them")
-
-    def plain(self, value: float) -> float:
-        """The number that the search sees."""
-        return math.log(value) if self.logarithmic else value / self.scale
-
-    def value(self, plain: float) -> float:
-        """The parameter of a number of the search."""
-        return math.exp(plain) if self.logarithmic else plain * self.scale
-
-
-def unknowns(models: Sequence[CurveModel], scene: Scene, settings: FitSettings) -> tuple[Unknown, ...]:
-    """All parameters of a fit with their first guesses: shared ones, then those of each curve."""
-    shared = (*settings.vary, *settings.grid)
-    varied = [entry.partition("=")[0] for entry in (*shared, *settings.per_curve)]
-    ties = [(path, other) for path, _, other in (entry.partition("=") for entry in settings.tie)]
-    for path, other in ties:
-        if not path or path == other or not other:
-            problem = f"{shown(path)} is tied to {'itself' if path == other else shown(other)}"
-            raise SceneError("tie", problem, "PATH=OTHER, two numbers of the scene")
-        if other not in varied:
-            raise SceneError("tie", f"{other} is not varied", "ties to a number that is")
-    for path in (*varied, *(path for path, _ in ties)):
-        _check_part(path, models)
-    found = [_of_scene(scene, entry, ties) for entry in shared]
-    for index, model in enumerate(models):
-        found += [
-            _of_scene(model.scene, entry, ties, index, model.curve.name) for entry in settings.per_curve
-        ]
-        kinds = [kind for kind in dict.fromkeys(settings.free) if kind not in BACKGROUND]
-        found += [_of_instrument(model, index, kind) for kind in kinds]
-    if not found:
-        raise SceneError("vary", "is empty", "at least one number of the scene")
-    for curve in (None, *range(len(models))):
-        paths = [path for one in found if one.curve in (None, curve) for path in one.sets]
-        for path in paths:
-            if paths.count(path) > 1:
-                raise SceneError(path, "is varied twice", "each number once")
-    return tuple(found)
-
-
-def _check_part(path: str, models: Sequence[CurveModel]) -> None:
-    """Refuse a number of the scene that plays no part in the model of a curve."""
-    if path.startswith("loading.steps"):
-        problem = "plays no part: the measured motion takes the place of the loading steps"
-        raise SceneError(path, problem, "numbers of material, adhesion, indenter or machine")
-    for model in models:
-        if path in SPRING and model.scene.machine is None:
-            problem = "plays no part: the motion of the indenter is recorded, not that of a stage"
-            raise SceneError(path, problem, "curves with a column stage", model.curve.name)
-
-
-def _of_scene(
-    scene: Scene, entry: str, ties: Iterable[tuple[str, str]], curve: int | None = None, of: str = ""
-) -> Unknown:
-    """The unknown of ``PATH``, ``PATH=LOW:HIGH`` or ``PATH=LOW:HIGH:linear``, with the paths tied to it."""
-    path, _, limits = entry.partition("=")
-    start, tied = value_at(scene, path), [tie for tie, other in ties if other == path]
-    linear = limits.endswith(":linear")
-    low, high = low_and_high(limits.removesuffix(":linear"), path) if limits else (None, None)
-    least, most = LIMITED.get(path, (-math.inf, math.inf))
-    logarithmic = not linear and start > 0.0 and path not in LIMITED and (low is None or low > 0.0)
-    reach = RANGE * max(abs(start), 1e-3)
-    widest = (start / RANGE, start * RANGE) if logarithmic else (start - reach, start + reach)
-    low = max(widest[0] if low is None else low, least)
-    high = min(widest[1] if high is None else high, most)
-    if start == 0.0 and tied:
-        raise SceneError(path, "is zero, and others are tied to it", "a value that ratios refer to")
-    ratios = {path: 1.0} | {tie: value_at(scene, tie) / start for tie in tied}
-    name = path if curve is None else f"{path}@{of}"
-    return Unknown(name, start, low, high, logarithmic, abs(start) or high - low, curve, ratios)
-
-
-def _of_instrument(model: CurveModel, index: int, kind: str) -> Unknown:
-    """Contact point or time offset of a curve, with its first guess from the record."""
-    curve, seen = model.curve, model.moments
-    start, scale = 0.0, float(np.ptp(curve.time if kind == TIME_OFFSET else curve.position))
-    reach = TIME_SHARE * scale if kind == TIME_OFFSET else scale
-    if kind == CONTACT_POINT and 0 < seen.first < seen.last and model.scene.loading.start != "relaxed":
-        first_touch = float(curve.position[seen.first - 1 : seen.first + 1].mean())
-        start = first_touch - model.scene.loading.penetration
-    name = f"{kind}@{curve.name}"
-    return Unknown(name, start, start - reach, start + reach, False, scale, index, {kind: 1.0})
-
-
-@dataclass(frozen=True)
-class Point:
-    """A point of the search: runs at the rows of the curves; residuals (R,) ``raw``, and with the background
-    that makes them least; which ``hold``, which are of rows in contact; parts of the background as columns
-    over the noise (R, Q), and how much there is of each (Q,)."""
-
-    predictions: Sequence[Prediction]
-    raw: Array
-    residuals: Array
-    hold: NDArray[np.bool_]
-    touching: NDArray[np.bool_]
-    columns: Array
-    background: Array
+SMALLEST_STEP, LARGEST_STEP = 1e-4, 1e-2
+"""Bounds of the step of differences, the root of the relative error of a run: the best if the errors of two
+neighbouring runs have nothing in common."""
+SPREAD, DRAWN_BEFORE = np.log(3.0), 4
+"""Starts are drawn within a factor of three about the scene's values (whoever knows less states bounds); of
+so many points the one of least misfit is taken."""
+EXPLORING, MOST_EVALUATIONS, PROFILING = 4, 40, 6
+"""Evaluations, behind the first, of a start before starts are compared, of the last search, and with one
+parameter held."""
+STEPS, WIDEST = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0), 1.0
+"""Distances from the best value at which a profile fits the others, in standard deviations of at most one: a
+factor of 20 on each side."""
 
 
 @dataclass
 class FitProblem:
-    """Residuals and derivatives of curves, and last those of a regularisation; ``tolerance`` is that of time
-    steps where no resolution is asked for, ``step`` that of differences, ``runs`` what was carried out;
-    ``quick`` has its runs in batches, if they can be."""
+    """Residuals of curves, and last those of a regularisation, with their derivatives, and the best point of
+    all that were tried; ``tolerance`` is that of time steps where no resolution is asked for, ``step`` that
+    of differences, ``runs`` what was carried out. All runs are ``batched``, or only those of derivatives,
+    where the problem in batches, ``quick``, is ``trusted``."""
 
     models: Sequence[CurveModel]
     unknowns: Sequence[Unknown]
     settings: FitSettings
     executor: Executor | None = None
     store: Store = field(default_factory=Store)
+    tell: Callable[[str], None] = lambda text: None
     tolerance: float | None = None
     step: float = 1e-3
-    runs: int = 0
-    on_run: Callable[[], None] = lambda: None
-    quick: BatchProblem | None = None
-    _kept: dict[str, FitRun] = field(default_factory=dict)
+    batched: bool = False
+    quick: FitProblem | None = None
+    trusted: bool = False
 
     def __post_init__(self) -> None:
         self.names = [one.name for one in self.unknowns]
-        self.start = np.array([one.plain(one.start) for one in self.unknowns])
-        self.bounds = tuple(
-            np.array([one.plain(at) for one, at in zip(self.unknowns, ends, strict=True)])
-            for ends in ([one.low for one in self.unknowns], [one.high for one in self.unknowns])
+        start, low, high = (
+            np.array([one.plain(getattr(one, at)) for one in self.unknowns])
+            for at in ("start", "low", "high")
         )
+        self.start, self.bounds, self.kept = start, (low, high), dict[str, FitRun]()
+        self.best, self.least, self.points, self.runs, self.stage = start, np.inf, 0, 0, "first guess"
+        self.starts, self.ended, self.converged = list[float](), "interrupted", False
         # Second differences of logarithms, which are numbers of the search; without weight they are no rows.
         weight = self.settings.regularisation or 0.0
         bent = [self.names.index(name) for name in self.settings.grid if weight > 0.0]
         self._bending = math.sqrt(weight) * np.diff(np.eye(len(self.names))[bent], 2, axis=0)
-        sizes = [model.prediction(NO_CONTACT, 0.0).residuals.size for model in self.models]
-        begins = np.cumsum([0, *sizes]).tolist()
-        self.size = begins[-1] + len(self._bending)
-        rows = [(begin, begin + one.curve.time.size) for begin, one in zip(begins, self.models, strict=False)]
-        self.force_rows = [slice(*both) for both in rows]
-        backgrounds = [model.background(self.settings.free) for model in self.models]
-        self.parts = [(curve, name) for curve, own in enumerate(backgrounds) for name in own]
-        self.columns = np.zeros((self.size, len(self.parts)))
-        for place, (curve, name) in enumerate(self.parts):
-            column = backgrounds[curve][name] / self.models[curve].allowed
-            self.columns[self.force_rows[curve], place] = column
+
+    @property
+    def all_runs(self) -> int:
+        """How many were carried out, in batches or by themselves."""
+        return self.runs + (self.quick.runs if self.quick else 0)
 
     def values(self, x: Array, curve: int | None = None) -> dict[str, float]:
         """What a point sets by path: for a curve, or only what all curves share."""
@@ -305,118 +119,227 @@ class FitProblem:
 
     def residuals(self, x: Array) -> Array:
         """Residuals at a point of the search, shape (R,)."""
-        return self.at(x).residuals
+        return joined(one.values for one in self.at(x))
 
-    def at(self, x: Array) -> Point:
-        """A point of the search."""
-        return self.all_at([x])[0]
+    def curves_at(self, x: Array) -> list[FittedCurve]:
+        """The curves beside their runs at a point."""
+        return [one for one in self.at(x) if isinstance(one, FittedCurve)]
 
-    def all_at(self, points: Iterable[Array]) -> list[Point]:
-        """Points of the search, whose runs are carried out together, equal ones once."""
+    def at(self, x: Array) -> Sequence[Residuals]:
+        """Residuals of each curve, and of the regularisation."""
+        return self.beside(x)[1][0] if self.batched else self.all_at([x])[0]
+
+    def beside(self, x: Array) -> tuple[Array, list[Sequence[Residuals]]]:
+        """Steps of the numbers of the search; the point, and those a step beside it."""
+        steps = np.where(x + self.step <= self.bounds[1], self.step, -self.step)
+        return steps, self.all_at([x, *(x + np.diag(steps))])
+
+    def all_at(self, points: Iterable[Array]) -> list[Sequence[Residuals]]:
+        """Residuals of some points, whose runs are carried out together, equal ones once."""
         settings, asked, tasks = self.settings, [], {}
         how = settings.solver, settings.resolution, self.tolerance, settings.max_steps
         places = list(points)
         for x in places:
             for curve, model in enumerate(self.models):
                 values = self.values(x, curve)
-                contact, offset = (values.pop(name, 0.0) for name in (CONTACT_POINT, TIME_OFFSET))
+                zero, offset = (values.pop(name, 0.0) for name in (CONTACT_POINT, TIME_OFFSET))
                 try:
-                    scene, begin = model.scene_of(values, contact)
+                    scene, begin = model.scene_of(values, zero)
                     key = fingerprint("fit", scene, *how)
-                    if key not in self._kept:
+                    if key not in self.kept:
                         tasks[key] = Task(key, f"curve {curve + 1}", run_of, (scene, *how), FitRun)
                 except SceneError as error:  # a corner of the search that no scene may have
                     key, begin = str(error), float(model.curve.time[-1])
-                    self._kept[key] = replace(NO_CONTACT, failure=key)
-                asked.append((model, key, begin, offset))
-        self.carry_out(tasks)
-        made = [model.prediction(self._kept[key], begin, offset) for model, key, begin, offset in asked]
-        count = len(self.models)
-        return [self._point(x, made[n * count : (n + 1) * count]) for n, x in enumerate(places)]
+                    self.kept[key] = replace(NO_CONTACT, failure=key)
+                asked.append((model, key, begin, offset, zero))
+        self._carry_out(tasks)
+        made = iter([model.beside(self.kept[key], *clock) for model, key, *clock in asked])
+        found: list[Sequence[Residuals]] = []
+        for x in places:
+            bending = self._bending @ x
+            rows = np.ones(bending.size, bool)
+            last = Residuals(bending, np.empty((bending.size, 0)), ~rows, rows)
+            found.append([*(next(made) for _ in self.models), last])
+        return found
 
-    def _point(self, x: Array, predicted: Sequence[Prediction]) -> Point:
-        """A point with its runs and the background that makes its residuals least."""
-        bending = self._bending @ x
-        hold = np.concatenate([*(one.hold for one in predicted), np.ones(bending.size, bool)])
-        touching = np.concatenate([*(one.touching for one in predicted), np.zeros(bending.size, bool)])
-        raw = np.where(hold, np.concatenate([*(one.residuals for one in predicted), bending]), 0.0)
-        columns = np.where(hold[:, None], self.columns, 0.0)
-        background = -least_squares(columns, raw)
-        return Point(predicted, raw, raw + columns @ background, hold, touching, columns, background)
+    def _carry_out(self, tasks: Mapping[str, Task]) -> None:
+        """Runs that are kept, by their keys, side by side or in a batch."""
 
-    def beside(self, x: Array) -> tuple[Array, list[Point]]:
-        """Steps of the numbers of the search; the point, and those a step beside it."""
-        steps = np.where(x + self.step <= self.bounds[1], self.step, -self.step)
-        return steps, self.all_at([x, *(x + np.diag(steps))])
+        def keep(key: str, run: FitRun) -> None:
+            self.kept[key] = run
+            self.runs += 1
+            if not np.isfinite(self.least):  # it moves before there is a point
+                self.tell(f"{self.stage}, run {self.runs}")
 
-    def derivatives(self, x: Array) -> Array:
-        """Derivatives by the numbers of the search with the background held, shape (R, P); a row that comes
-        into contact or loses it on the way has one on either side only."""
-        if self.quick is not None:
-            return self.quick.derivatives(x)
-        steps, (now, *others) = self.beside(x)
-        slopes = [
-            np.where(now.touching == one.touching, one.raw - now.raw, 0.0) / step
-            for step, one in zip(steps, others, strict=True)
-        ]
-        return np.column_stack(slopes)
+        def keep_result(result: TaskResult) -> None:
+            keep(result.task.key, result.value or replace(NO_CONTACT, failure=result.failure))
 
-    def jacobian(self, x: Array) -> Array:
-        """Derivatives by the numbers of the search, the background following, shape (R, P)."""
-        slopes, columns = self.derivatives(x), self.at(x).columns
-        return slopes - columns @ least_squares(columns, slopes)
-
-    def carry_out(self, tasks: Mapping[str, Task]) -> None:
-        """Runs that are kept, by their keys, side by side."""
-
-        def keep(result: TaskResult) -> None:
-            self.keep(result.task.key, result.value or replace(NO_CONTACT, failure=result.failure))
-
-        executor = self.executor if len(tasks) > 1 else None
-        run_tasks(tasks.values(), executor, self.store, on_result=keep)
-
-    def keep(self, key: str, run: FitRun) -> None:
-        """Keep a run that was carried out."""
-        self._kept[key] = run
-        self.runs += 1
-        self.on_run()
-
-    def forget(self) -> None:
-        """Keep no run any more."""
-        self._kept.clear()
-
-
-class BatchProblem(FitProblem):
-    """A problem whose runs are those of the batch solver."""
-
-    @classmethod
-    def of(cls, problem: FitProblem) -> BatchProblem | None:
-        """The problem in batches, if all runs of the first guess can be; some may end early."""
-        if problem.settings.solver != REFERENCE:
-            return None
-        found = cls(**{one.name: getattr(problem, one.name) for one in fields(problem)} | {"_kept": {}})
-        answered = all(one.touching.any() for one in found.at(found.start).predictions)
-        return found if answered else None
-
-    def agrees(self, other: FitProblem, x: Array) -> bool:
-        """Whether all runs of a point and of its differences came to their end, and residuals of the other
-        problem have their least, but for what a search leaves, with the same parameters."""
-        own, slopes = self.residuals(x), self.jacobian(x)
-        along = slopes @ least_squares(slopes, own - other.residuals(x))
-        failed = any(one.failure for point in self.beside(x)[1] for one in point.predictions)
-        return not failed and bool(along @ along <= SETTLED * np.mean(own**2))
-
-    def at(self, x: Array) -> Point:
-        return self.beside(x)[1][0]  # in one batch
-
-    def carry_out(self, tasks: Mapping[str, Task]) -> None:
+        if not self.batched:
+            executor = self.executor if len(tasks) > 1 else None
+            run_tasks(tasks.values(), executor, self.store, on_result=keep_result)
+            return
         scenes = [as_ramps(task.arguments[0]) for task in tasks.values()]
         for key, one in zip(tasks, batch.solve(scenes), strict=True):
             run = replace(NO_CONTACT, failure=one.reason)
             if one.answered:
                 lost = float(one.time[-1]) if one.detached or one.reason else None
                 run = FitRun(one.time, one.force, one.contact_radius, one.penetration, lost, one.reason)
-            self.keep(key, run)
+            keep(key, run)
+
+    def derivatives(self, x: Array, following: bool = False) -> Array:
+        """Derivatives by the numbers of the search, the background held or ``following``, shape (R, P); a row
+        that comes into contact or loses it on the way has one on either side only."""
+        steps, (now, *others) = (self.quick if self.quick and self.trusted else self).beside(x)
+        found = []
+        for own, *beside in zip(now, *others, strict=True):
+            moved = zip(steps, beside, strict=True)
+            slopes = [
+                np.where(own.touching == one.touching, one.raw - own.raw, 0.0) / at for at, one in moved
+            ]
+            found.append(np.column_stack(slopes))
+        if following:
+            parts = zip(found, (one.columns for one in self.at(x)), strict=True)
+            found = [slopes - columns @ least_squares(columns, slopes) for slopes, columns in parts]
+        return joined(found)
+
+    def in_batches(self) -> FitProblem | None:
+        """The problem in batches, if all runs of the first guess can be; some may end early."""
+        found = replace(self, batched=True)
+        solved = self.settings.solver == REFERENCE and found.curves_at(found.start)
+        return found if solved and all(one.touching.any() for one in solved) else None
+
+    def agrees(self, quick: FitProblem, x: Array) -> bool:
+        """Whether all batched runs of a point and of its differences came to their end, and residuals in
+        batches have their least, but for what a search leaves, with the same parameters."""
+        own, slopes = quick.residuals(x), quick.derivatives(x, following=True)
+        along = slopes @ least_squares(slopes, own - self.residuals(x))
+        runs = (one for point in quick.beside(x)[1] for one in point if isinstance(one, FittedCurve))
+        return not any(one.failure for one in runs) and bool(along @ along <= SETTLED * np.mean(own**2))
+
+    def choose_steps(self, x: Array) -> float | None:
+        """Give the runs the coarsest time steps with an error small beside the noise, and differences a step;
+        the error over the noise at a point comes back, if it was for the fit to choose."""
+        if self.settings.resolution is not None or self.settings.solver != REFERENCE:
+            return None
+        data = joined(one.curve.force / one.allowed for one in self.models)
+        self.stage, self.tolerance = "choosing time steps", TOLERANCES[0]
+        coarse = self.curves_at(x)
+        for kept, finer in pairwise(TOLERANCES):
+            self.tolerance = finer
+            fine = self.curves_at(x)
+            pairs = zip(fine, coarse, strict=True)
+            change = joined((one.values - two.values)[: one.of_run.size] for one, two in pairs)
+            share, coarse = ORDER_TWO * rms(change), fine
+            self.tolerance = kept
+            if share <= ERROR_SHARE:
+                break
+        self.step = float(np.clip(np.sqrt(share / rms(data)), SMALLEST_STEP, LARGEST_STEP))
+        return share
+
+    def search(self) -> float | None:
+        """Find the parameters, from as many starts as it takes; the error of runs over the noise."""
+        if (quick := self.in_batches()) is not None:
+            self.quick = quick
+            try:
+                quick.follow_starts("first start")
+            finally:
+                self.best, self.least, self.starts = quick.best, quick.least, quick.starts
+        share, stage = self.choose_steps(self.best), "by the reference"
+        self.trusted = quick is not None and self.agrees(quick, self.best)
+        self.least = np.inf
+        if not self.trusted:
+            self.best, self.starts, stage = self.start, [], "first start"
+        self.follow_starts(stage)
+        return share
+
+    def follow_starts(self, stage: str) -> None:
+        """The search from the best point so far, and, if that explains too little and one of them is better,
+        from the best of further starts, each the best of a few points drawn about the scene's values."""
+        self.stage, settings = stage, self.settings
+        nowhere = [one for one in self.curves_at(self.best) if not one.touching.any()]
+        if nowhere or not self.derivatives(self.best).any():
+            reason = "".join(f": {one.failure}" for one in nowhere[:1])
+            told = f"no parameter changes the force at the first guess{reason}"
+            raise SceneError("vary", told, "a first guess that comes to contact and can be run")
+        followed = self.followed(self.best, MOST_EVALUATIONS)
+        free = [one.logarithmic for one in self.unknowns]
+        if len(self.starts) < 2:  # or more were followed in batches
+            self.starts = [2.0 * followed.cost]
+            good = goodness(self.curves_at(self.best), self.residuals(self.best), settings, len(free))
+            more = 0 if good.explained or not any(free) else settings.starts - 1
+            shape = more, DRAWN_BEFORE, len(free)
+            drawn = np.random.default_rng(settings.seed).uniform(-SPREAD, SPREAD, shape)
+            groups, first = np.clip(self.start + drawn * free, *self.bounds), self.least
+            starts = [min(points, key=lambda x: float(np.sum(self.tried(x) ** 2))) for points in groups]
+            for number, x in enumerate(starts, 2):
+                self.stage = f"start {number} of {settings.starts}"
+                self.starts.append(2.0 * self.followed(x, EXPLORING).cost)
+            if self.least < first:
+                self.stage = "best start"
+                followed = self.followed(self.best, MOST_EVALUATIONS)
+        self.ended, self.converged = followed.message, bool(followed.success)
+
+    def tried(self, x: Array) -> Array:
+        """Residuals at a point, which is noted."""
+        found = self.residuals(x)
+        self.points += 1
+        total = float(found @ found)
+        if total < self.least:
+            self.best, self.least = x.copy(), total
+        now, best = (np.sqrt(value / found.size) for value in (total, self.least))
+        self.tell(f"{self.stage}, point {self.points}: misfit {now:.4g}, best {best:.4g}")
+        return found
+
+    def followed(self, x: Array, evaluations: int, held: int | None = None) -> Any:
+        """Least squares from a point, of all parameters but one that is held."""
+        from scipy import optimize
+
+        varied, at = np.arange(x.size) != held, x.copy()
+
+        def whole(values: Array) -> Array:
+            at[varied] = values
+            return at
+
+        found = optimize.least_squares(
+            lambda values: self.tried(whole(values)),
+            x[varied],
+            lambda values: self.derivatives(whole(values), following=True)[:, varied],
+            tuple(ends[varied] for ends in self.bounds),
+            x_scale="jac",
+            ftol=SETTLED / self.residuals(x).size,
+            xtol=1e-6,
+            gtol=None,
+            max_nfev=1 + evaluations,
+        )
+        found.x = whole(found.x)
+        return found
+
+    def profile(self, place: int, best: Array, deviation: float, variance: float) -> dict[str, Any]:
+        """Profile likelihood of a parameter, whose interval ends where the least sum of squares has grown by
+        the 95 % point of chi-squared (Venzon and Moolgavkar, Appl. Stat. 37, 87, 1988)."""
+        one, points, weights = self.unknowns[place], {float(best[place]): 0.0}, independent(self.at(best))
+        size = min(deviation if one.logarithmic else deviation / one.scale, WIDEST)
+
+        def weighed(x: Array) -> float:
+            return float(np.sum((self.residuals(x) * weights) ** 2))
+
+        least = weighed(best)
+        for sign in (-1.0, 1.0):
+            x = best.copy()
+            for step in STEPS:
+                x[place] = best[place] + sign * step * size
+                x = np.clip(x, *self.bounds)
+                self.stage = f"profile of {one.name} at {one.value(x[place]):.4g}"
+                if len(x) > 1:
+                    x = self.followed(x, PROFILING, held=place).x
+                points[float(x[place])] = max((weighed(x) - least) / variance, 0.0)
+        at, increases = np.array(sorted(points.items())).T
+        middle = int(np.searchsorted(at, best[place]))
+        sides = slice(middle, None, -1), slice(middle, None)
+        plain = (first_passing(at[s], np.sqrt(increases[s]), np.sqrt(CHI_SQUARED)) for s in sides)
+        low, high = (None if end is None else one.value(end) for end in plain)
+        values = [one.value(here) for here in at.tolist()]
+        return {"name": one.name, "values": values, "increases": increases, "low": low, "high": high}
 
 
 def as_ramps(scene: Scene) -> Scene:

@@ -21,13 +21,13 @@ import re
 import warnings
 import zipfile
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from shutil import copyfile
 from tempfile import TemporaryDirectory
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,8 +47,6 @@ NUMBERS = ("stiffness", "indenter_radius", "noise")
 """What holds for a whole curve, if it is stated."""
 WRITTEN = {".h5": "hdf5", ".tab": "tab"}
 """Formats that can be written, by their ending."""
-KNOWN = (*WRITTEN, ".ibw", ".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series", ".spm")
-"""Endings that are no tables."""
 WORKSHOP = b"Force-Distance Curve"
 """Begins a .csv of AFM Workshop."""
 STAGE, PIEZO, TIP = "height (measured)", "height (piezo)", "tip position"
@@ -134,23 +132,12 @@ class Given(Checked):
         steps = np.abs(np.diff(position)) / self.speed
         return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-9 * steps.max(initial=0.0)))])
 
-    def curve(
-        self,
-        file: Path,
-        name: str,
-        columns: Mapping[str, Array],
-        stiffness: float | None,
-        numbers: NDArray[Any] | None = None,
-        rate: float | None = None,
-        kinds: Sequence[str] = (),
-        **more: Any,
-    ) -> MeasuredCurve:
-        """A curve of columns as recorded, with the number of the segment of each row and what the drive does
-        there, and rows a second, if stated; left out are rows without numbers or of a time told before."""
-        kept = {key: np.asarray(column, float) for key, column in columns.items()}
-        driven = "stage" if "stage" in kept else "penetration"
+    def curve(self, file: Path, name: str, recorded: Recorded) -> MeasuredCurve:
+        """A curve of what is recorded; left out are rows without numbers or of a time told before."""
+        kept = {key: np.asarray(column, float) for key, column in recorded.columns.items()}
+        driven, more = "stage" if "stage" in kept else "penetration", dict(recorded.more)
         if "time" not in kept:
-            kept["time"] = self.times(kept[driven], rate, file)
+            kept["time"] = self.times(kept[driven], recorded.rate, file)
         good = np.all([np.abs(column) <= LARGEST for column in kept.values()], axis=0)
         latest = np.maximum.accumulate(np.where(good, kept["time"], -np.inf))
         good[1:] &= latest[1:] > latest[:-1]
@@ -158,13 +145,25 @@ class Given(Checked):
             problem = f"{int((~good).sum())} of {good.size} rows hold no numbers, or times that do not rise"
             raise SceneError("", problem, "a record row by row; are two columns swapped?", str(file))
         kept = {key: column[good] for key, column in kept.items()}
-        if numbers is not None and good.any():
-            told = [kind for kind, left in zip(kinds, good, strict=True) if left] if kinds else ()
-            more["segments"] = moved_segments(kept[driven], numbers[good], told)
+        if recorded.numbers is not None and good.any():
+            told = [kind for kind, left in zip(recorded.kinds, good, strict=False) if left]
+            more["segments"] = moved_segments(kept[driven], recorded.numbers[good], told)
         try:
-            return MeasuredCurve(**(more | kept), stiffness=stiffness, name=name)
+            return MeasuredCurve(**(more | kept), stiffness=recorded.spring, name=name)
         except SceneError as error:
             raise replace(error, file=str(file)) from None
+
+
+class Recorded(NamedTuple):
+    """Columns as recorded, in SI units or those of a scene, and a spring constant; the number of the segment
+    of each row and what the drive does there, and rows a second, if stated; ``more`` of the curve."""
+
+    columns: Mapping[str, Array]
+    spring: float | None
+    numbers: NDArray[Any] | None = None
+    rate: float | None = None
+    kinds: Sequence[str] = ()
+    more: Mapping[str, Any] = {}
 
 
 def _missing(keys: list[str], file: Path) -> SceneError:
@@ -181,19 +180,32 @@ def read_file(path: Path, given: Given | None = None, si: bool = False) -> list[
     begin, ending = _begin(path), path.suffix.lower()
     if ending == ".zip" and not given.columns:
         return _read_archive(path, given)
-    table = given.columns or not (ending in KNOWN or _is_nanoscope(path))
+    reader = _reader_of(ending)
     try:
-        curves = [_read_table(path, given, si)] if table else _read_instrument(path, given)
+        if reader is None or given.columns:
+            return [given.curve(path, path.stem, _read_table(path, given, si))]
     except SceneError as error:
-        if not table or given.columns or (ending != ".txt" and begin != WORKSHOP):
+        if given.columns or (ending != ".txt" and begin != WORKSHOP):
             raise
-        try:
-            curves = _read_instrument(path, given)
-        except UnknownFormat:
-            raise error from None
-    if not curves:
+        no_table = error
+    try:
+        with _in_one_line(path):
+            records = (reader or _read_afmformats)(path, given)
+    except UnknownFormat:
+        if reader is None:
+            raise no_table from None
+        raise
+    if not records:
         raise SceneError("", "holds no curve", "a file of force-distance curves", str(path))
-    return curves
+    names = [path.stem] if len(records) == 1 else [f"{path.stem}-{number}" for number in range(len(records))]
+    return [given.curve(path, name, one) for name, one in zip(names, records, strict=True)]
+
+
+def _reader_of(ending: str) -> Callable[[Path, Given], list[Recorded]] | None:
+    """What reads the formats of an instrument that have an ending of their own."""
+    if re.fullmatch(r"\.(spm|\d{3})", ending):
+        return _read_nanoscope
+    return READERS.get(ending)
 
 
 def _begin(path: Path) -> bytes:
@@ -269,17 +281,17 @@ class _OrNone(Range):
         return np.full(np.shape(value), True)
 
 
-def _read_table(path: Path, given: Given, si: bool) -> MeasuredCurve:
+def _read_table(path: Path, given: Given, si: bool) -> Recorded:
     """One curve; ``si``: units in brackets are converted."""
     table = read_table(_plain(_text(path)), str(path), () if given.columns else HELD, _WANTED)
     si |= bool(given.columns) or not set(INSTRUMENTS).isdisjoint(table.kinds)
-    places = {kind: (n, 1.0) for n, kind in reversed(list(enumerate(table.kinds))) if kind}
     if given.columns:
         places = {key: (_place(table, key, at), factor) for key, (at, factor) in given.columns.items()}
     elif not si:
         places = {kind: (at, 1.0) for kind, at in table.places(("time", "force")).items()}
-    elif {"force", "deflection"} & set(places):
-        places = {kind: (at, _in_si(table, at)) for kind, (at, _) in places.items()}
+    elif {"force", "deflection"} & set(table.kinds):
+        numbered = reversed(list(enumerate(table.kinds)))
+        places = {kind: (at, _in_si(table, at)) for at, kind in numbered if kind}
     else:
         raise table.unknown()
     rule = _OrNone("") if si else finite
@@ -288,7 +300,7 @@ def _read_table(path: Path, given: Given, si: bool) -> MeasuredCurve:
     if si:
         head = "\n".join(line.content for line in table.head)
         stated |= {"stiffness": _stated_in_si(head, _SPRING), "indenter_radius": _stated_in_si(head, _RADIUS)}
-    spring = stated["stiffness"] = given.spring_constant or stated["stiffness"]
+    spring = given.spring_constant or stated.pop("stiffness")
     for instrument, sign in (("piezo", 1.0), ("height", -1.0)):
         if instrument in columns:
             columns.setdefault("stage", sign * columns[instrument])
@@ -301,7 +313,8 @@ def _read_table(path: Path, given: Given, si: bool) -> MeasuredCurve:
             needed = {"spring constant": spring, "sensitivity": slope}
             raise _missing([key for key, value in needed.items() if not value], path)
         columns["force"] = columns["deflection"] * spring * slope
-    return given.curve(path, path.stem, {key: columns[key] for key in COLUMNS if key in columns}, **stated)
+    stated.pop("stiffness", None)
+    return Recorded({key: columns[key] for key in COLUMNS if key in columns}, spring, more=stated)
 
 
 def _place(table: TextTable, holds: str, column: str | int) -> int:
@@ -381,20 +394,7 @@ def write_csv(curve: MeasuredCurve, path: Path) -> None:
 # Formats of instruments
 
 
-def _read_instrument(path: Path, given: Given) -> list[MeasuredCurve]:
-    """All curves of a file, by its ending."""
-    ending = path.suffix.lower()
-    read = {".ibw": _read_asylum}.get(ending, _read_jpk if ending.startswith(".jpk") else _read_afmformats)
-    with _in_one_line(path):
-        return (_read_nanoscope if _is_nanoscope(path) else read)(path, given)
-
-
-def _is_nanoscope(path: Path) -> bool:
-    """Whether the ending is one of Bruker's: ``.spm``, ``.000``."""
-    return bool(re.fullmatch(r"\.(spm|\d{3})", path.suffix.lower()))
-
-
-def _read_afmformats(path: Path, given: Given) -> list[MeasuredCurve]:
+def _read_afmformats(path: Path, given: Given) -> list[Recorded]:
     """Curves by the readers of ``afmformats``: its own formats, AFM Workshop, NT-MDT."""
     import afmformats
 
@@ -407,7 +407,7 @@ def _read_afmformats(path: Path, given: Given) -> list[MeasuredCurve]:
         records = afmformats.load_data(plain, meta_override=given.overrides())
         if ending == ".tab":
             _check_rows(path)
-        for name, record in zip(_names(path, len(records)), records, strict=True):
+        for number, record in enumerate(records):
             stated, held = dict(record.metadata), record.columns
             columns = {key: record[key] for key in ("time", "force") if key in held}
             heights = [record[height] for height in (STAGE, PIEZO) if height in held]
@@ -420,15 +420,15 @@ def _read_afmformats(path: Path, given: Given) -> list[MeasuredCurve]:
                 raise _missing(["spring constant"], path)
             if "force" not in columns or len(columns) < 2:
                 allowed = f"force, and {STAGE} or {TIP}"
-                raise SceneError("", f"{name} has columns {', '.join(held)}", allowed, str(path))
+                raise SceneError("", f"curve {number} has columns {', '.join(held)}", allowed, str(path))
             rate = stated.get("rate approach", np.nan)
             numbers = np.asarray(record["segment"]).astype(int) if "segment" in held else None
             rate = rate if rate > SLOWEST else None
-            curves.append(given.curve(path, name, columns, stiffness, numbers, rate))
+            curves.append(Recorded(columns, stiffness, numbers, rate))
     return curves
 
 
-def _read_jpk(path: Path, given: Given) -> list[MeasuredCurve]:
+def _read_jpk(path: Path, given: Given) -> list[Recorded]:
     """JPK: ``afmformats`` knows records of two or three segments, its reader of the archive any."""
     from afmformats.formats.fmt_jpk.jpk_reader import JPKReader
 
@@ -445,7 +445,7 @@ def _read_jpk(path: Path, given: Given) -> list[MeasuredCurve]:
     file = AnySegments(path)
     file.set_metadata(given.overrides())
     curves = []
-    for n, name in enumerate(_names(path, len(file))):
+    for n in range(len(file)):
         spring, kinds = given.spring(file.get_metadata(n).get("spring constant"), path), []
         for k in file.get_index_segment_numbers(n):
             kind = MOTIONS[file.get_metadata_jpk_secondary(n, k)["curve type"]]
@@ -455,11 +455,11 @@ def _read_jpk(path: Path, given: Given) -> list[MeasuredCurve]:
         except (KeyError, ValueError, LookupError):
             height = file.get_data(PIEZO, n)
         columns = {"time": file.get_data("time", n), "stage": -height, "force": file.get_data("force", n)}
-        curves.append(given.curve(path, name, columns, spring, file.get_data("segment", n), kinds=kinds))
+        curves.append(Recorded(columns, spring, file.get_data("segment", n), kinds=kinds))
     return curves
 
 
-def _read_asylum(path: Path, given: Given) -> list[MeasuredCurve]:
+def _read_asylum(path: Path, given: Given) -> list[Recorded]:
     """Igor binary waves, all channels in one or one a file; segments begin at the ``Indexes`` of the note."""
     from igor2.binarywave import load
 
@@ -489,7 +489,7 @@ def _read_asylum(path: Path, given: Given) -> list[MeasuredCurve]:
     begins = [int(float(row)) for row in note.get("Indexes", "").split(",") if row.strip()]
     numbers = np.searchsorted(begins[1:-1], np.arange(stage.size), side="right")
     columns = {"stage": stage, "force": spring * deflection}
-    return [given.curve(path, path.stem, columns, spring, numbers, _stated(note, "NumPtsPerSec"))]
+    return [Recorded(columns, spring, numbers, _stated(note, "NumPtsPerSec"))]
 
 
 def _stated(note: Mapping[str, str], key: str) -> float | None:
@@ -498,7 +498,7 @@ def _stated(note: Mapping[str, str], key: str) -> float | None:
     return float(found[0]) if found else None
 
 
-def _read_nanoscope(path: Path, given: Given) -> list[MeasuredCurve]:
+def _read_nanoscope(path: Path, given: Given) -> list[Recorded]:
     """Single ramps of Bruker, whose retraction is stored from far to near; force volumes of 4-byte data come
     out wrong by powers of ten."""
     import pyfmreader
@@ -520,7 +520,15 @@ def _read_nanoscope(path: Path, given: Given) -> list[MeasuredCurve]:
         begin += step * height.size
     numbers, time, height, volts = map(np.concatenate, zip(*parts, strict=True))
     columns = {"time": time, "stage": height, "force": volts * slope * spring}
-    return [given.curve(path, path.stem, columns, spring, numbers)]
+    return [Recorded(columns, spring, numbers)]
+
+
+READERS = {
+    **dict.fromkeys(WRITTEN, _read_afmformats),
+    ".ibw": _read_asylum,
+    **dict.fromkeys((".jpk-force", ".jpk-force-map", ".jpk-qi-data", ".jpk-qi-series"), _read_jpk),
+}
+"""Of formats with endings of their own, which are no tables."""
 
 
 def write_afm(curve: MeasuredCurve, path: Path) -> None:
@@ -540,11 +548,6 @@ def write_afm(curve: MeasuredCurve, path: Path) -> None:
         stated["spring constant"] = curve.stiffness
     record = afmformats.AFMForceDistance(columns, stated | {"path": path})
     record.export_data(path, metadata=list(stated), fmt=WRITTEN[path.suffix.lower()])
-
-
-def _names(path: Path, count: int) -> list[str]:
-    """Names of the curves of a file."""
-    return [path.stem] if count == 1 else [f"{path.stem}-{number}" for number in range(count)]
 
 
 def _check_hdf5(path: Path) -> None:

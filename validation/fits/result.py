@@ -10,7 +10,7 @@ about size and not about bias. Numbers bear the names that they have in ``fit.js
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,10 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene
-from contact_scene.scene import with_values
 from validation.fits.contact import Array
-from validation.fits.problem import CONTACT_POINT, FitProblem, FitSettings, Point, Unknown, least_squares
-from validation.fits.record import MeasuredCurve
+from validation.fits.model import FittedCurve, Residuals, least_squares, rms
+from validation.fits.parameters import FitSettings, Unknown
 
 QUANTILE, CHI_SQUARED = 1.959963984540054, 3.841458820694124
 """Ends of the 95 % interval of a standard normal number, and its square: chi-squared of one degree."""
@@ -83,40 +82,16 @@ class Combination:
 
 
 @dataclass(frozen=True)
-class RunsTest:
-    """Wald and Wolfowitz' test of the signs of one curve's residuals (Ann. Math. Stat. 11, 147, 1940): runs
-    of one sign, their number by chance, and the probability of so few, which miss the shape of the curve."""
-
-    curve: str
-    runs: int
-    expected: float
-    probability: float
-
-    @classmethod
-    def of(cls, curve: str, residuals: Array) -> RunsTest:
-        """Count stretches of one sign."""
-        signs = residuals[residuals != 0.0] > 0.0
-        both, above = signs.size, int(signs.sum())
-        runs = 1 + int((signs[1:] != signs[:-1]).sum()) if both else 0
-        if above in (0, both):
-            return cls(curve, runs, float(runs), 1.0 if both < 10 else 0.0)
-        expected = 1.0 + 2.0 * above * (both - above) / both
-        variance = (expected - 1.0) * (expected - 2.0) / max(both - 1.0, 1.0)
-        z = (runs + 0.5 - expected) / math.sqrt(variance) if variance > 0.0 else 0.0
-        return cls(curve, runs, expected, 0.5 * math.erfc(-z / math.sqrt(2.0)))
-
-
-@dataclass(frozen=True)
 class Goodness:
     """Whether what is left looks like noise: ``probability``: of a sum of squares as large by chance;
     ``rms_over_range``: of a curve, the largest, over the range of its force; ``within``: the share of it that
-    was allowed; ``variance``: of a residual as it is weighted."""
+    was allowed; ``variance``: of a residual as it is weighted; and the runs test of each curve."""
 
     sum_of_squares: float
     degrees: int
     noise_degrees: float
     probability: float
-    runs_tests: tuple[RunsTest, ...]
+    runs_tests: tuple[dict[str, Any], ...]
     misfit_over_noise: float
     rms_over_range: float
     within: float | None
@@ -128,65 +103,8 @@ class Goodness:
         if self.within is not None:
             return self.rms_over_range <= self.within
         below = self.probability > 1.0 - UNLIKELY  # less than noise can be: then signs tell nothing
-        at_random = all(one.probability >= UNLIKELY for one in self.runs_tests)
+        at_random = all(one["probability"] >= UNLIKELY for one in self.runs_tests)
         return self.probability >= UNLIKELY and (below or at_random)
-
-
-@dataclass(frozen=True)
-class FittedCurve:
-    """One curve beside what the fit makes of it: the fitted force with its background, residuals (measured
-    minus fitted, over the noise), the rows that took part, positions from the fitted contact point, over how
-    many rows residuals are correlated, and the stretch that the model misses most."""
-
-    curve: MeasuredCurve
-    force: Array
-    residuals: Array
-    compared: NDArray[np.bool_]
-    position: Array
-    noise: float
-    noise_source: str
-    rows_correlated: float
-    stretch: slice
-    failure: str = ""
-
-    @property
-    def misfit_over_noise(self) -> float:
-        """Root mean square of the residuals."""
-        return rms(self.residuals[self.compared])
-
-    @property
-    def rms_over_range(self) -> float:
-        """The same over the range of the force."""
-        return self.misfit_over_noise * self.noise / float(np.ptp(self.curve.force))
-
-    @property
-    def worst_stretch(self) -> tuple[float, float] | None:
-        """First and last time of the stretch, if any is missed."""
-        times = self.curve.time[self.stretch]
-        return (float(times[0]), float(times[-1])) if times.size else None
-
-
-@dataclass(frozen=True)
-class LikelihoodProfile:
-    """Increase of the least sum of squares, over the variance of a residual, as a parameter takes some
-    values; ``low`` and ``high`` end its 95 % interval, ``None`` where it does not grow enough."""
-
-    name: str
-    values: Array
-    increases: Array
-    low: float | None
-    high: float | None
-
-
-@dataclass(frozen=True)
-class SecondSolver:
-    """What a second solver says of a fit: for each curve the difference of its force at the compared rows
-    over the noise (root mean square, largest) and over the force, or its ``failure``; and by how many of its
-    deviations it would move each parameter, to first order; no ``shifts`` if a run failed."""
-
-    solver: str
-    differences: tuple[dict[str, Any], ...]
-    shifts: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -207,8 +125,15 @@ class Posterior:
 
 @dataclass(frozen=True)
 class FitResult:
-    """What a fit found, with its errors, as ``fit.json`` has them; ``scene`` has the fitted numbers
-    that all curves share."""
+    """What a fit found, with its errors, by the names that ``fit.json`` has; ``scene`` has the fitted numbers
+    that all curves share.
+
+    Of each of the ``profiles``: values of a parameter, increases of the least sum of squares there over the
+    variance of a residual, ``low`` and ``high``, the ends of its 95 % interval, ``None`` where it grows too
+    little. Of the ``second_solver``: for each curve the difference of its force at the compared rows
+    over the noise and over the force, or its ``failure``; and by how many of its deviations it would move
+    each parameter, to first order.
+    """
 
     scene: Scene
     settings: FitSettings
@@ -216,20 +141,25 @@ class FitResult:
     estimates: tuple[Estimate, ...]
     correlations: Array
     combinations: tuple[Combination, ...]
-    confused: list[tuple[str, str, float]]
+    hardly_told_apart: list[tuple[str, str, float]]
     goodness: Goodness
     warnings: tuple[str, ...]
-    tolerance: float | None
+    step_tolerance: float | None
     ended: str = "interrupted"
     converged: bool = False
     starts: tuple[float, ...] = ()
     runs: int = 0
-    profiles: tuple[LikelihoodProfile, ...] = ()
-    check: SecondSolver | None = None
+    profiles: tuple[dict[str, Any], ...] = ()
+    second_solver: dict[str, Any] | None = None
     posterior: Posterior | None = None
-    error_share: float | None = None
+    solver_error_over_noise: float | None = None
     seconds: float = 0.0
     question: dict[str, str] | None = None
+
+    @property
+    def explained(self) -> bool:
+        """Whether the model explains the data."""
+        return self.goodness.explained
 
 
 class InterruptedFit(KeyboardInterrupt):
@@ -240,113 +170,57 @@ class InterruptedFit(KeyboardInterrupt):
         self.result = result
 
 
-def judged(problem: FitProblem, x: Array, scene: Scene, warnings: Sequence[str], **how: Any) -> FitResult:
-    """Errors and goodness of the point at which a search ended; ``how`` it was carried out."""
-    point, good = problem.at(x), goodness(problem, problem.at(x))
-    free = [  # parts of the background, which start from nothing and have no bounds
-        Unknown(f"{part}@{problem.models[at].curve.name}", 0.0, -np.inf, np.inf, False, scale, at)
-        for (at, part), scale in zip(
-            problem.parts, (1.0 / np.abs(problem.columns).max(axis=0, initial=0.0)).tolist(), strict=True
-        )
-    ]
-    unknowns, scale = [*problem.unknowns, *free], np.array([one.scale for one in free])
-    whole = independent(problem, point, np.column_stack([problem.derivatives(x), point.columns * scale]))
-    spread = covariance(whole, good.variance)[0]
-    found, names = [*x.tolist(), *(point.background / scale).tolist()], [one.name for one in unknowns]
-    positive = np.array([one.logarithmic for one in unknowns])
-    curves = tuple(_fitted(problem, index, x, point) for index in range(len(problem.models)))
-    told = "the run of the best point did not reach its end"
-    return FitResult(
-        scene=with_values(scene, problem.values(x)),
-        settings=problem.settings,
-        curves=curves,
-        estimates=tuple(map(Estimate.of, unknowns, found, np.diag(spread).tolist())),
-        correlations=(together := correlation(spread)),
-        combinations=combinations(names, whole, positive, good.variance),
-        confused=confused(names, together),
-        goodness=good,
-        warnings=(*warnings, *(f"{one.curve.name}: {told}: {one.failure}" for one in curves if one.failure)),
-        tolerance=problem.tolerance,
-        **how,
-    )
-
-
-def goodness(problem: FitProblem, point: Point) -> Goodness:
+def goodness(
+    curves: Sequence[FittedCurve], residuals: Array, settings: FitSettings, parameters: int
+) -> Goodness:
     """Whether a point explains the data."""
     from scipy import special  # takes longer to load than all else that a curve needs
 
-    over_noise = point.residuals.copy()
-    tests, shares, known = [], [], 0.0
-    for model, rows in zip(problem.models, problem.force_rows, strict=True):
-        own = point.residuals[rows][point.hold[rows]]
-        over_noise[rows] *= model.allowed / model.moments.noise
-        tests.append(RunsTest.of(model.curve.name, own))
-        shares.append(rms(own) * model.allowed / float(np.ptp(model.curve.force)))
-        known += model.moments.noise_degrees
-    degrees = max(int(point.hold.sum()) - len(problem.unknowns) - point.background.size, 1)
-    total, within = float(over_noise @ over_noise), problem.settings.within
+    squares = float(residuals @ residuals)
+    known, unknown = 0.0, parameters - residuals.size
+    total = squares
+    for one in curves:
+        known += one.model.moments.noise_degrees
+        unknown += one.background.size + int((~one.hold).sum())
+        total += one.own.size * ((one.missed / one.model.moments.noise) ** 2 - rms(one.own) ** 2)
+    degrees, within = max(-unknown, 1), settings.within
     if np.isfinite(known):
         chance = float(special.fdtrc(degrees, known, total / degrees))
         pooled = (total + known) / (degrees + known)
     else:
         chance, pooled = float(special.chdtrc(degrees, total)), 1.0
-    own_variance = float(point.residuals @ point.residuals) / degrees
-    variance = max(own_variance, 1.0) if chance < UNLIKELY else pooled
-    misfit, variance = math.sqrt(total / degrees), own_variance if within else variance
-    return Goodness(total, degrees, known, chance, tuple(tests), misfit, max(shares), within, variance)
+    variance = squares / degrees
+    if not within:
+        variance = max(variance, 1.0) if chance < UNLIKELY else pooled
+    tests = tuple(runs_test(one.curve.name, one.own) for one in curves)
+    misfit = math.sqrt(total / degrees)
+    share = max(one.missed / float(np.ptp(one.curve.force)) for one in curves)
+    return Goodness(total, degrees, known, chance, tests, misfit, share, within, variance)
 
 
-def rms(values: Array) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(values**2)))
+def runs_test(curve: str, residuals: Array) -> dict[str, Any]:
+    """Wald and Wolfowitz' test of the signs of one curve's residuals (Ann. Math. Stat. 11, 147, 1940): runs
+    of one sign, their number by chance, and the probability of so few, which miss the shape of the curve."""
+    signs = residuals[residuals != 0.0] > 0.0
+    both, above = signs.size, int(signs.sum())
+    runs = expected = 1 + int((signs[1:] != signs[:-1]).sum()) if both else 0
+    chance = 1.0 if both < 10 else 0.0
+    if 0 < above < both:
+        expected = 1.0 + 2.0 * above * (both - above) / both
+        variance = (expected - 1.0) * (expected - 2.0) / max(both - 1.0, 1.0)
+        z = (runs + 0.5 - expected) / math.sqrt(variance) if variance > 0.0 else 0.0
+        chance = 0.5 * math.erfc(-z / math.sqrt(2.0))
+    return {"curve": curve, "runs": runs, "expected": float(expected), "probability": chance}
 
 
-def independent(problem: FitProblem, point: Point, rows_of: Array) -> Array:
-    """Rows of a Jacobian, or residuals, over the root of the length over which those of a curve correlate."""
-    found = rows_of.copy()
-    for rows in problem.force_rows:
-        found[rows] /= np.sqrt(correlation_length(point.residuals[rows][point.hold[rows]]))
-    return found
+def joined(parts: Iterable[Array]) -> Array:
+    """Residuals, or what holds for each, of all curves and the regularisation, shape (R,)."""
+    return np.concatenate(list(parts))
 
 
-def _fitted(problem: FitProblem, index: int, x: Array, point: Point) -> FittedCurve:
-    """A curve beside the fitted force."""
-    model, rows, predicted = problem.models[index], problem.force_rows[index], point.predictions[index]
-    curve, kept = model.curve, point.hold[rows]
-    force = predicted.force + model.allowed * (problem.columns[rows] @ point.background)
-    left = curve.force - force
-    return FittedCurve(
-        curve,
-        force,
-        left / model.moments.noise,
-        kept,
-        curve.position - problem.values(x, index).get(CONTACT_POINT, 0.0),
-        model.moments.noise,
-        model.moments.noise_source,
-        correlation_length(left[kept]),
-        misfitting_stretch(np.where(kept, left / model.allowed, 0.0)),
-        predicted.failure,
-    )
-
-
-def correlation_length(residuals: Array) -> float:
-    """Rows that tell as much as one: twice the sum of the autocorrelation, up to what white noise has."""
-    rows = residuals.size
-    product = np.fft.irfft(np.abs(np.fft.rfft(residuals, 2 * rows)) ** 2)[:rows]
-    if rows < 2 or product[0] <= 0.0:
-        return 1.0
-    correlations = product[1:] / product[0]
-    below = correlations < 2.0 / np.sqrt(rows)
-    last = int(np.argmax(below)) if below.any() else rows - 1
-    return float(1.0 + 2.0 * correlations[:last].sum())
-
-
-def misfitting_stretch(residuals: Array) -> slice:
-    """The rows whose squares exceed twice the variance of residuals by most in all (Bentley, Commun. ACM 27,
-    865, 1984); none if no row does."""
-    total = np.concatenate([[0.0], np.cumsum(residuals**2 - 2.0)])
-    end = int(np.argmax(total - np.minimum.accumulate(total)))
-    return slice(int(np.argmin(total[: end + 1])), end)
+def independent(point: Sequence[Residuals]) -> Array:
+    """Weights with which the residuals of a point count as many as those of them that are independent."""
+    return joined(one.independent for one in point)
 
 
 def covariance(jacobian: Array, variance: float) -> tuple[Array, Array, Array]:
