@@ -14,30 +14,12 @@ from contact_scene.scene import with_values
 from validation.fits.data_checks import check, thickness_needed
 from validation.fits.model import CurveModel, moments, straight_lines
 from validation.fits.parameters import unknowns
-from validation.fits.readers import read_file, write_afm, write_csv
+from validation.fits.readers import read_file
 from validation.fits.record import MeasuredCurve
 from validation.reference import sneddon
 from validation.reference.elastic_layer import ElasticLayer
 
 pytestmark = pytest.mark.usefixtures("closed_form")
-
-
-def test_a_curve_comes_back_from_csv_bit_for_bit(tmp_path):
-    curve = hertz_curve()
-    stage = MeasuredCurve(
-        curve.time,
-        curve.force,
-        stage=curve.motion,
-        stiffness=0.3,
-        indenter_radius=2.0,
-        contact_radius=curve.motion,
-    )
-    for one in (curve, stage):
-        write_csv(one, tmp_path / "one.csv")
-        [back] = read_file(tmp_path / "one.csv")
-        assert (back.stiffness, back.indenter_radius) == (one.stiffness, one.indenter_radius)
-        for column in ("time", "force", "motion"):
-            assert np.array_equal(getattr(back, column), getattr(one, column))
 
 
 @pytest.mark.parametrize("mark", ["", "# "])  # the latter as numpy.savetxt writes it
@@ -51,20 +33,6 @@ def test_units_in_the_header_and_other_columns_are_passed_over(tmp_path, mark):
     assert curve.force[3] == 6.0
     assert curve.motion[3] == 9.0
     assert curve.noise == 0.5
-
-
-@pytest.mark.parametrize("ending", ["h5", "tab"])
-@pytest.mark.parametrize("stiffness", [None, 0.3])
-def test_a_curve_comes_back_from_a_file_for_afm_programs(tmp_path, ending, stiffness):
-    curve = hertz_curve()
-    if stiffness is not None:
-        stage = curve.motion + curve.force / stiffness
-        curve = MeasuredCurve(curve.time, curve.force, stage=stage, stiffness=stiffness)
-    write_afm(curve, tmp_path / f"one.{ending}")
-    [back] = read_file(tmp_path / f"one.{ending}")
-    assert back.stiffness == stiffness
-    for column in ("time", "force", "motion"):  # the text format has eight digits or so
-        assert np.allclose(getattr(back, column), getattr(curve, column), rtol=1e-6, atol=1e-8)
 
 
 def test_noise_and_baseline_are_those_that_were_put_in():

@@ -183,6 +183,15 @@ def test_a_record_without_contact_shows_none():
     assert "no contact on the approach" in told.warnings
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_wave_alone_is_no_contact(seed):
+    """A power law from its last rise on takes a part of it, which is no higher than what is left of it."""
+    draw = np.random.default_rng(seed)
+    angle = 2.0 * np.pi * np.linspace(0.0, 1.0, 1200) * draw.uniform(1.0, 8.0) + draw.uniform(0.0, 6.0)
+    waved = approached(5e3, 1.0, 0.0, 3e-6, 1200, 1e-11, 0.05, 2e-11 * np.sin(angle), seed)
+    assert waved.features().contact is None
+
+
 @recorded
 @pytest.mark.parametrize(
     ("file", "stated", "words"),

@@ -35,7 +35,7 @@ from validation.fits.parameters import FitSettings, first_guess, question, unkno
 from validation.fits.problem import FitProblem
 from validation.fits.readers import write_csv
 from validation.fits.record import MeasuredCurve
-from validation.fits.result import InterruptedFit
+from validation.fits.result import InterruptedFit, correlation, covariance, independent
 from validation.fits.synthetic import synthetic
 from validation.reference.ting import Ting
 from validation.runs.folder import claim
@@ -346,9 +346,9 @@ def test_a_regularisation_without_weight_adds_no_residuals():
 @pytest.mark.slow
 def test_weights_on_a_fixed_grid_are_fitted_and_their_regularisation_is_stated():
     curve = triangle(visco((4.0, 0.5)).material, 0.01)
-    grid = settings_of("material.modulus", prony=(0.05, 0.5, 5.0), starts=1)
+    grid = settings_of(prony=(0.05, 0.5, 5.0), starts=1)
     found = fit_curves([curve], visco((2.0, 1.0)), grid)
-    weights = [one.value for one in found.estimates[1:]]
+    weights = [one.value for one in found.estimates]
     assert max(weights) == weights[1]
     assert found.goodness.explained
     page = document(found, draw_curves(found))
@@ -380,9 +380,18 @@ def test_many_curves_are_fitted_each_from_the_answer_before_it(tmp_path):
         cc.fit_each(silent, elastic_scene(), "material.modulus", solver="closed-form")
 
 
+def first_alone_and_all(curves, guess, settings):
+    """A fit of curves, and the covariances at its best point of the first curve alone and of all."""
+    problem = problem_of(curves, guess, settings)
+    problem.search()
+    point = problem.at(problem.best)
+    slopes = problem.derivatives(problem.best) * independent(point)[:, None]
+    return problem, *(covariance(slopes[:rows], 1.0)[0] for rows in (point[0].raw.size, None))
+
+
 @pytest.mark.slow
 def test_a_second_speed_fixes_the_zone_that_one_speed_leaves_open():
-    """At one speed the zone and the relaxation time stand for each other; the fit says so, and the remedy."""
+    """At one speed the zone and the relaxation time stand for each other."""
     truth = replace(visco((9.0, 1.0)), adhesion=Adhesion(7e-4, 0.013))
     curves = [
         synthetic(replace(truth, loading=Loading("jump-in", 0.0, (Ramp(0.03, v), Ramp(-0.5, v)))), 0.01)
@@ -392,9 +401,9 @@ def test_a_second_speed_fixes_the_zone_that_one_speed_leaves_open():
     settings = FitSettings(
         vary=("adhesion.zone", "adhesion.work", "material.branches[0].time"), check_solver=None, starts=1
     )
-    one, two = (fit_curves(some, wrong, settings) for some in (curves[:1], curves))
-    assert one.estimates[0].deviation > 3.0 * two.estimates[0].deviation
-    assert two.estimates[0].low < 0.013 < two.estimates[0].high
+    problem, one, two = first_alone_and_all(curves, wrong, settings)
+    assert one[0, 0] > 9.0 * two[0, 0]
+    assert abs(problem.best[0] - math.log(0.013)) < 2.0 * math.sqrt(two[0, 0])
 
 
 def test_a_file_is_read_with_the_options_of_the_reader(tmp_path, capsys):
@@ -444,30 +453,32 @@ def bead_on_gel(radius, depth, adhesion=None):
     return Scene(Material(1e-3, 0.5), Sphere(radius), loading, adhesion, body=Layer(5.0, "bonded"))
 
 
-def fitted_on_gel(truth, curves, *more):
-    """From a modulus and a thickness that are a tenth too large."""
-    guess = replace(truth, material=Material(1.1e-3, 0.5), body=Layer(5.5, "bonded"))
-    asked = FitSettings(vary=("material.modulus", "body.thickness", *more), check_solver=None, starts=1)
-    found = fit_curves(curves, guess, asked)
-    for one, value in zip(found.estimates, (1e-3, 5.0, 1e-4), strict=False):
-        assert abs(math.log(one.value / value)) < 4.0 * one.deviation
-    return [one.deviation for one in found.estimates], found.correlations[0, 1]
+ON_GEL = FitSettings(vary=("material.modulus", "body.thickness"), check_solver=None, starts=1)
+
+
+def guess_of(truth):
+    """A modulus and a thickness that are a tenth too large."""
+    return replace(truth, material=Material(1.1e-3, 0.5), body=Layer(5.5, "bonded"))
 
 
 @pytest.mark.slow
 def test_modulus_thickness_and_work_from_one_record_of_a_bead_that_adheres():
     truth = bead_on_gel(5.0, 1.0, Adhesion(1e-4, 0.06))
-    deviations, together = fitted_on_gel(truth, [synthetic(truth, 0.01, 0.02)], "adhesion.work")
-    assert max(deviations) < 0.02
-    assert together > 0.9
+    settings = replace(ON_GEL, vary=(*ON_GEL.vary, "adhesion.work"))
+    found = fit_curves([synthetic(truth, 0.01, 0.02)], guess_of(truth), settings)
+    for one, value in zip(found.estimates, (1e-3, 5.0, 1e-4), strict=True):
+        assert abs(math.log(one.value / value)) < 4.0 * one.deviation
+        assert one.deviation < 0.02
+    assert found.correlations[0, 1] > 0.9
 
 
 @pytest.mark.slow
 def test_a_small_bead_beside_the_large_one_tells_modulus_from_thickness():
     truth = bead_on_gel(5.0, 1.0)
     large, small = synthetic(truth, 0.01, 0.04), synthetic(bead_on_gel(0.5, 0.2), 0.01, 0.008)
-    alone, together = fitted_on_gel(truth, [large])
-    both, apart = fitted_on_gel(truth, [large, replace(small, name="small", indenter_radius=0.5)])
-    assert together > 0.98 > 0.9 > apart
-    assert alone[0] > 4.0 * both[0]
-    assert alone[1] > 3.0 * both[1]
+    curves = [large, replace(small, name="small", indenter_radius=0.5)]
+    problem, alone, both = first_alone_and_all(curves, guess_of(truth), ON_GEL)
+    assert correlation(alone)[0, 1] > 0.98 > 0.9 > correlation(both)[0, 1]
+    assert (np.diag(alone) > np.array([16.0, 9.0]) * np.diag(both)).all()
+    off = np.abs(problem.best - np.log([1e-3, 5.0]))
+    assert (off < 4.0 * np.sqrt(np.diag(both))).all()

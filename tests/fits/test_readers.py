@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -231,15 +232,26 @@ def test_columns_in_other_units_or_of_no_real_numbers_are_refused(tmp_path, colu
         assert len(cc.read_curves(file)) == 1
 
 
-@pytest.mark.parametrize("ending", ["H5", "Tab"])
-def test_an_ending_in_capitals_is_the_same_ending(tmp_path, ending):
-    curve = hertz_curve()
-    write_afm(curve, tmp_path / f"a.{ending}")
-    [back] = cc.read_curves(tmp_path / f"a.{ending}")
-    assert back.name == "a"
-    assert np.allclose(back.force, curve.force, rtol=1e-6, atol=1e-8)
-    (tmp_path / f"a.{ending}").write_bytes(b"nothing that is known")
-    assert f"a .{ending.lower()} of a force microscope" in refusal(tmp_path / f"a.{ending}")
+@pytest.mark.parametrize("ending", ["csv", "h5", "tab", "H5", "Tab"])
+@pytest.mark.parametrize("stiffness", [None, 0.3])
+def test_a_curve_that_is_written_comes_back(tmp_path, ending, stiffness):
+    """A table bit for bit; the text format of AFM programs has eight digits or so."""
+    file, curve, more = tmp_path / f"one.{ending}", hertz_curve(), {"noise": 1e-4, "indenter_radius": 2.0}
+    stage = (
+        {} if stiffness is None else {"stage": curve.motion + curve.force / stiffness, "penetration": None}
+    )
+    curve = replace(curve, **stage, stiffness=stiffness, contact_radius=curve.motion, **more)
+    cc.write_curve(curve, file)
+    [back] = cc.read_curves(file)
+    assert (back.name, back.stiffness) == ("one", stiffness)
+    for column in ("time", "force", "motion"):
+        assert np.allclose(getattr(back, column), getattr(curve, column), rtol=1e-6, atol=1e-8)
+    if ending == "csv":
+        assert {name: getattr(back, name) for name in more} == more
+        assert all(np.array_equal(values, back.columns()[name]) for name, values in curve.columns().items())
+    else:
+        file.write_bytes(b"nothing that is known")
+        assert f"a .{ending.lower()} of a force microscope" in refusal(file)
 
 
 def test_a_file_that_is_cut_off_is_refused(tmp_path):

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,14 +76,6 @@ class Contact:
         return stage - (force - self.line(stage)) / spring
 
 
-class TriedPlace(NamedTuple):
-    """A contact point with the rest as fitted: sum of squares, coefficients, indentation of each row."""
-
-    cost: float
-    coefficients: Array
-    depth: Array
-
-
 @dataclass(frozen=True)
 class Scan:
     """Rows of an approach and the terms that explain them."""
@@ -114,9 +105,8 @@ class Scan:
 
     def cost(self, place: float) -> float:
         """Sum of squares with a contact point; infinite where sample or wall would attract."""
-        one = self.trial(place)
-        repels = (one.coefficients[2 : 3 if self.wall is None else 4] > 0.0).all()
-        return one.cost if repels else np.inf
+        cost, found, _ = self.trial(place)
+        return cost if (found[2 : 3 if self.wall is None else 4] > 0.0).all() else np.inf
 
     def contact(self) -> Contact | None:
         """The contact, or ``None`` where there is none."""
@@ -129,20 +119,20 @@ class Scan:
             if min(costs) < least:
                 place, least = float(tried[np.argmin(costs)]), min(costs)
             step *= 0.6
-        found = self.trial(place)
-        variance, depth = found.cost / max(self.stage.size - 5, 1), float(found.depth.max())
-        height = found.coefficients[2] * depth**EXPONENT
-        if (found.depth > 0.0).sum() < LEAST_ROWS or height <= LEAST_HEIGHT * np.sqrt(variance):
+        cost, found, depths = self.trial(place)
+        variance, depth = cost / max(self.stage.size - 5, 1), float(depths.max())
+        height = found[2] * depth**EXPONENT
+        if (depths > 0.0).sum() < LEAST_ROWS or height <= LEAST_HEIGHT * np.sqrt(variance):
             return None
         along = (self.stage - self.stage[0]) / span
         line = [np.ones_like(along), along, *wave_columns(self.stage, self.wave)]
         left = _least_squares(line, self.force, np.ones_like(along))[1]
-        if float(left @ left) - found.cost < LEAST_GAIN * variance:
+        if float(left @ left) - cost < LEAST_GAIN * variance:
             return None
         aside = 3e-3 * max(depth, 1e-4 * span)
-        rises = [self.trial(place + way * aside).cost - found.cost for way in (-1.0, 1.0)]
+        rises = [self.trial(place + way * aside)[0] - cost for way in (-1.0, 1.0)]
         error = aside * np.sqrt(2.0 * variance / sum(rises)) if sum(rises) > 0.0 else span
-        level, tilt, stiffness, *rest = found.coefficients.tolist()
+        level, tilt, stiffness, *rest = found.tolist()
         return Contact(
             place=float(place),
             error=float(error),
@@ -156,8 +146,8 @@ class Scan:
             wall=(self.wall, rest[0]) if self.wall else None,
         )
 
-    def trial(self, place: float) -> TriedPlace:
-        """Linear least squares with one contact point."""
+    def trial(self, place: float) -> tuple[float, Array, Array]:
+        """Linear least squares with one contact point: sum of squares, coefficients, depth of each row."""
         span = float(np.ptp(self.stage))
         along = (self.stage - self.stage[0]) / span
         background, stiffness, before = np.full(along.size, self.level), 0.0, np.inf
@@ -177,7 +167,7 @@ class Scan:
                 break
             before = cost
         found[2] /= span**EXPONENT
-        return TriedPlace(cost, found, span * depth)
+        return cost, found, span * depth
 
 
 def find_contact(stage: Array, force: Array, spring: float) -> tuple[Contact, Scan] | None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene import FlatPunch, Scene, SceneError
-from validation.fits.model import CurveModel, count_lines, moments
+from validation.fits.model import CurveModel, kept_rows, moments
 from validation.fits.parameters import CONTACT_POINT, SPRING, Unknown
 from validation.fits.record import MeasuredCurve
 from validation.reference import sneddon
@@ -64,7 +64,10 @@ def _check_columns(model: CurveModel) -> None:
     stated, swapped = (_over_expected(model.scene, one) for one in (curve, replace(curve, **exchanged)))
     off, off_swapped = (max(factor, 1.0 / factor) for factor in (stated, swapped))
     compared = f"{stated:.2g} times the force of the scene's contact, {swapped:.2g} times if they are"
-    lines, of_force = (count_lines(curve.time, one, STRAIGHT) for one in (curve.position, curve.force))
+    lines, of_force = (
+        kept_rows(curve.time, one, STRAIGHT * float(np.ptp(one))).size - 1
+        for one in (curve.position, curve.force)
+    )
     problem = ""
     if off >= ABSURD:
         problem = f"looks like the force, and the force like it: swapped? ({compared})"

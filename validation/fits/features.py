@@ -254,28 +254,45 @@ def features(
     wall: tuple[float, float] | None = None,
 ) -> Features:
     """Read them off a record; ``wall``: the drag near the wall, where it is known."""
-    cycle, contact = recorded, None
-    warned: list[str] = []
+    cycle, contact, warned = recorded, None, list[str]()
     if recorded.approach.size > FEWEST:
         cycle, contact, warned = _contact_behind_drag(recorded, radius, wall)
-    stage, force, back = cycle.stage, cycle.force, cycle.retraction
-    noise = max(white_noise(force), 1e-9 * float(np.ptp(force)))
-    returns = back.size > FEWEST and (contact is not None or not cycle.approach.size)
-    lost, drop = None, None
+    stage, force, rows, back = cycle.stage, cycle.force, cycle.approach, cycle.retraction
+    noise, before = max(white_noise(force), 1e-9 * float(np.ptp(force))), np.zeros(back.size)
+    found: dict[str, Any] = {"noise": noise}
+    free, (share, ringing) = np.zeros(stage.size, bool), BESIDE
+    if contact is None:  # all of an approach without contact is free
+        free[rows] = free[back] = rows.size > 0
+    else:
+        tip = contact.tip(stage, force, cycle.spring)[rows]
+        head, touching = rows[tip < contact.place], rows[tip >= contact.place]
+        free[head[: int((1.0 - share) * head.size)]] = True
+        # What the retraction shows where the approach was free is background.
+        certain = rows[tip < contact.place - CERTAIN * contact.error]
+        place, level = means(AVERAGED, stage[certain], force[certain])
+        order = np.argsort(place)
+        over_line = np.interp(stage[back], place[order], (level - contact.line(place))[order])
+        before = contact.line(stage[back]) + over_line
+        elastic = contact.stiffness * 0.75 * (1.0 - poisson**2)
+        found |= {"contact": contact.place, "contact_error": contact.error, "depth": contact.depth}
+        found |= {"stiffness": contact.stiffness, "snap_in": contact.snap_in}
+        found["contact_time"] = float(cycle.time[touching[0]]) if touching.size else None
+        found["modulus"] = elastic / float(np.sqrt(radius)) if radius else None
+        found["misfit"] = contact.misfit / noise * float(np.sqrt(max(1.0, rows.size / MOST_ROWS)))
+    lost, drop, returns = None, None, back.size > FEWEST and (contact is not None or not rows.size)
     if returns:
-        row, drop = loss_of_contact(stage[back], force[back] - _force_before(cycle, contact), noise)
-        lost = None if row is None else int(back[row])
-    free = _free(cycle, contact, lost)
+        row, drop = loss_of_contact(stage[back], force[back] - before, noise)
+        if row is not None:
+            lost, tail = int(back[row]), back[row:]
+            free[tail[min(ringing, tail.size // 10) :]] = True
     base = background(cycle, free, contact.wave if contact else None)
     parts: dict[str, Any] = {**base.parts}
-    found: dict[str, Any] = {"noise": noise, "rough": base.rough, "force": force - base.force}
-    if contact is not None:
-        found |= _of_contact(cycle, contact, noise, radius, poisson)
-        if contact.wave:
-            parts["wave"] = contact.wave, base.wave
-        if contact.wall:
-            length, near = parts["wall"] = contact.wall
-            parts["wall/water"] = length * near / _drag_in_water(cycle, radius) if radius else None
+    if contact is not None and contact.wave:
+        parts["wave"] = contact.wave, base.wave
+    if contact is not None and contact.wall:
+        length, near = parts["wall"] = contact.wall
+        parts["wall/water"] = length * near / _drag_in_water(cycle, radius) if radius else None
+    found |= {"rough": base.rough, "force": force - base.force}
     if returns:
         found |= _of_retraction(cycle, found["force"], max(base.rough, noise), lost, drop, contact)
     told = Features(**found, free=free, background=parts)
@@ -286,27 +303,22 @@ def _contact_behind_drag(
     cycle: Cycle, radius: float | None, known: tuple[float, float] | None
 ) -> tuple[Cycle, Contact | None, list[str]]:
     """The record without drag near the wall, the contact of its approach, and a warning in doubt."""
-    found = _contact(cycle)
-    if found is None:
-        return cycle, None, []
-    contact, scan = found
-    if not np.isfinite(cycle.spring):
-        return cycle, contact, []
-    walled = replace(scan, wall=known[0]).contact() if known else with_wall(scan, contact)
-    if walled is None or walled.wall is None or not _drag_in_water(cycle, 1.0):
+    contact, scan = _contact(cycle) or (None, None)
+    water, walled = _drag_in_water(cycle, 1.0), None
+    if contact is not None and scan is not None and np.isfinite(cycle.spring) and water:
+        walled = replace(scan, wall=known[0]).contact() if known else with_wall(scan, contact)
+    if walled is None or walled.wall is None:
         return cycle, contact, []
     length, near = known or walled.wall
-    bead = float(np.sqrt(length * near / _drag_in_water(cycle, 1.0)))
+    bead = float(np.sqrt(length * near / water))
     if known or (radius and LIKE_WATER**-0.5 < bead / radius < LIKE_WATER**0.5):
         gap = np.clip(walled.place - walled.tip(cycle.stage, cycle.force, cycle.spring), 0.0, None)
         along = cycle.speed / cycle.speed[cycle.approach].mean()
         cycle = cycle._replace(force=cycle.force - near * along / (1.0 + gap / length))
         again = _contact(cycle)
         return cycle, replace(again[0], wall=(length, near)) if again else None, []
-    if radius is None and BEADS[0] < bead < BEADS[1]:
-        doubt = f"a force like the drag near a wall, of a bead of {1e6 * bead:.2g} um: --radius"
-        return cycle, contact, [doubt]
-    return cycle, contact, []
+    doubt = f"a force like the drag near a wall, of a bead of {1e6 * bead:.2g} um: --radius"
+    return cycle, contact, [doubt] if radius is None and BEADS[0] < bead < BEADS[1] else []
 
 
 def _drag_in_water(cycle: Cycle, radius: float) -> float:
@@ -343,51 +355,6 @@ def _contact(cycle: Cycle) -> tuple[Contact, Scan] | None:
         depth=float(tip.max() - place),
         stiffness=slope**EXPONENT if slope > 0.0 else contact.stiffness,
     ), scan
-
-
-def _force_before(cycle: Cycle, contact: Contact | None) -> Array | float:
-    """Force of the free approach where the retraction comes by: what comes back is background."""
-    if contact is None:
-        return 0.0
-    tip = contact.tip(cycle.stage, cycle.force, cycle.spring)
-    free = cycle.approach[tip[cycle.approach] < contact.place - CERTAIN * contact.error]
-    place, force = means(AVERAGED, cycle.stage[free], cycle.force[free])
-    order, stage = np.argsort(place), cycle.stage[cycle.retraction]
-    return contact.line(stage) + np.interp(stage, place[order], (force - contact.line(place))[order])
-
-
-def _free(cycle: Cycle, contact: Contact | None, lost: int | None) -> NDArray[np.bool_]:
-    """Rows before contact and behind its loss; all of an approach without contact."""
-    free, (share, rows) = np.zeros(cycle.stage.size, bool), BESIDE
-    if contact is None:
-        free[cycle.approach] = free[cycle.retraction] = cycle.approach.size > 0
-    else:
-        tip = contact.tip(cycle.stage, cycle.force, cycle.spring)[cycle.approach]
-        head = cycle.approach[tip < contact.place]
-        free[head[: int((1.0 - share) * head.size)]] = True
-    if lost is not None:
-        tail = cycle.retraction[cycle.retraction >= lost]
-        free[tail[min(rows, tail.size // 10) :]] = True
-    return free
-
-
-def _of_contact(
-    cycle: Cycle, one: Contact, noise: float, radius: float | None, poisson: float
-) -> dict[str, Any]:
-    """Numbers of the contact of the approach."""
-    rows = cycle.approach
-    touching = rows[one.tip(cycle.stage, cycle.force, cycle.spring)[rows] >= one.place]
-    elastic = one.stiffness * 0.75 * (1.0 - poisson**2)
-    return {
-        "contact": one.place,
-        "contact_error": one.error,
-        "contact_time": float(cycle.time[touching[0]]) if touching.size else None,
-        "depth": one.depth,
-        "stiffness": one.stiffness,
-        "modulus": elastic / float(np.sqrt(radius)) if radius else None,
-        "misfit": one.misfit / noise * float(np.sqrt(max(1.0, rows.size / MOST_ROWS))),
-        "snap_in": one.snap_in,
-    }
 
 
 def _of_retraction(

@@ -170,7 +170,7 @@ def _jump(time: Array, force: Array, outside: int, noise: float) -> Jump | None:
 
 def straight_lines(time: Array, position: Array, tolerance: float) -> tuple[Array, Array]:
     """Times and heights of the corners of a path that no row misses by more than tolerance and noise."""
-    rows = _kept_rows(time, position, max(tolerance, SMALLEST * float(np.ptp(position))))
+    rows = kept_rows(time, position, max(tolerance, SMALLEST * float(np.ptp(position))))
     if rows.size > MOST_KNOTS:
         problem = f"the motion needs {rows.size} straight lines"
         raise SceneError("penetration", problem, f"at most {MOST_KNOTS}: smoother or finer rows")
@@ -196,12 +196,7 @@ def straight_lines(time: Array, position: Array, tolerance: float) -> tuple[Arra
     return places, np.asarray(recorded + misses, float)
 
 
-def count_lines(time: Array, values: Array, share: float) -> int:
-    """How many straight lines a column needs, within a share of its range and its noise."""
-    return _kept_rows(time, values, share * float(np.ptp(values))).size - 1
-
-
-def _kept_rows(time: Array, position: Array, tolerance: float) -> NDArray[np.intp]:
+def kept_rows(time: Array, position: Array, tolerance: float) -> NDArray[np.intp]:
     """Rows between which straight lines miss no row by more than tolerance and noise."""
     within = max(tolerance, OFF * white_noise(position))
     keep, stack = {0, time.size - 1}, [(0, time.size - 1)]

@@ -38,7 +38,14 @@ from contact_scene.files import read_text, table_text, write_whole
 from contact_scene.tables import TextTable, bracketed, is_number, read_table, spelt
 from contact_scene.value_checks import LARGEST, Range, Rule, Whole, a_string, finite
 from validation.fits.contact import Array
-from validation.fits.record import COLUMNS, FEWEST_ROWS, KINDS, MeasuredCurve, moved_segments
+from validation.fits.record import (
+    COLUMNS,
+    FEWEST_ROWS,
+    KINDS,
+    CurveSegment,
+    MeasuredCurve,
+    moved_segments,
+)
 
 INSTRUMENTS = ("deflection", "height", "piezo")
 """Columns that only instruments write: their units are what they measured in."""
@@ -224,28 +231,27 @@ def _begin(path: Path) -> bytes:
 
 
 def choose(curves: list[MeasuredCurve], enum: Any, segment: Any, file: Path) -> list[MeasuredCurve]:
-    """The curve of a number, or all; of each the rows of a segment, or all."""
+    """The curve of a number, or all; of each all rows, or those of the longest segment of a kind, or of the
+    segments I to J - 1."""
     if enum is not None:
         last = len(curves) - 1
         curves = [curves[Whole(f"a number from 0 to {last}", 0, last)(enum, "enum")]]
-    return curves if segment is None else [_segment_of(curve, segment, file) for curve in curves]
-
-
-def _segment_of(curve: MeasuredCurve, segment: Any, file: Path) -> MeasuredCurve:
-    """The longest segment of a kind, or the segments I to J - 1."""
-    if numbers := re.fullmatch(r"(\d*):(\d*)", a_string(segment, "segment")):
-        begin, end = (int(n) if n else None for n in numbers.groups())
-        chosen = curve.segments[begin:end]
-    elif segment in KINDS:
-        of_kind = [one for one in curve.segments if one.kind == segment]
-        chosen = sorted(of_kind, key=lambda one: one.first - one.last)[:1]
-    else:
+    if segment is None:
+        return curves
+    numbers, found = re.fullmatch(r"(\d*):(\d*)", a_string(segment, "segment")), []
+    if not numbers and segment not in KINDS:
         allowed = f"{', '.join(KINDS)}, or I:J, segments I to J - 1, counted from 0"
         raise SceneError("segment", f"got {shown(segment)}", allowed)
-    if not chosen:
-        held = ", ".join(f"{n} {one.kind}" for n, one in enumerate(curve.segments))
-        raise SceneError("segment", f"{curve.name} has no {segment}", f"of {held}", str(file))
-    return curve.between(chosen[0].first, chosen[-1].last)
+    for curve in curves:
+        of_kind = [one for one in curve.segments if one.kind == segment]
+        chosen: Sequence[CurveSegment] = sorted(of_kind, key=lambda one: one.first - one.last)[:1]
+        if numbers:
+            chosen = curve.segments[slice(*(int(n) if n else None for n in numbers.groups()))]
+        if not chosen:
+            held = ", ".join(f"{n} {one.kind}" for n, one in enumerate(curve.segments))
+            raise SceneError("segment", f"{curve.name} has no {segment}", f"of {held}", str(file))
+        found.append(curve.between(chosen[0].first, chosen[-1].last))
+    return found
 
 
 def _read_archive(path: Path, given: Given) -> list[MeasuredCurve]:
