@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from contact_scene import FlatPunch, Scene, SceneError
+from contact_scene import FlatPunch, Machine, Scene, SceneError
 from validation.fits.model import CurveModel, kept_rows, moments
 from validation.fits.parameters import CONTACT_POINT, SPRING, Unknown
 from validation.fits.record import MeasuredCurve
@@ -41,7 +41,7 @@ a fit is of little use."""
 def check(models: Sequence[CurveModel], scene: Scene, unknowns: Sequence[Unknown]) -> list[str]:
     """Warnings about curves, which the scene, as its user states it, is fitted to."""
     varied = {path for one in unknowns for path in one.sets}
-    found = []
+    spring, found = scene.machine if varied.isdisjoint(SPRING) else None, []
     for model in models:
         try:
             if np.ptp(model.curve.force) > 0.0:
@@ -51,8 +51,7 @@ def check(models: Sequence[CurveModel], scene: Scene, unknowns: Sequence[Unknown
                 model.scene_of({})
         except SceneError as error:
             raise error.in_file(model.curve.name) from None
-        doubts = _doubts(model, scene if varied.isdisjoint(SPRING) else None)
-        found += [f"{model.curve.name}: {text}" for doubtful, text in doubts if doubtful]
+        found += [f"{model.curve.name}: {text}" for text in _doubts(model, spring)]
     return found if scene.body is not None else [*found, thickness_needed(models, scene)]
 
 
@@ -132,7 +131,7 @@ def thickness_needed(models: Sequence[CurveModel], scene: Scene) -> str:
     )
 
 
-def _doubts(model: CurveModel, of_spring: Scene | None) -> list[tuple[bool, str]]:
+def _doubts(model: CurveModel, spring: Machine | None) -> Iterator[str]:
     """What makes a record of little use, and that the spring of the scene, where it is not varied, plays no
     part or is another one than the record's."""
     curve, seen = model.curve, model.moments
@@ -141,22 +140,20 @@ def _doubts(model: CurveModel, of_spring: Scene | None) -> list[tuple[bool, str]
     step, noise = 100.0 * changes.max(initial=0.0) / reach, 100.0 * seen.noise / reach
     expected = _elastic_force(model.scene, float(np.ptp(curve.motion[inside])))
     factor = float(np.abs(curve.force - seen.background)[inside].max()) / expected
-    found = [
-        (rows < FEW_ROWS, f"{rows} rows in contact: too coarse for more than one or two parameters"),
-        (step > COARSE, f"the force changes by {step:.0f} % of its range between two rows: too coarse"),
-        (
-            not 1.0 / PLAUSIBLE < factor < PLAUSIBLE,
-            f"the force is {factor:.0e} times that of the scene's elastic contact: other units?",
-        ),
-        (noise > LOUD, f"the noise is {noise:.0f} % of the range of the force"),
-    ]
-    if of_spring is None or of_spring.machine is None:
-        return found
-    own, stated = curve.stiffness if curve.stage is not None else None, of_spring.machine.stiffness
-    if own is None:
-        return [*found, (True, "positions are those of the indenter: the spring of the scene plays no part")]
-    if of_spring.loading.start == "relaxed":
-        told = "a relaxed start drives the indenter by stage and measured force, which is noisy"
-        return [*found, (True, told)]
-    told = f"the spring constant of the record holds, {own:.6g}, not the scene's {stated:.6g}"
-    return [*found, (abs(own / stated - 1.0) > SAME_SPRING, told)]
+    if rows < FEW_ROWS:
+        yield f"{rows} rows in contact: too coarse for more than one or two parameters"
+    if step > COARSE:
+        yield f"the force changes by {step:.0f} % of its range between two rows: too coarse"
+    if not 1.0 / PLAUSIBLE < factor < PLAUSIBLE:
+        yield f"the force is {factor:.0e} times that of the scene's elastic contact: other units?"
+    if noise > LOUD:
+        yield f"the noise is {noise:.0f} % of the range of the force"
+    if spring is None:
+        return
+    if curve.stage is None or curve.stiffness is None:
+        yield "positions are those of the indenter: the spring of the scene plays no part"
+    elif model.scene.loading.start == "relaxed":
+        yield "a relaxed start drives the indenter by stage and measured force, which is noisy"
+    elif abs(curve.stiffness / spring.stiffness - 1.0) > SAME_SPRING:
+        own, stated = curve.stiffness, spring.stiffness
+        yield f"the spring constant of the record holds, {own:.6g}, not the scene's {stated:.6g}"

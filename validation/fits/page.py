@@ -95,46 +95,38 @@ def document(result: FitResult, curves: Drawing) -> doc.Document:
     numbers: list[Record] = []
     for one, runs in zip(result.curves, result.goodness.runs_tests, strict=True):
         chance = VerdictCell(_chance(runs["probability"]), runs["probability"] >= UNLIKELY)
-        rows = {
-            "curve": one.curve.name,
-            "rows": str(one.curve.time.size),
-            "compared": str(one.compared.sum()),
-        }
-        own = {name: at for name, at in one.numbers.items() if name != "worst_stretch"}
-        signs = {"stretches of one sign": f"{runs['runs']}", "by chance": f"{runs['expected']:.0f}"}
-        numbers.append({**rows, **_plainly(own, 3), **signs, "as few by chance": chance})
-    products = [
-        {"product": one.text, "standard deviation": f"{100.0 * one.deviation:.2g} %"}
-        if math.isfinite(one.deviation)
-        else {"product": one.text, "standard deviation": "not determined"}
-        for one in result.combinations
-    ]
+        own = {"curve": one.curve.name, "rows": one.curve.time.size, "compared": one.compared.sum()}
+        own |= {name: at for name, at in one.numbers.items() if name != "worst_stretch"}
+        own |= {"stretches of one sign": runs["runs"], "by chance": round(runs["expected"])}
+        numbers.append({**_plainly(own, 3), "as few by chance": chance})
+    products: list[Record] = []
+    for product in result.combinations:
+        known = math.isfinite(product.deviation)
+        size = f"{100.0 * product.deviation:.2g} %" if known else "not determined"
+        products.append({"product": product.text, "standard deviation": size})
     correlations = [
         {"correlation": f"{place} {one.name}"} | {f"{n}": f"{value:+.2f}" for n, value in enumerate(row, 1)}
         for place, (one, row) in enumerate(zip(result.estimates, result.correlations, strict=True), 1)
     ]
+    correlated = DataTable.of(correlations, unbroken=("correlation",))
     method = vars(result.settings) | {name: getattr(result, name) for name in METHOD}
-    known = {name: at for name, at in method.items() if at is not False and at not in (None, (), "")}
+    stated = {name: at for name, at in method.items() if at is not False and at not in (None, (), "")}
     sections: dict[str, list[doc.Part]] = {
         "Before you use a number": [doc.Bullets(tuple(said))] if said else [],
         "Parameters": [table(result)],
         "Curves": [_figure("curves", curves), DataTable.of(numbers)],
-        "What the data tell apart": [
-            Paragraph(COMBINATIONS),
-            DataTable.of(products),
-            DataTable.of(correlations, unbroken=("correlation",)),
-        ],
-        "Profile likelihood": [_figure("profiles", draw_profiles(result.profiles))]
-        if result.profiles
-        else [],
-        "Posterior": _sampled(result.posterior) if result.posterior else [],
+        "What the data tell apart": [Paragraph(COMBINATIONS), DataTable.of(products), correlated],
     }
+    if result.profiles:
+        sections["Profile likelihood"] = [_figure("profiles", draw_profiles(result.profiles))]
+    if result.posterior:
+        sections["Posterior"] = _sampled(result.posterior)
     if other:
         shift = "shift, to first order, over its deviation"
         shifts = ({"parameter": name, shift: f"{at:+.3f}"} for name, at in other["shifts"].items())
         differences = DataTable.of(map(_plainly, other["differences"]))
         sections[f"The same by {other['solver']}"] = [differences, DataTable.of(shifts)]
-    done = tuple(_plainly({"ended": result.ended} | known, 4).items())
+    done = tuple(_plainly({"ended": result.ended} | stated, 4).items())
     sections["How it was done"] = [DataTable(("", ""), done, numeric=False)]
     if result.settings.prony:
         weight = f"{result.settings.regularisation:g}"
@@ -221,7 +213,7 @@ def _of_parameters(result: FitResult) -> Iterator[str]:
         elif one.note:
             yield f"{one.name}: {one.note}."
     branches = [one for one in result.estimates if "branches[" in one.name]
-    shortest = 2.0 * min(one.curve.sampling for one in result.curves)
+    shortest = 2.0 * min(float(np.median(np.diff(one.curve.time))) for one in result.curves)
     longest = max(float(np.ptp(one.curve.time)) for one in result.curves)
     times = (one for one in branches if kinds[one.name] == "time")
     outside = ", ".join(one.name for one in times if not shortest <= one.value <= longest)

@@ -150,11 +150,6 @@ class MeasuredCurve(Checked):
         return self.stage - self.force / self.stiffness
 
     @property
-    def sampling(self) -> float:
-        """Time between two rows, the median."""
-        return float(np.median(np.diff(self.time)))
-
-    @property
     def speed(self) -> Array:
         """Of the drive, shape (N,): one in each segment, as noise of the height is none; 0 in a pause."""
         speed = np.zeros(self.time.size)

@@ -10,8 +10,7 @@ import numpy as np
 from contact_scene import Machine, Scene, SceneError
 from contact_scene.run_control import whole_number
 from contact_scene.value_checks import a_string, finite, not_negative, of_class, one_of, positive
-from validation.fits.contact import Array
-from validation.fits.model import FitRun, run_of
+from validation.fits.model import run_of
 from validation.fits.record import FEWEST_ROWS, MeasuredCurve
 from validation.measure.curves import RowCurve
 from validation.solvers import REFERENCE, SOLVERS
@@ -87,14 +86,31 @@ def synthetic(
     drift, seed = finite(drift, "drift"), whole_number(seed, "seed", 0)
     a_string(name, "name")
     one_of(solver, "solver", tuple(SOLVERS))
-    scene = _driven(scene, stiffness)
-    run = run_of(scene, solver, resolution)
+    loading = scene.loading
+    if stiffness is not None:
+        loading = replace(loading, machine=Machine(positive(stiffness, "stiffness")))
+    if loading.compliance > 0.0 and loading.start == "jump-in":  # nothing bends the spring before contact
+        loading = replace(loading, start="snap-in")
+    steps = [step for _, step in loading.segments()]
+    ending = loading.has_triggers or all(math.isfinite(step.end) for step in steps)
+    if not steps or not ending or any(step.control == "force" for step in steps):
+        allowed = "ramps, holds, oscillations, tables"
+        raise SceneError("loading.steps", "do not prescribe the penetration", allowed)
+    run = run_of(replace(scene, loading=loading), solver, resolution)
     if run.failure:
         raise SceneError("", f"no curve: {run.failure}", "a scene that the solver finishes")
-    spring, end = scene.loading.compliance, float(run.time[-1])
+    spring, end = loading.compliance, float(run.time[-1])
     lasting = np.append(True, np.diff(run.time) > ON_TIME * end)  # rows of a jump share their time
     moments, driven = run.time[lasting], (run.penetration + spring * run.force)[lasting]
-    time = _row_times(scene, run, driven, sampling, seed)
+    # Time is zero where contact begins, which is at none of the rows: its place is drawn.
+    of_begin, of_end = np.random.default_rng([seed, 1]).random(2).tolist()
+    step = end / (ROWS - of_end) if sampling is None else sampling
+    approaches = loading.start != "relaxed" and driven[1] > driven[0]
+    begin = -BESIDE * end - of_begin * step if approaches else 0.0
+    rows = math.floor(((1.0 + BESIDE if run.lost is not None else 1.0) * end - begin) / step) + 1
+    if not FEWEST_ROWS <= rows <= MOST_ROWS:
+        raise SceneError("sampling", f"gives {rows} rows", f"{FEWEST_ROWS} to {MOST_ROWS} rows")
+    time = begin + step * np.arange(rows)
     inside = np.clip(time, 0.0, end)
     force = np.where(time == inside, run.values(run.force, inside), 0.0)
     tension, largest = -float(run.force.min()), float(np.abs(run.force).max())
@@ -111,31 +127,3 @@ def synthetic(
         stiffness=1.0 / spring if spring else None,
         name=name or scene.title or "curve",
     )
-
-
-def _driven(scene: Scene, stiffness: float | None) -> Scene:
-    """The scene with its spring, which nothing bends before contact: contact is made at constant stage."""
-    loading = scene.loading
-    if stiffness is not None:
-        loading = replace(loading, machine=Machine(positive(stiffness, "stiffness")))
-    if loading.compliance > 0.0 and loading.start == "jump-in":
-        loading = replace(loading, start="snap-in")
-    steps = [step for _, step in loading.segments()]
-    ending = loading.has_triggers or all(math.isfinite(step.end) for step in steps)
-    if not steps or not ending or any(step.control == "force" for step in steps):
-        allowed = "ramps, holds, oscillations, tables"
-        raise SceneError("loading.steps", "do not prescribe the penetration", allowed)
-    return replace(scene, loading=loading)
-
-
-def _row_times(scene: Scene, run: FitRun, driven: Array, sampling: float | None, seed: int) -> Array:
-    """Times of the rows, zero where contact begins, which is at none of them: its place is drawn."""
-    end = float(run.time[-1])
-    of_begin, of_end = np.random.default_rng([seed, 1]).random(2).tolist()
-    step = end / (ROWS - of_end) if sampling is None else sampling
-    approaches = scene.loading.start != "relaxed" and driven[1] > driven[0]
-    begin = -BESIDE * end - of_begin * step if approaches else 0.0
-    rows = math.floor(((1.0 + BESIDE if run.lost is not None else 1.0) * end - begin) / step) + 1
-    if not FEWEST_ROWS <= rows <= MOST_ROWS:
-        raise SceneError("sampling", f"gives {rows} rows", f"{FEWEST_ROWS} to {MOST_ROWS} rows")
-    return np.asarray(begin + step * np.arange(rows), float)
