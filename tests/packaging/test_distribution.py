@@ -37,6 +37,7 @@ assert len(cc.read_curves('a.h5')) == 1""",
 }
 """Code that needs what an extra brings."""
 EXTRAS = ["", *(name for name in PROJECT["optional-dependencies"] if name not in ("dev", "release"))]
+VERSIONS = [name.rpartition(" ")[2] for name in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", name)]
 
 pytestmark = [
     pytest.mark.exhaustive,
@@ -80,6 +81,29 @@ def installed(request, built, tmp_path_factory):
     _run(*pip, f"crosscontact{extra} @ {wheel.as_uri()}")
     yield folder, request.param
     shutil.rmtree(folder)
+
+
+def _python(version):
+    """An interpreter of that version, on the path or kept by pyenv; skips where there is none."""
+    places = [Path(folder) / f"python{version}" for folder in os.get_exec_path()]
+    places += Path.home().glob(f".pyenv/versions/{version}.*/bin/python3")
+    for place in places:  # one on the path may be a stand-in for a version that is not there
+        if place.is_file() and subprocess.run([place, "--version"], capture_output=True).returncode == 0:
+            return place
+    pytest.skip(f"no Python {version} here")
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_every_python_that_is_named_compares_three_solvers(version, built, tmp_path):
+    (wheel,) = built.glob("*.whl")
+    environment = tmp_path / "environment"
+    uv = sys.executable, "-m", "uv"
+    _run(*uv, "venv", "--quiet", "--python", _python(version), environment)
+    _run(*uv, "pip", "install", "--quiet", "--python", environment / "bin" / "python", wheel)
+    assert _run(environment / "bin" / "python", "--version").startswith(f"Python {version}.")
+    told = _run(environment / "bin" / "crosscontact", "compare", "cycle-v0.1", cwd=tmp_path)
+    assert "0 failed" in told
+    shutil.rmtree(environment)
 
 
 def test_a_clone_without_tags_has_a_version(clone):
