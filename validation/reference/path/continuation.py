@@ -104,10 +104,6 @@ LARGEST_JUMP = 1e4
 """Radius up to which a stable contact is looked for, in that at which one runs away."""
 
 
-def _rungs(ratio: float) -> int:
-    return math.floor(math.log(ratio) / math.log(RUNG))
-
-
 class Ending(StrEnum):
     """What a step came to."""
 
@@ -424,7 +420,7 @@ class Continuation:
         (h, before), self.tried = self.tried, (plan.h, error)
         if self.fails > 1 and error < before < math.inf:
             share = 1.0 - (error - 1.0) / (before - error) * (h - plan.h) / plan.h
-            rung = min(rung, _rungs(share) if share > 0.0 else UNSEEN)
+            rung = min(rung, math.floor(math.log(share, RUNG)) if share > 0.0 else UNSEEN)
         self.h = plan.h * RUNG ** min(rung, LEAST_CUT)
         self.rows.order, self.slopes = min(len(self.rows), order), {}
         if self.h < SMALLEST_STEP or self.fails > 40:
@@ -446,8 +442,6 @@ class Continuation:
     def _at_radius(self, plan: Plan) -> Correction | None:
         """The load parameter at which the edge is at the predicted radius."""
         p, a, new = plan.z[0] * self.T, plan.z[1] * self.L, len(self.rows) == 1
-        if p <= 0.0 and not new and self._folds(a):
-            return None  # the row is a fold, as far as it is known
         s, ends = self._chord(p, a), {}
         trial = self.trial(a, s)
 
