@@ -140,7 +140,7 @@ def test_estimates_from_two_runs() -> None:
     alike = columns(1.03, 2.0)
     assert estimated_errors(fine, alike)["loop_energy"] == pytest.approx(0.03)
     alike["external_work"][-2:] = fine["external_work"][-2:]  # they agree at the end, not at the kink
-    assert 0.01 < estimated_errors(fine, alike)["loop_energy"] < 0.015
+    assert 0.004 < estimated_errors(fine, alike)["loop_energy"] < 0.006  # in the mean of four rows
 
 
 def _slow_unless(quick: set[str], names: list[str]) -> list[object]:
