@@ -62,40 +62,40 @@ def test_a_tilt_in_position_biases_nothing():
     assert np.std(moduli) < 0.01 * 1.4742e4
 
 
-def test_a_cycle_that_sticks_is_told_with_its_background():
-    """DMT's contact, pulled off at 0.5 nN at once, over level, tilt, and drag of either direction."""
-    drawn = 0.05
+def sticking(more):
+    """DMT's contact on a spring, pulled off at 0.5 nN at once, with noise and more force of other origin: a
+    function of stage, speed and the row of the loss."""
     spring, force0, rows = 0.05, 5e-10, 3000
-    depth = np.linspace(0.0, 2e-6, 8000)
+    depth, stage = np.linspace(0.0, 2e-6, 8000), 3e-6 - 4e-6 * np.abs(np.linspace(-1.0, 1.0, 2 * rows))
     held = HERTZ * 5e3 * depth**1.5 - force0
-    stage = 3e-6 - 4e-6 * np.abs(np.linspace(-1.0, 1.0, 2 * rows))
     force = np.interp(stage, depth + held / spring, held, left=0.0)
     force[:rows][stage[:rows] < 0.0] = 0.0
-    time = np.arange(2 * rows) * 1e-3
     speed = np.where(np.arange(2 * rows) < rows, 1.0, -1.0) * 4e-6 / 3.0
-    base = 2e-10 + 1e-5 * stage + drawn * 1e-9 * speed / 1e-6
-    noise = 5e-12 * np.random.default_rng(0).normal(size=2 * rows)
-    curve = cc.MeasuredCurve(time, force + base + noise, stage=stage, stiffness=spring)
-    told = curve.features(RADIUS)
-    assert told.pull_off == pytest.approx(-force0, rel=0.03)
-    assert told.drop == pytest.approx(force0, rel=0.05)
-    assert told.lost == pytest.approx(-force0 / spring, abs=5e-9)
+    force += more(stage, speed, rows + int(np.argmax(force[rows:] == 0.0)))
+    force += 5e-12 * np.random.default_rng(0).normal(size=2 * rows)
+    curve = cc.MeasuredCurve(np.arange(2 * rows) * 1e-3, force, stage=stage, stiffness=spring)
+    return curve.features(RADIUS)
+
+
+def test_a_cycle_that_sticks_is_told_with_its_background():
+    """Over level, tilt, and drag of either direction."""
+    told = sticking(lambda stage, speed, lost: 2e-10 + 1e-5 * stage + 5e-5 * speed)
+    assert told.pull_off == pytest.approx(-5e-10, rel=0.03)
+    assert told.drop == pytest.approx(5e-10, rel=0.05)
+    assert told.lost == pytest.approx(-1e-8, abs=5e-9)
     assert told.background["tilt"] == pytest.approx(1e-5, abs=1e-6)
-    assert told.background["drag"] == pytest.approx(drawn * 1e-3, abs=1e-6)
+    assert told.background["drag"] == pytest.approx(5e-5, abs=1e-6)
     assert told.rough == pytest.approx(5e-12, rel=0.1)
 
 
 def test_a_tether_behind_the_loss_is_no_background():
     """Over sixty rows with a fifth of the pull-off force: taken for free ones they turned the tilt."""
-    rows, spring = 3000, 0.05
-    stage, depth = 3e-6 - 4e-6 * np.abs(np.linspace(-1.0, 1.0, 2 * rows)), np.linspace(0.0, 2e-6, 8000)
-    held = HERTZ * 5e3 * depth**1.5 - 5e-10
-    force = np.interp(stage, depth + held / spring, held, left=0.0)
-    force[:rows][stage[:rows] < 0.0] = 0.0
-    lost = rows + int(np.argmax(force[rows:] == 0.0))
-    force[lost + 100 : lost + 160] -= 1e-10
-    force += 2e-10 + 1e-5 * stage + 5e-12 * np.random.default_rng(0).normal(size=2 * rows)
-    told = cc.MeasuredCurve(np.arange(2 * rows) * 1e-3, force, stage=stage, stiffness=spring).features(RADIUS)
+
+    def tethered(stage, speed, lost):
+        behind = np.arange(stage.size) - lost
+        return 2e-10 + 1e-5 * stage - 1e-10 * ((behind >= 100) & (behind < 160))
+
+    told = sticking(tethered)
     assert told.pull_off == pytest.approx(-5e-10, rel=0.02)
     assert told.background["tilt"] == pytest.approx(1e-5, abs=3e-6)
 
