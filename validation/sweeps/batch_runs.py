@@ -38,7 +38,7 @@ def check(scene: Scene, at: str) -> None:
     if reason:
         allowed = (
             "a rigid machine, a power of the radius, a fixed zone, one ramp away or a cycle of two ramps, "
-            "with a hold between them and a force that ends the first"
+            "with a hold between them and a force that ends either"
         )
         raise SceneError("solver", f"the batch solver does not take {reason}{at}", allowed)
 

@@ -22,7 +22,9 @@ with the time ``t_r(y)`` at which it was passed. ``t_r`` and ``A_j`` are polynom
 of which is unknown: one more evaluation is as many exponentials as points, and sums. An edge that closes is
 the same with sides exchanged: ``b_k = E_k M_k + E_k (D - M_k - G)(t_c) exp(-(t - t_c)/tau_k)`` behind it,
 where it covered at ``t_c`` what was never touched. What it leaves is tabled where it comes to rest, at depths
-that all scenes share. An error is the change from half as many rows of coarser quadrature.
+that all scenes share. It has a corner at the place from which the edge closed, at another travel of each
+scene: there rows are those of a second grid, whose travels count from the corner, the first of them read off
+the rows before. An error is the change from half as many rows of coarser quadrature.
 """
 
 from validation.reference.batch.solver import Solution, refusal, solve

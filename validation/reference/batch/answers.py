@@ -123,7 +123,7 @@ def answers(
     found["detachment_time"] = np.maximum(found["detachment_time"], found["pull_off_time"])  # it comes first
     size = np.maximum(tension, LEAST_SHARE * np.abs(fine.force).max(axis=0))
     doubtful = found["pull_off_force"] * tension > LARGEST_ERROR * size
-    passed = (one.travel < fine.grid.g[fine.last]) & (two.travel < coarse.grid.g[coarse.last])
+    passed = (one.travel < fine.travel(fine.last)) & (two.travel < coarse.travel(coarse.last))
     endings = [dict.fromkeys(ends) for ends in zip(fine.ending.tolist(), coarse.ending.tolist(), strict=True)]
     reasons = [
         REASONS[FAILED]
@@ -135,7 +135,7 @@ def answers(
         else REASONS.get(max(ends), "")
         for ends, doubt, beyond in zip(endings, doubtful.tolist(), passed.tolist(), strict=True)
     ]
-    table, counts = _table(fine, one, when, before)
+    table, counts = _table(fine, leg.bodies.zone, one, when, before)
     errors = np.maximum(list(found.values()), LEAST_ERROR).T.tolist()
     solutions = [Solution(reason) for reason in reasons]
     for j, why in enumerate(reasons):
@@ -160,24 +160,27 @@ def _apart(fine: March, coarse: March, found: Events, tension: Array) -> Array:
     Both are taken relative to their ranges. A feature of the surface acts on the force as long as
     it lies within the process zone; at a single place of that travel two resolutions may agree by chance.
     """
-    g, place, newest = fine.grid.g, found.travel, max(int(coarse.last.max()), 1)
-    low, high = g.searchsorted(place - 1.0) - 1, g.searchsorted(place + 1.0)
-    rows = np.arange(max(int(low.min()), 0), min(int(high.max()), int(fine.last.max())) + 1)
-    begin, weights, newest_used = coarse.grid.weights(g[rows], newest)
+    scenes, place = np.arange(len(tension)), found.travel
+    travels = np.broadcast_to(fine.g, (len(fine.g), len(scenes)))
+    low = np.maximum((travels < place - 1.0).sum(axis=0) - 1, 0)
+    high = np.minimum((travels < place + 1.0).sum(axis=0), fine.last)
+    row = low + np.arange(max(int((high - low).max()), 0) + 1)[:, None]
+    known, row = row <= high, np.minimum(row, fine.last)
+    after, before = np.minimum(row + 1, fine.last), np.maximum(row - 1, 0)
     (time, rise), (force, climb) = (
-        (curve[rows], curve[np.minimum(rows + 1, rows[-1])] - curve[np.maximum(rows - 1, 0)])
+        (curve[row, scenes], curve[after, scenes] - curve[before, scenes])
         for curve in (fine.time, fine.force)
     )
-    other, another = (weights @ curve[begin : newest + 1] for curve in (coarse.time, coarse.force))
+    g = travels[row, scenes]
+    other, another = (coarse.at(curve, g) for curve in (coarse.time, coarse.force))
     slope = np.where(rise > 0.0, climb / np.where(rise > 0.0, rise, 1.0), 0.0)
     steep = slope * found.end[0] / tension
     apart = np.abs(force - another - slope * (time - other)) / np.sqrt(1.0 + steep * steep)
-    row = rows[:, None]
-    known = (row < fine.last) & (newest_used[:, None] <= coarse.last) & (g[row] <= coarse.grid.g[coarse.last])
-    return np.asarray(np.where(known & (row >= low) & (row <= high), apart, 0.0).max(axis=0))
+    known &= (row < fine.last) & (g <= coarse.travel(coarse.last))
+    return np.asarray(np.where(known, apart, 0.0).max(axis=0))
 
 
-def _table(found: March, events: Events, when: Array, before: list[Part]) -> tuple[Array, Whole]:
+def _table(found: March, zone: Array, events: Events, when: Array, before: list[Part]) -> tuple[Array, Whole]:
     """Rows (B, 5, m), with the work done; the free surface comes after as many as are told."""
     end, pulled, later = events.end[:, None], events.pull_off[:, None], (when * SINCE)[:, None]
     rows = found.columns[:, : int(found.last.max()) + 1]
@@ -185,7 +188,7 @@ def _table(found: March, events: Events, when: Array, before: list[Part]) -> tup
     there &= np.arange(rows.shape[1])[:, None] <= found.last
     rows = np.concatenate((rows, pulled, end), axis=1)
     there = np.concatenate((there, pulled[0] < end[0] * (1.0 - SAME), end[0] == end[0]))
-    near = rows[3] >= found.radius[found.grid.breaks[1]]  # later the fields it set off with are left
+    near = rows[3] >= found.radius[0] - zone  # later the fields it set off with are left
     resting, rows = found.resting + later, rows + later
     legs = [*before, (resting, resting[0] > when), (rows, there & near), (rows, there & ~near)]
     until, which = np.full(len(when), -np.inf), []

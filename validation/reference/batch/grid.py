@@ -15,22 +15,19 @@ from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
-Kind = Literal["opening", "closing", "turned"]
-"""An edge that opens from rest on what is relaxed, one that closes, and one that opens where it closed."""
+Kind = Literal["opening", "closing", "turned", "corner"]
+"""An edge that opens from rest on what is relaxed, one that closes, one that opens where it closed, and the
+same beside the place from which it closed: a corner of what it left, from which these travels count."""
 
-WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 1.2}
+WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 1.2, "corner": 1.2}
 """Longest steps in travels, or in what is left of the radius, times the resolution; where the load turns
 slowly an edge that closed by longer ones is not found again."""
-BESIDE, FROM = 0.3, 0.2
-"""Longest steps of an edge that opens where it closed, and the travel, in the least radius, from which on
-they hold: there it comes by the place from which it closed, a corner between two rows."""
 ROWS = 6
 """Rows of a polynomial over the travel."""
 NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
-DEEP, DEEPER = 4.0, 0.5
-"""Ends of panels of what is left in contact next to the edge. Beyond, a panel is as wide as the larger of
-``DEEP`` zones and ``DEEPER`` of its depth, over the resolution: the place from which the edge closed, a
-corner, lies in one of them."""
+DEEPER = 2.0
+"""Ends of panels of what is left in contact next to the edge; beyond, the width of a panel in parts of its
+depth, times the resolution."""
 PLACES = gauss(ROWS)[0]
 _INVERSE = np.linalg.inv(PLACES[:, None] ** np.arange(ROWS))
 _UP_TO = np.append(PLACES, 1.0)[:, None]
@@ -61,22 +58,26 @@ class Travel:
 
 
 class Depths:
-    """Depths ``s`` (m,) behind an edge that has come to rest, in zones, and polynomials through values there.
+    """Depths ``s`` (m,) behind a radius, in zones, and polynomials through values there.
 
-    They lie in panels, in the root of the depth: times of cover may be smooth in that only.
+    They lie in panels, in the root of the distance: times of cover may be smooth in that only.
     """
 
-    def __init__(self, deepest: float, resolution: int) -> None:
-        ends = [*NEAR]
-        while ends[-1] < deepest:
-            ends.append(ends[-1] + max(DEEP, DEEPER * ends[-1]) / resolution)
-        self.ends = np.sqrt(ends)
+    def __init__(self, least: float, deepest: float, resolution: int) -> None:
+        sides = []
+        for farthest in (-least, deepest):
+            ends = [*NEAR] if farthest > 0.0 else [0.0]
+            while ends[-1] < farthest:
+                ends.append(ends[-1] * (1.0 + DEEPER / resolution))
+            sides.append(np.sqrt(ends))
+        self.ends = np.concatenate((-sides[0][:0:-1], sides[1]))
         self.width = np.diff(self.ends)[:, None]
-        self.s = ((self.ends[:-1, None] + self.width * PLACES) ** 2).ravel()
+        root = self.ends[:-1, None] + self.width * PLACES
+        self.s = (root * np.abs(root)).ravel()
 
     def panel(self, s: Array) -> tuple[Whole, Array]:
         """Panels in which depths lie, and weights (m, ROWS) of the values there."""
-        root = np.sqrt(s)
+        root = np.sign(s) * np.sqrt(np.abs(s))
         panel = np.clip(self.ends.searchsorted(root, side="right") - 1, 0, len(self.width) - 1)
         share = (root - self.ends[panel]) / self.width[panel, 0]
         return panel, lagrange(np.broadcast_to(PLACES, (len(s), ROWS)), share)
@@ -96,9 +97,10 @@ class Depths:
         return ROWS * first, table.reshape(len(s), -1)
 
     def running(self, values: Array) -> Array:
-        """Integrals (m, B) of values (m, B) from the edge to the depths, in zones."""
+        """Integrals (m, B) of values (m, B) from the least depth to the others, in zones."""
         panels = values.reshape(len(self.width), ROWS, -1)
-        begin, width = 2.0 * self.width * self.ends[:-1, None], 2.0 * self.width**2
+        begin, side = self.ends[:-1, None], np.sign(self.ends[:-1, None] + self.ends[1:, None])
+        begin, width = 2.0 * side * self.width * begin, 2.0 * side * self.width**2
         parts = begin[:, None] * (RUNNING[0] @ panels) + width[:, None] * (RUNNING[1] @ panels)
         before = np.concatenate((0.0 * parts[:1, -1], parts[:-1, -1].cumsum(axis=0)))
         return (before[:, None] + parts[:, :-1]).reshape(values.shape)
@@ -118,15 +120,11 @@ class Grid:
     @cached_property
     def depths(self) -> Depths:
         """Of what the edge comes by."""
-        return Depths(float(self.g[-1]) + 1.0, int(self.breaks[1]))
+        return Depths(float(self.g[0]), float(self.g[-1]) + 1.0, int(self.breaks[-1] - self.breaks[-2]))
 
     def panels(self, panel: Whole, newest: Whole | int) -> tuple[Whole, Whole]:
-        """First row and number of rows of the polynomials in panels, of rows up to ``newest``."""
-        after = self.breaks.searchsorted(panel, side="right")
-        low = self.breaks[after - 1]
-        high = np.minimum(np.append(self.breaks, len(self.g))[after], newest)
-        count = np.minimum(ROWS, high - low + 1)
-        return np.minimum(np.maximum(panel - (count - 2) // 2, low), high - count + 1), count
+        """The same as :func:`panels`, of the breaks that all share."""
+        return panels(self.breaks[:, None], panel, newest)
 
     def weights(
         self, at: Array, newest: int, smooth_in: Callable[[Array], Array] = np.asarray
@@ -149,7 +147,7 @@ class Grid:
 
     def _made(self, k: int) -> Travel:
         now = self.g[k]
-        closing, turned = self.kind == "closing", self.kind == "turned"
+        closing, turned, corner = (self.kind == kind for kind in ("closing", "turned", "corner"))
         corners = now - self.g[self.breaks]
         if turned and now < 1.0:  # it may set off as a root, and comes by layers that relax
             corners = np.concatenate((corners, now - NEAR, 1.0 - NEAR))
@@ -157,14 +155,14 @@ class Grid:
         points = quadrature(tuple(corners.tolist()), closing, self.count)
         points = points if closing else points.up_to(1.0 / max(self.least - now, SHORTEST))
         passed = now - (1.0 - points.v[:, 0] if closing else points.v[:, 0])
-        passed = passed[passed > 0.0]
+        passed = passed[passed > self.g[0]]
         behind = 0, np.zeros((0, 0))
-        if turned:
+        if turned or corner:
             behind = self.depths.weights(now + np.append(1.0 - np.append(BEHIND, points.v), 0.0))
         if k == 0:
             none = np.zeros((0, 0))
             return Travel(points, 0, 0, 0, none, np.zeros((0, 1)), np.zeros(0), none, *behind)
-        s = np.asarray if self.kind == "closing" else np.sqrt  # an edge may set off with no speed
+        s = np.asarray if closing or corner else np.sqrt  # an edge may set off with no speed
         begin, weights, _ = self.weights(passed, k, s)
         low = max(int(self.breaks[self.breaks.searchsorted(k - 1) - 1]), k - ROWS) if k > 1 else 0
         guess = lagrange(s(self.g[None, low:k]), s(np.array([now])))[0]
@@ -173,6 +171,17 @@ class Grid:
         at = self.g[k - 1] + (now - self.g[k - 1]) * SWEPT
         within = lagrange(self.g[rows] + 0.0 * at[:, None], at)
         return Travel(points, len(passed), near, begin, old, weights[:near, -1:], guess, within, *behind)
+
+
+def panels(breaks: Whole, panel: Whole, newest: Whole | int) -> tuple[Whole, Whole]:
+    """First row and number of rows of the polynomials in panels, of rows up to ``newest``.
+
+    None goes across one of the breaks (l, ...), of which the first is zero.
+    """
+    low = np.where(breaks <= panel, breaks, 0).max(axis=0)
+    high = np.minimum(np.where(breaks > panel, breaks, newest).min(axis=0), newest)
+    count = np.minimum(ROWS, high - low + 1)
+    return np.minimum(np.maximum(panel - (count - 2) // 2, low), high - count + 1), count
 
 
 def lagrange(nodes: Array, at: Array) -> Array:
@@ -186,18 +195,27 @@ def lagrange(nodes: Array, at: Array) -> Array:
 
 
 @lru_cache(maxsize=128)
-def grid(resolution: int, size: int, kind: Kind, count: int = COUNT) -> Grid:
+def grid(resolution: int, size: int, kind: Kind, count: int = COUNT, ahead: int = 0) -> Grid:
     """For radii from ``2^size`` zones to twice that.
 
     Where an edge sets off from rest its travel goes like the square of the time. Rows even in the root of the
     travel follow that, and layers beside the corner far shorter than the zone; in the next zone too, as the
     edge then leaves the fields it set off with. Beyond, a step is a part of the travel, or of what is left of
-    the radius. ``count``: points of Gauss between two breaks.
+    the radius. Rows ``2^ahead`` zones ahead of a corner lie as those after it. ``count``: points of Gauss
+    between two breaks.
     """
-    radius, graded, rest = 2.0**size, (np.arange(1, resolution + 1) / resolution) ** 2, [2.0]
-    while (travel := rest[-1]) < 2.0 * radius:
+    radius, graded = 2.0**size, (np.arange(1, resolution + 1) / resolution) ** 2
+    widest, corner = WIDEST[kind] / resolution, kind == "corner"
+    first, rest, far = 1.0 if corner else 2.0, [], [1.0]
+    travel = first
+    while travel < 2.0 * radius:
         left = max(radius - travel, 0.25 * max(radius, travel))
-        widest = BESIDE if kind == "turned" and travel > FROM * radius else WIDEST[kind]
-        rest.append(travel + widest / resolution * min(travel - 1.0, left))
-    breaks = np.array([0, resolution, 2 * resolution])
-    return Grid(np.concatenate(([0.0], graded, 1.0 + graded, rest[1:])), breaks, kind, radius, count)
+        travel += widest * min(travel - first + 1.0, left)
+        rest.append(travel)
+    if not corner:
+        breaks = np.array([0, resolution, 2 * resolution])
+        return Grid(np.concatenate(([0.0], graded, 1.0 + graded, rest)), breaks, kind, radius, count)
+    while far[-1] < 2.0**ahead:
+        far.append(far[-1] * (1.0 + widest))
+    g = np.concatenate((-np.array(far[:0:-1]), -graded[::-1], [0.0], graded, rest))
+    return Grid(g, np.append(0, len(far) - 1 + resolution * np.arange(3)), kind, radius, count)

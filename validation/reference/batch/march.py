@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.grid import ROWS, Grid, Travel
+from validation.reference.batch.grid import ROWS, Grid, Travel, panels
 from validation.reference.batch.scenes import Bodies, LoadRamp
 from validation.reference.batch.zone import SHORTEST, quadrature
 from validation.reference.path.numerics import derivative, horner
@@ -26,11 +26,11 @@ ROUNDED = 1e-15
 """Share of the penetration that is lost in rounding, and so the time in which it is driven."""
 ROOM = 128
 """Rows for which there is room at first."""
-GOING, DETACHED, ENDED, SHORT, FAILED, MISSED = range(6)
+GOING, DETACHED, ENDED, SHORT, FAILED, MISSED, HANDED = range(7)
 REASONS = {
     SHORT: "the contact shrinks to one and a half process zones before it is lost",
     FAILED: "the time at which the edge gets somewhere is not found",
-    MISSED: "the force that ends the approach is not reached from below",
+    MISSED: "the force that ends a ramp is not reached",
 }
 
 
@@ -191,10 +191,14 @@ class March:
 
     ``left`` (S, n, B): what the edge left where it was; ``resting`` (4, m, B): rows before the first.
     ``quick``: a time in which it gets nowhere; ``lost``: one that is lost in the rounding of the penetration,
-    as a scale of the convergence of secants.
+    as a scale of the convergence of secants. ``g``, ``breaks``: travels of the rows, and rows of corners, of
+    each scene or of all. ``given``: the last row of those that are known before.
     """
 
     grid: Grid
+    g: Array
+    breaks: Whole
+    given: Whole
     leg: LoadRamp
     columns: Array
     left: Array
@@ -214,6 +218,9 @@ class March:
         depths = np.abs(leg.depth) + bodies.shape(start[None])[0]
         return cls(
             steps,
+            steps.g[:, None],
+            steps.breaks[:, None],
+            np.full(count, -1),
             leg,
             np.zeros((4, ROOM, count)),
             np.zeros((ROOM, len(bodies.moduli), count)),
@@ -262,28 +269,36 @@ class March:
         t, slope, found = secants(step, guess, self.slope, self.lost, noise, going)
         self.ending[going & ~found] = FAILED
         going = going & found
-        self.slope = np.where(going & (slope != 0.0), slope, 1.0)
+        self.slope = np.where(going & (slope != 0.0), slope, self.slope)
         self.last[going] = k
         return np.where(going, t, self.time[k - 1]), going
+
+    def grow(self) -> None:
+        """Make room for twice as many rows."""
+        self.columns = np.concatenate((self.columns, np.zeros_like(self.columns)), axis=1)
+        self.left = np.concatenate((self.left, np.zeros_like(self.left)))
 
     def add(self, k: int, t: Array, radius: Array, held: Array, left: Array) -> None:
         """A row; ``held``: integrals over the contact of branch forces beside ``E_k M_k``."""
         if k == len(self.left):
-            self.columns = np.concatenate((self.columns, np.zeros_like(self.columns)), axis=1)
-            self.left = np.concatenate((self.left, np.zeros_like(self.left)))
+            self.grow()
         D, b = self.leg.at(t)
-        self.columns[:, k] = t, D, self.leg.bodies.force(D, b, radius, held), radius
-        self.left[k] = left
+        given, row = k <= self.given, np.array([t, D, self.leg.bodies.force(D, b, radius, held), radius])
+        self.columns[:, k] = np.where(given, self.columns[:, k], row)
+        self.left[k] = np.where(given, self.left[k], left)
 
     def polynomials(self, values: Array, panel: Whole) -> Array:
-        """Coefficients (ROWS, B) of rows in a panel of each scene, in shares of it, by differences."""
-        first, count = self.grid.panels(panel, self.last)
-        rows = first + np.minimum(np.arange(ROWS)[:, None], count - 1)
-        begin, end = self.grid.g[panel], self.grid.g[panel + 1]
-        u = (self.grid.g[rows] - begin) / (end - begin)
-        table, curve = values[rows, np.arange(len(panel))], np.zeros(rows.shape)
+        """Coefficients (ROWS, ..., B) of rows in panels of each scene, in shares of them, by differences."""
+        breaks = self.breaks.reshape(-1, *[1] * (panel.ndim - 1), self.breaks.shape[1])
+        first, count = panels(breaks, panel, self.last)
+        orders = np.arange(ROWS).reshape(-1, *[1] * panel.ndim)
+        rows, scenes = first + np.minimum(orders, count - 1), np.arange(panel.shape[-1])
+        travels = np.broadcast_to(self.g, (len(self.g), len(scenes)))
+        begin, end = travels[panel, scenes], travels[panel + 1, scenes]
+        u = (travels[rows, scenes] - begin) / (end - begin)
+        table, curve = values[rows, scenes], np.zeros(rows.shape)
         for order in range(1, ROWS):
-            known = np.arange(order, ROWS)[:, None] < count
+            known = orders[order:] < count
             table[order:] = np.where(
                 known, np.diff(table[order - 1 :], axis=0) / (u[order:] - u[:-order]), 0.0
             )
@@ -291,22 +306,29 @@ class March:
             curve = np.concatenate((table[i : i + 1], curve[:-1])) - u[i] * curve
         return curve
 
+    def travel(self, row: Whole) -> Array:
+        """Travels (..., B) of rows of each scene."""
+        return np.asarray(
+            np.broadcast_to(self.g, (len(self.g), len(self.last)))[row, np.arange(len(self.last))]
+        )
+
     def panel(self, place: Array) -> tuple[Whole, Array]:
-        """The panel in which a travel lies, and its share there."""
-        g = self.grid.g
-        panel = np.minimum(np.maximum(g.searchsorted(place) - 1, 0), np.maximum(self.last - 1, 0))
-        return panel, (place - g[panel]) / (g[panel + 1] - g[panel])
+        """The panels in which travels (..., B) lie, and shares of them there."""
+        below = (self.g.reshape(len(self.g), *[1] * (place.ndim - 1), -1) < place).sum(axis=0) - 1
+        panel = np.minimum(np.maximum(below, 0), np.maximum(self.last - 1, 0))
+        begin = self.travel(panel)
+        return panel, (place - begin) / (self.travel(panel + 1) - begin)
 
     def at(self, values: Array, place: Array) -> Array:
-        """Values (B,) at a travel of each scene."""
+        """Values at travels (..., B) of each scene."""
         panel, u = self.panel(place)
         return horner(self.polynomials(values, panel), u)
 
     def largest(self, values: Array) -> tuple[Array, Array]:
         """Travel and value (B,) where rows are largest, between them too."""
-        scenes, g = np.arange(len(self.last)), self.grid.g
+        scenes = np.arange(len(self.last))
         row = np.where(np.arange(len(values))[:, None] <= self.last, values, -np.inf).argmax(axis=0)
-        place, most = g[row], values[row, scenes]
+        place, most = self.travel(row), values[row, scenes]
         u = np.linspace(0.0, 1.0, 65)[:, None]
         for panel in (row - 1, row):
             panel = np.minimum(np.maximum(panel, 0), np.maximum(self.last - 1, 0))
@@ -318,9 +340,9 @@ class March:
                 slope, bend = horner(slopes, middle), horner(bends, middle)
                 middle = np.where(bend < 0.0, np.clip(middle - slope / bend, 0.0, 1.0), middle)
             middle = np.where((near == 0) | (near == len(u) - 1), near / (len(u) - 1.0), middle)
-            value = horner(curve, middle)
+            value, begin = horner(curve, middle), self.travel(panel)
             better = value > most
-            place = np.where(better, g[panel] + middle * (g[panel + 1] - g[panel]), place)
+            place = np.where(better, begin + middle * (self.travel(panel + 1) - begin), place)
             most = np.where(better, value, most)
         return place, most
 
@@ -332,5 +354,45 @@ class March:
             middle = 0.5 * (low + high)
             above = horner(curve, middle) > level
             low, high = np.where(above, low, middle), np.where(above, middle, high)
-        g = self.grid.g
-        return g[panel] + high * (g[panel + 1] - g[panel])
+        begin = self.travel(panel)
+        return begin + high * (self.travel(panel + 1) - begin)
+
+    def handed_over(self, steps: Grid, origin: Array) -> March:
+        """Rows of a grid whose travels count from a radius, as far as they are known of those here."""
+        bodies = self.leg.bodies
+        offset, reached = (self.radius[0] - origin) / bodies.zone, self.travel(self.last)
+        found = March.empty(steps, self.leg, self.radius[0], self.time[0])
+        found.ending, found.slope, found.lost = self.ending.copy(), self.slope, self.lost
+        waits = self.ending == HANDED
+        found.given = np.where(waits, steps.g.searchsorted(reached - offset, side="right") - 1, 0)
+        found.last = found.given.copy()
+        most, least = int(found.given.max()), int(found.given[waits].min())
+        begin = max(int(steps.g.searchsorted(steps.g[least] - 1.0)) - ROWS, 0)
+        while len(found.left) <= most:
+            found.grow()
+        some = slice(begin, most + 1)
+        place = np.clip(steps.g[some, None] + offset, 0.0, reached)
+        t, force = self.at(self.time, place), self.at(self.force, place)
+        found.columns[:, some] = t, self.leg.at(t)[0], force, self.radius[0] - place * bodies.zone
+        for j in range(self.left.shape[1]):
+            found.left[some, j] = self.at(self.left[:, j], place)
+        found.radius[0] = self.radius[0]
+        return found
+
+    def joined(self, later: March, origin: Array) -> March:
+        """These rows, and those of another that follow: a few of those given, which lie on the same curve."""
+        scenes, offset = np.arange(len(self.last)), (self.radius[0] - origin) / self.leg.bodies.zone
+        waited = self.ending == HANDED
+        first = np.where(waited, np.maximum(later.given - ROWS // 2, 0), later.last + 1)
+        begin = np.where(waited, later.travel(np.minimum(first, later.last)) + offset, np.inf)
+        known = np.minimum((self.g < begin).sum(axis=0) - 1, self.last)
+        shift = first - known - 1
+        last = later.last - shift
+        rows = np.arange(int(last.max()) + 1)[:, None]
+        own, here, there = rows <= known, np.minimum(rows, known), np.clip(rows + shift, 0, later.last)
+        g = np.where(own, self.travel(here), later.travel(there) + offset)
+        columns = np.where(own, self.columns[:, here, scenes], later.columns[:, there, scenes])
+        breaks = np.where(later.breaks >= first, later.breaks - shift, 0)
+        breaks = np.concatenate((np.minimum(self.breaks, known), breaks))
+        g, ending = np.where(rows <= last, g, np.inf), later.ending
+        return replace(self, g=g, columns=columns, breaks=breaks, last=last, ending=ending, given=last)

@@ -22,6 +22,10 @@ PROGRAMMES = ["ramp"], ["hold", "ramp"], ["ramp", "ramp"], ["ramp", "hold", "ram
 """Kinds of load steps."""
 
 
+COLUMNS = 16
+"""Columns of a product of matrices."""
+
+
 def refusal(scene: Scene) -> str:
     """Why a scene is none of those that are solved here; empty if it is."""
     adhesion, loading = scene.adhesion, scene.loading
@@ -44,13 +48,18 @@ def refusal(scene: Scene) -> str:
         return "load steps other than one ramp or two, and a hold before the last"
     ramps = [step for step in loading.steps if isinstance(step, Ramp)]
     levels = [None if step.trigger is None else step.trigger.quantity for step in loading.steps]
-    if levels[-1] or levels[0] not in (None, "force") or any(levels[1:]):
-        return "a level that ends a load step, but for a force at which an approach ends"
+    if not {levels[0], levels[-1]} <= {None, "force"} or any(levels[1:-1]):
+        return "a level that ends a load step, but for a force at which a ramp ends"
     if ramps[-1].to >= (ramps[0].to if len(ramps) == 2 else loading.penetration):
         return "a last ramp that does not retract"
     if len(ramps) == 2 and ramps[0].to <= loading.penetration:
         return "two ramps the first of which does not approach"
     return ""
+
+
+def filled(numbers: Whole) -> Whole:
+    """Up to a multiple of ``COLUMNS``, by the last: products of matrices round each column alike then."""
+    return np.append(numbers, np.repeat(numbers[-1:], -len(numbers) % COLUMNS))
 
 
 def _numbers(scene: Scene) -> tuple[float, ...]:
@@ -65,8 +74,9 @@ def _numbers(scene: Scene) -> tuple[float, ...]:
     parts = shape.coefficient, shape.exponent, adhesion.zone, adhesion.work, adhesion.closing
     approach, retraction = (deepest - depth) / first.rate, (deepest - last.to) / last.rate
     hold = sum(step.duration for step in loading.steps if isinstance(step, Hold))
-    level = math.inf if first.until_force is None else first.until_force
-    driven = first.rate, approach, level, hold, -last.rate, retraction
+    level = math.nan if first is last or first.until_force is None else first.until_force
+    least = math.nan if last.until_force is None else last.until_force
+    driven = first.rate, approach, level, hold, -last.rate, retraction, least
     return *parts, loading.start == "jump-in", depth, *driven
 
 
@@ -98,6 +108,7 @@ class Bodies:
     hold: Array
     rate: Array
     duration: Array
+    least: Array
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], rheologies: Sequence[Rheology]) -> Bodies:

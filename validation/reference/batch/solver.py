@@ -19,6 +19,8 @@ from validation.reference.batch.march import (
     DETACHED,
     ENDED,
     FAILED,
+    GOING,
+    HANDED,
     MISSED,
     REASONS,
     ROUNDING,
@@ -30,7 +32,7 @@ from validation.reference.batch.march import (
     secants,
     start_radius,
 )
-from validation.reference.batch.scenes import Bodies, LoadRamp, refusal, turns
+from validation.reference.batch.scenes import Bodies, LoadRamp, filled, refusal, turns
 from validation.reference.batch.turn import Held, Left, turned
 from validation.reference.batch.zone import COUNT, SHARES, SHORTEST, SWEPT
 from validation.reference.path.rheology import Rheology, rheology
@@ -40,8 +42,11 @@ Whole = NDArray[np.intp]
 
 RESOLUTION = 16
 """Default of :func:`solve`."""
-LARGEST, ANY, COLUMNS = 1024, 30, 16
-"""Scenes taken together, a size of the grid without bound, of edges that close, and columns of a product."""
+LARGEST, ANY = 1024, 30
+"""Scenes taken together, and a size of the grid without bound, of edges that close."""
+FAR, SHARE = 2.0, 0.6
+"""Travel from which on the place from which the edge closed has rows of its own, and the part of it that the
+edge goes before: more than a zone, so that all it opens over then has been in contact."""
 RESTING = np.linspace(0.0, 1.0, 17)[1:] ** 2
 """Shares of the time before an edge opens at which there are rows: branches relax at once, or slowly."""
 
@@ -87,8 +92,13 @@ def turn(bodies: Bodies, rows: March) -> tuple[Bodies, Array]:
     return replace(bodies, turn=time, duration=duration), place
 
 
-def retract(leg: LoadRamp, start: Array, duration: Array, steps: Grid, left: Left | None) -> March:
-    """Follow the edge until contact is lost, or the ramp ends; ``left``: in contact as it begins."""
+def retract(
+    leg: LoadRamp, start: Array, duration: Array, steps: Grid, left: Left | None, until: Array | float
+) -> March:
+    """Follow the edge until contact is lost, the ramp ends, or it has gone as far as is asked.
+
+    ``left``: in contact as it begins.
+    """
     bodies = leg.bodies
     rows, none = March.empty(steps, leg, start, duration), np.zeros_like(bodies.moduli)
     rest, total, behind, own = 0.0 * start, none, None, none
@@ -105,10 +115,24 @@ def retract(leg: LoadRamp, start: Array, duration: Array, steps: Grid, left: Lef
         rows.ending[(opens & ~found) | (rest >= duration)] = FAILED
     here = Opening(leg, steps.step(0), start, None, own).left_behind(rest)
     rows.add(0, rest, start, total * np.exp(-rest / bodies.times), here)
-    for k in range(1, len(steps.g)):
-        a = start - steps.g[k] * bodies.zone
+    rows.ending[rows.force[0] <= bodies.least] = FAILED
+    follow(rows, start, duration, left, rest, until)
+    return rows
+
+
+def follow(
+    rows: March, origin: Array, duration: Array, left: Left | None, rest: Array, until: Array | float
+) -> None:
+    """Add rows to those that are given, from a row of each scene on; travels count from ``origin``."""
+    bodies, leg, steps, start = rows.leg.bodies, rows.leg, rows.grid, rows.radius[0]
+    total = own = np.zeros_like(bodies.moduli)
+    behind, handed = None, rows.ending == HANDED
+    first = int(rows.given[handed].min()) if handed.any() else 0
+    for k in range(first + 1, len(steps.g)):
+        rows.ending[handed & (rows.given == k - 1)] = GOING
+        a = origin - steps.g[k] * bodies.zone
         rows.ending[rows.going & (a < SHORTEST * bodies.zone)] = SHORT
-        if not rows.going.any():
+        if not (rows.going | (handed & (rows.given >= k))).any():
             break
         a, travel, before = np.where(rows.going, a, start), steps.step(k), rows.time[k - 1]
         if left is not None:
@@ -118,9 +142,9 @@ def retract(leg: LoadRamp, start: Array, duration: Array, steps: Grid, left: Lef
         rows.add(k, t, a, total * np.exp(-t / bodies.times), step.left_behind(t))
         lost = going & (t <= before)
         rows.ending[lost] = np.where(rows.force[k - 1] < 0.0, DETACHED, FAILED)[lost]  # it adheres
-        rows.ending[going & (t > before) & (t >= duration)] = ENDED
+        rows.ending[going & (t > before) & ((t >= duration) | (rows.force[k] <= bodies.least))] = ENDED
+        rows.ending[rows.going & (steps.g[k] >= until)] = HANDED
     rows.ending[rows.going] = SHORT
-    return rows
 
 
 @single_threaded()
@@ -165,11 +189,6 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solutio
             for i, answer in zip(part.tolist(), _solved(bodies, resolution, cycle), strict=True):
                 solutions[i] = answer
     return solutions
-
-
-def filled(numbers: Whole) -> Whole:
-    """Up to a multiple of ``COLUMNS``, by the last: products of matrices round each column alike then."""
-    return np.append(numbers, np.full(-len(numbers) % COLUMNS, numbers[-1]))
 
 
 @dataclass(frozen=True)
@@ -223,9 +242,24 @@ class Retraction:
         """The rows of some of the scenes, their ramp and how long it takes, and what is left in contact."""
         bodies = self.leg.bodies.of_some(chosen)
         leg, duration, left = self.leg.of_some(chosen, bodies), self.duration[chosen], None
+        until: Array | float = np.inf
         if self.held is not None:
-            left = Left(self.held.of_some(chosen, bodies), steps.depths)
-        found = retract(leg, self.radius[chosen], duration, steps, left)
+            held = self.held.of_some(chosen, bodies)
+            corner = (held.edge - held.start) / bodies.zone
+            until = np.where(corner >= FAR, SHARE * corner, np.inf)
+            left = Left(held, steps.depths, held.edge)
+        found = retract(leg, self.radius[chosen], duration, steps, left, until)
+        if self.held is not None and (found.ending == HANDED).any():
+            size = math.floor(math.log2((held.start / bodies.zone)[found.ending == HANDED].min()))
+            ahead = math.ceil(math.log2(corner[found.ending == HANDED].max()))
+            beside = grid(int(steps.breaks[1]), size, "corner", steps.count, ahead)
+            later = found.handed_over(beside, held.start)
+            follow(later, held.start, duration, Left(held, beside.depths, held.start), 0.0 * duration, np.inf)
+            found = found.joined(later, held.start)
+        low = found.force[found.last, np.arange(len(chosen))] <= bodies.least
+        met = found.at(found.time, found.reached(-found.force, -bodies.least))
+        duration = np.where(low, np.minimum(duration, met), duration)
+        found.ending[(found.ending == ENDED) & ~low & np.isfinite(bodies.least)] = MISSED
         if self.approach is not None:
             ending = self.approach.ending[chosen]
             found.ending[ending != ENDED] = np.where(ending == MISSED, MISSED, FAILED)[ending != ENDED]
@@ -238,9 +272,9 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     pair = (resolution, COUNT), (resolution // 2, COUNT - 1)
     fine, coarse = (Retraction.of(bodies, start, *each, cycle) for each in pair)
     solutions = [Solution(REASONS[FAILED])] * len(start)
-    sizes = np.floor(np.log2(fine.radius / bodies.zone))
-    for size in np.unique(sizes[np.isfinite(sizes)]).tolist():
-        chosen = filled(np.flatnonzero(sizes == size))
+    sizes = np.floor(np.log2(np.array([fine.radius, start]) / bodies.zone))
+    for size, least in np.unique(sizes[:, np.isfinite(sizes).all(axis=0)], axis=1).T.tolist():
+        chosen = filled(np.flatnonzero((sizes == [[size], [least]]).all(axis=0)))
         kind: Kind = "turned" if cycle else "opening"
         steps = [grid(n, int(size), kind, count) for n, count in pair]
         runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from validation.reference.batch.grid import Depths, Travel
 from validation.reference.batch.march import CONVERGED, ENDED, FAILED, ROUNDING, March, secants
-from validation.reference.batch.scenes import Bodies, LoadRamp
+from validation.reference.batch.scenes import Bodies, LoadRamp, filled
 from validation.reference.batch.zone import quadrature
 
 Array = NDArray[np.float64]
@@ -136,14 +136,14 @@ class Held:
 
 
 class Left:
-    """What is left in contact, at depths behind the edge at rest that all scenes share.
+    """What is left in contact, at depths behind a radius that all scenes share.
 
     ``table`` (m, 1 + n, B): when they were covered, and branch forces beside ``E_k M_k`` just after.
     """
 
-    def __init__(self, held: Held, depths: Depths) -> None:
+    def __init__(self, held: Held, depths: Depths, edge: Array) -> None:
         self.held, self.depths, bodies = held, depths, held.bodies
-        self.edge, self.when = held.edge, held.when
+        self.edge, self.when = edge, held.when
         t, strain = held.strain(np.maximum(self.edge - depths.s[:, None] * bodies.zone, 0.0))
         self.table = np.concatenate((t[:, None], strain.swapaxes(0, 1)), axis=1)
         self.within = self.total(self.when)
@@ -211,7 +211,7 @@ def _gone_on(held: Held, closing: March, until: Array, resolution: int) -> Held:
     if len(bodies.moduli):
         step = np.minimum(_first_step(held), until - since)
         falls = AfterTurn(held, since + step)(held.edge) < AfterTurn(held, since)(held.edge)
-        some = np.flatnonzero((closing.ending == ENDED) & falls & (step > 0.0))
+        some = filled(np.flatnonzero((closing.ending == ENDED) & falls & (step > 0.0)))
         if len(some):
             few = held.of_some(some, bodies.of_some(some))
             found, count = _closing_on(few, step[some], until[some], resolution)
@@ -295,7 +295,7 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
             window = slice(WINDOW, WINDOW + LONGEST), ended
             rows[:, :, out] = local.radius[window], local.time[window]
             rest[out] = np.where(summit | still | over, local.last - WINDOW, -1)[ended]
-            some = np.flatnonzero(~ended)
+            some = filled(np.flatnonzero(~ended))
             scenes = scenes[some]
             edge, zone, rounding, error, since, speed, fall, slope, step, first, until = (
                 part[some]
