@@ -27,7 +27,7 @@ from contact_scene.errors import SceneError
 from contact_scene.trace import Array
 from validation.measure.difference import of_numbers
 from validation.measure.scaling import dimension_of
-from validation.runs.folder import move_whole, write_whole
+from validation.runs.folder import move_whole
 from validation.sweeps import batch_runs
 from validation.sweeps.batch_runs import BATCH
 from validation.sweeps.plan import Coordinate, SweepPlan
@@ -158,17 +158,17 @@ def _plain(name: str) -> str:
 def write_results(plan: SweepPlan, runs: SweepRuns, out: Path) -> xarray.Dataset:
     """Write ``sweep.nc``, ``sweep.csv`` and the traces; the data set.
 
-    The netCDF file is written whole or not at all, and the same data give the same bytes.
+    Both files are written whole or not at all, and the same data give the same bytes.
     """
     data = to_dataset(plan, runs)
     _write_traces(plan, runs, out)
     dimensions = list(data["outcome"].dims)
     frame = data.to_dataframe(dim_order=dimensions).reset_index()
     names = [*(name for name in data.coords if name != RUN), *data.data_vars]
-    write_whole(out / TABLE, str(frame[names].to_csv(index=False, lineterminator="\n")))
     for left in out.glob(f"{_STAGE}*"):  # by a program that was killed
         shutil.rmtree(left, ignore_errors=True)
     with tempfile.TemporaryDirectory(dir=out, prefix=_STAGE) as stage:
+        frame[names].to_csv(Path(stage) / TABLE, index=False, lineterminator="\n")
         data.to_netcdf(Path(stage) / FILE, engine="h5netcdf")
         move_whole(Path(stage), out)
     return data
