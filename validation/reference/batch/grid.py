@@ -122,22 +122,20 @@ class Grid:
         """Of what the edge comes by."""
         return Depths(float(self.g[0]), float(self.g[-1]) + 1.0, int(self.breaks[-1] - self.breaks[-2]))
 
-    def panels(self, panel: Whole, newest: Whole | int) -> tuple[Whole, Whole]:
-        """The same as :func:`panels`, of the breaks that all share."""
-        return panels(self.breaks[:, None], panel, newest)
-
     def weights(
         self, at: Array, newest: int, smooth_in: Callable[[Array], Array] = np.asarray
-    ) -> tuple[int, Array, Whole]:
-        """First row that matters for travels, weights (m, n) of rows from it to the newest, and last rows."""
-        first, count = self.panels(np.clip(self.g.searchsorted(at) - 1, 0, newest - 1), newest)
+    ) -> tuple[int, Array]:
+        """First row that matters for travels, and weights (m, n) of rows from it to the newest."""
+        first, count = panels(
+            self.breaks[:, None], np.clip(self.g.searchsorted(at) - 1, 0, newest - 1), newest
+        )
         begin = int(first.min())
         table = np.zeros((len(at), newest + 1 - begin))
         for i in np.unique(count):
             those = np.flatnonzero(count == i)
             rows = first[those, None] + np.arange(i)
             table[those[:, None], rows - begin] = lagrange(smooth_in(self.g[rows]), smooth_in(at[those]))
-        return begin, table, first + count - 1
+        return begin, table
 
     def step(self, k: int) -> Travel:
         """Made when it is first asked for."""
@@ -163,11 +161,11 @@ class Grid:
             none = np.zeros((0, 0))
             return Travel(points, 0, 0, 0, none, np.zeros((0, 1)), np.zeros(0), none, *behind)
         s = np.asarray if closing or corner else np.sqrt  # an edge may set off with no speed
-        begin, weights, _ = self.weights(passed, k, s)
+        begin, weights = self.weights(passed, k, s)
         low = max(int(self.breaks[self.breaks.searchsorted(k - 1) - 1]), k - ROWS) if k > 1 else 0
         guess = lagrange(s(self.g[None, low:k]), s(np.array([now])))[0]
         old, near = np.ascontiguousarray(weights[:, :-1]), int(weights[:, -1].nonzero()[0].max()) + 1
-        rows = np.arange(int(self.panels(np.array([k - 1]), k)[0][0]), k + 1)
+        rows = np.arange(int(panels(self.breaks[:, None], np.array([k - 1]), k)[0][0]), k + 1)
         at = self.g[k - 1] + (now - self.g[k - 1]) * SWEPT
         within = lagrange(self.g[rows] + 0.0 * at[:, None], at)
         return Travel(points, len(passed), near, begin, old, weights[:near, -1:], guess, within, *behind)
