@@ -54,6 +54,7 @@ class ZoneShift:
             width = own[right] - own[right - 1]
             share = np.clip((targets - own[right - 1]) / width, 0.0, 1.0)
             self.low[nodes], self.high[nodes], self.share[nodes] = nodes[right - 1], nodes[right], share
+        self._ends = self.low + self.share * (self.high - self.low)
         # first node whose shifted point can lie outside the contact of the nodes 0..m
         self.first = np.searchsorted(np.maximum.accumulate(self.high), np.arange(count), side="right")
 
@@ -67,9 +68,8 @@ class ZoneShift:
 
     def seen(self, s: float) -> float:
         """Position, in nodes, of the end of the zone in front of an edge at ``s``."""
-        m = int(np.floor(s))
-        ends = self.low[m : m + 2] + (self.high[m : m + 2] - self.low[m : m + 2]) * self.share[m : m + 2]
-        return float(ends[0] + (s - m) * (ends[1] - ends[0]))
+        m = math.floor(s)
+        return float(self._ends[m] + (s - m) * (self._ends[m + 1] - self._ends[m]))
 
     def closure(self, first: int, forces: Array, gap: Array) -> Array | float:
         """Closure integral: half of what the nodal forces do over the gaps one zone further out, per area.

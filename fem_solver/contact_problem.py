@@ -62,20 +62,17 @@ class ContactProblem:
         self.compliance = compliance
         self.at_once = not 0.0 < dt < math.inf or not solid.modulus.times.size
         self.evaluations = 0
-        # of the edge asked for last: penetration and nodes in motion; all components and branch variables
+        # of the edge asked for last: penetration and nodes in motion
         self._passage: tuple[float, float, NodePassage] | None = None
-        self._arrival: tuple[float, Array, Array] | None = None
-        step = solid.modulus.increment(dt)
+        self._step = step = solid.modulus.increment(dt)
         remembers = state.edge > NO_CONTACT and step.gain.size  # an elastic node has no past
-        self._partly = int(np.floor(state.edge)) + 1 if remembers else None
-        self.modulus, start = step.modulus, -placement.profile - state.components
-        # in contact throughout, per unit of penetration and without it
-        self._gain = step.gain[:, None]
-        self._base = step.decay[:, None] * state.branches + self._gain * start
+        self._partly = math.floor(state.edge) + 1 if remembers else None
+        self.modulus, self._gain = step.modulus, step.gain[:, None]
         memory = step.memory(state.branches, state.components)
-        self.stiffness = np.cumsum(self.modulus * placement.unit**2)
-        self.held_force = np.cumsum(placement.unit * (memory - self.modulus * placement.profile))
-        self._memory = memory / (self.modulus * placement.unit)  # as depths
+        self._stiff, self._held = self.modulus * placement.unit, memory - self.modulus * placement.profile
+        self.stiffness = np.cumsum(placement.unit * self._stiff)
+        self.held_force = np.cumsum(placement.unit * self._held)
+        self._memory = memory
         self._free, self._free_branches = self._freed(state.components, state.branches)
 
     def penetration(self, s: float) -> float:
@@ -98,17 +95,17 @@ class ContactProblem:
     def _found(self, s: float) -> tuple[float, NodePassage]:
         pass_at = self._passages(s)
         if self.control == "penetration":
-            return self.value, pass_at(self.value, False)
+            return self.value, pass_at(np.array([self.value]), False)
         first = self.state.penetration
         second = first + max(abs(first), self.placement.scale)
-        one, other = pass_at(first, False), pass_at(second, False)
-        low, high = self._force_of(s, first, one), self._force_of(s, second, other)
+        both = pass_at(np.array([first, second]), False)
+        low, high = self._forces_of(s, np.array([first, second]), both)
         stiffness = (high - low) / (second - first)  # the force is linear in the penetration
         if self.control == "stage":  # X = D + F/k
             rise = (self.value - first - self.compliance * low) / (1.0 + self.compliance * stiffness)
         else:
             rise = (self.value - low) / stiffness
-        return first + rise, one.towards(other, rise / (second - first))
+        return first + rise, both.between(rise / (second - first))
 
     def force(self, s: float) -> float:
         """Total force."""
@@ -116,66 +113,85 @@ class ContactProblem:
             return self.value
         if s <= NO_CONTACT:
             return 0.0
-        v, b = self.arrival(s)
-        loaded = slice(math.floor(s) + 2)
-        total = float(self.placement.unit[loaded] @ self.solid.force(v[loaded], b[:, loaded]))
+        penetration, passage = self._in_equilibrium(s)
+        total = float(self._forces_of(s, np.array([penetration]), passage)[0])
         # without adhesion nothing pulls, nor does a node that is let go in part, by 1e-9 of the largest force
         return total if self.geometry.zone is not None else max(total, 0.0)
 
     def singular_force(self, s: float) -> float:
         """Force of the flat punch, as large as the contact, that leaves the same edge singularity."""
-        m = int(np.floor(s))
-        if m < 0:
-            return 0.0
-        v, b = self.arrival(s)
-        unit = self.placement.unit[: m + 1]
-        return float(self.solid.force(v[m : m + 1], b[:, m : m + 1])[0] / unit[m] * (unit @ unit))
+        m = math.floor(s)
+        return float(self._bearing(s, m)[0] * self.stiffness[m] / self._stiff[m]) if m >= 0 else 0.0
 
-    def _force_of(self, s: float, penetration: float, passage: NodePassage) -> float:
-        low = self._changing(s)[0]
-        top = int(np.floor(s)) + 1
-        loaded = self.solid.force(passage.v, passage.b)[: top + 1 - low]
-        total = float(self.placement.unit[low : top + 1] @ loaded)
-        inner = self.stiffness[low - 1] * penetration + self.held_force[low - 1] if low else 0.0
-        return total + float(inner)
+    def _forces_of(self, s: float, penetrations: Array, passage: NodePassage) -> Array:
+        """Total forces at each of the penetrations of a passage."""
+        low, end = self._changing(s)[0], math.floor(s) + 2
+        borne = self.solid.force(passage.v, passage.b).reshape(len(penetrations), -1)[:, : end - low]
+        moving = borne @ self.placement.unit[low:end]
+        return moving + self.stiffness[low - 1] * penetrations + self.held_force[low - 1] if low else moving
+
+    def _bearing(self, s: float, first: int) -> Array:
+        """``y`` of the nodes from one on that bear a force with the edge at ``s``."""
+        penetration, passage = self._in_equilibrium(s)
+        low, end = self._changing(s)[0], math.floor(s) + 2
+        moving = self.solid.force(passage.v, passage.b)[max(first - low, 0) : end - low]
+        inner = slice(first, low)
+        return np.append(penetration * self._stiff[inner] + self._held[inner], moving)
+
+    def _components(self, s: float, end: int) -> Array:
+        """``v`` of the nodes up to an end beyond those that bear a force."""
+        penetration, passage = self._in_equilibrium(s)
+        low, high = self._changing(s)
+        held = penetration * self.placement.unit[:low] - self.placement.profile[:low]
+        return np.concatenate([held, passage.v, self._free[high:end]])[:end]
+
+    def _in_contact(self, count: int, penetration: float) -> Array:
+        """Branch variables of the first nodes, in contact throughout."""
+        here, state = self.placement, self.state
+        change = penetration * here.unit[:count] - here.profile[:count] - state.components[:count]
+        return self._step.advance(state.branches[:, :count], change)
 
     def _changing(self, s: float) -> tuple[int, int]:
         """Range of the nodes that are not in contact, or free, throughout the step."""
-        edges = sorted((max(self.state.edge, -1.0), s))
-        return int(np.floor(edges[0])) + 1, min(int(np.floor(edges[1])) + 2, len(self.placement.unit))
+        low, high = min(self.state.edge, s), max(self.state.edge, s)
+        return math.floor(low) + 1, min(math.floor(high) + 2, len(self.placement.unit))
 
-    def _passages(self, s: float) -> Callable[[float, bool], NodePassage]:
-        """The nodes in motion at the end of the step with the edge at ``s``, for a penetration there; with
-        energies if they are asked for."""
+    def _passages(self, s: float) -> Callable[[Array, bool], NodePassage]:
+        """The nodes in motion at the end of the step with the edge at ``s``, for one or more penetrations
+        there; with energies if they are asked for."""
         here, state = self.placement, self.state
         low, high = self._changing(s)
         nodes, index = slice(low, high), np.arange(low, high)
-        unit, profile = here.unit[nodes], here.profile[nodes]
-        start = state.components[nodes], state.branches[:, nodes], state.held
-        share = np.clip(s - index + 1.0, 0.0, 1.0)  # of full contact at the end
+        share = np.minimum(np.maximum(s + 1.0 - index, 0.0), 1.0)  # of full contact at the end
         released = self._released_in_part(low, high)
         opens, at = False, np.zeros(0)
         if not self.at_once:
             path = self._path(s)
-            ends = np.append(self.geometry.effective[low - 1] if low else 0.0, self.geometry.effective[nodes])
-            opens, at = path.opens, path.passed(ends)
-        partly, before = int(np.floor(state.edge)) + 1 - low, state.edge - np.floor(state.edge)
+            opens, at = path.opens, path.passed(self.geometry.ends[low : high + 1])
+        partly, before = math.floor(state.edge) + 1 - low, state.edge - math.floor(state.edge)
         strips = state.strips if 0 <= partly < high - low and state.edge > NO_CONTACT else None
 
-        def passed(penetration: float, accounts: bool) -> NodePassage:
-            passage, change = NodePassage(self.solid, *start, accounts), penetration - state.penetration
-            passage.strips = strips
+        def passed(penetrations: Array, accounts: bool) -> NodePassage:
+            several, count = len(penetrations), high - low
+
+            def each(values: Array) -> Array:
+                return np.tile(values, several) if several > 1 else values
+
+            unit, profile = each(here.unit[nodes]), each(here.profile[nodes])
+            change = np.repeat(penetrations - state.penetration, count)
+            start = each(state.components[nodes]), each(state.branches[:, nodes])
+            passage = NodePassage(self.solid, *start, state.held, accounts, strips=strips, ways=several)
 
             def imposed(theta: Array) -> Array:
                 return (state.penetration + theta * change) * unit - profile
 
             if self.at_once:
                 begun, reached = imposed(np.zeros(1)), imposed(np.ones(1))
-                passage.at_once(self.dt, share, begun, reached, self._free[nodes], released)
+                passage.at_once(self.dt, each(share), begun, reached, each(self._free[nodes]), released)
             elif opens:
-                passage.release(self.dt, share[0], at[1:], at[:-1], imposed, partly, before)
+                passage.release(self.dt, share[0], each(at[1:]), each(at[:-1]), imposed, partly, before)
             else:
-                passage.cover(self.dt, share, at[:-1], at[1:], imposed, before)
+                passage.cover(self.dt, each(share), each(at[:-1]), each(at[1:]), imposed, before)
             return passage
 
         return passed
@@ -195,48 +211,31 @@ class ContactProblem:
         if node is None or node >= high:
             return None
         contact = state.penetration * self.placement.unit[node] - self.placement.profile[node]
-        return PartlyReleased(node - low, float(state.edge - np.floor(state.edge)), float(contact))
-
-    def arrival(self, s: float) -> tuple[Array, Array]:
-        """Components and branch variables at the end of the step; shapes (n,) and (branches, n)."""
-        if self._arrival is None or self._arrival[0] != s:
-            self._arrival = s, *self._arrived(s, False)[:2]
-        return self._arrival[1:]
-
-    def _arrived(self, s: float, accounts: bool) -> tuple[Array, Array, NodePassage]:
-        here, penetration = self.placement, self.penetration(s)
-        low, high = self._changing(s)
-        if accounts or s <= NO_CONTACT:
-            passage = self._passages(s)(penetration, accounts)
-        else:
-            passage = self._in_equilibrium(s)[1]
-        held = penetration * here.unit[:low] - here.profile[:low]
-        within = self._base[:, :low] + self._gain * penetration * here.unit[:low]
-        v = np.concatenate([held, passage.v, self._free[high:]])
-        return v, np.hstack([within, passage.b, self._free_branches[:, high:]]), passage
+        return PartlyReleased(node - low, float(state.edge - math.floor(state.edge)), float(contact))
 
     def accepted(self, s: float) -> ComponentState:
         """The state at the end of the step."""
-        v, b, passage = self._arrived(s, True)
+        here, penetration = self.placement, self.penetration(s)
         low, high = self._changing(s)
-        for nodes in (slice(0, low), slice(high, None)):
-            started = self.state.components[nodes], self.state.branches[:, nodes]
-            rest = NodePassage(self.solid, *started, self.state.held, True)
-            if nodes.stop is None and not self.at_once:
-                rest.recover(np.full(len(rest.v), self.dt))
-            else:
-                rest.linear(np.full(len(rest.v), self.dt), v[nodes])
-            passage.dissipated += rest.dissipated
-        state = self.state
+        passage = self._passages(s)(np.array([penetration]), True)
+        held = penetration * here.unit[:low] - here.profile[:low]
+        within = self._in_contact(low, penetration)
+        v = np.concatenate([held, passage.v, self._free[high:]])
+        b = np.hstack([within, passage.b, self._free_branches[:, high:]])
+        state, lost = self.state, 0.0
+        if not self.at_once:
+            lost += self.solid.loss(state.components[:low], state.branches[:, :low], self.dt, held).sum()
+            lost += self.solid.stored(state.components[high:], state.branches[:, high:]).sum()
+            lost -= self.solid.stored(v[high:], b[:, high:]).sum()
         unresolved = self.solid.remaining(state.unresolved, self.dt)
         uneven = self.solid.remaining_in_contact(state.uneven, self.dt)
         relaxed = float(np.sum(state.unresolved - unresolved) + np.sum(state.uneven - uneven))
         edge = state.radius, self.geometry.radius(s)
-        borders, lost, passed = state.borders.after(self.solid, self.dt, edge, self._moments(s))
+        borders, of_borders, passed = state.borders.after(self.solid, self.dt, edge, self._moments(s))
         if passage.beyond is not None and edge[0] != edge[1]:
             known = borders.with_border(state.radius, passage.beyond)
             borders = known.most_energetic(self.solid)
-            lost += known.stored(self.solid) - borders.stored(self.solid)
+            of_borders += known.stored(self.solid) - borders.stored(self.solid)
         return ComponentState(
             place=self.placement.place,
             components=v,
@@ -245,11 +244,11 @@ class ContactProblem:
             strips=self._strips(s, passage.held[:, 0], b),
             left=self._left(s, b),
             at_edge=self._at_edge(s),
-            penetration=self.penetration(s),
+            penetration=penetration,
             radius=edge[1],
             edge=s,
             before=state.rows_and_this(self.dt) if 0.0 < self.dt < math.inf else (),
-            dissipated=state.dissipated + passage.dissipated + relaxed + lost,
+            dissipated=state.dissipated + passage.dissipated + float(lost) + relaxed + of_borders,
             opening=state.opening + passage.opening + passed,
             updates=state.updates + 1,
             unresolved=unresolved,
@@ -260,11 +259,11 @@ class ContactProblem:
 
     def _strips(self, s: float, held: Array, b: Array) -> NodeStrips | None:
         """Strips of the node in contact in part at the end of the step; their mean is that of the node."""
-        state, solid, node = self.state, self.solid, int(np.floor(s)) + 1
-        share, before = s - np.floor(s), state.edge - np.floor(state.edge)
+        state, solid, node = self.state, self.solid, math.floor(s) + 1
+        share, before = s - math.floor(s), state.edge - math.floor(state.edge)
         if s <= NO_CONTACT or not self._gain.size:
             return None
-        if state.strips is None or np.floor(s) != np.floor(state.edge):
+        if state.strips is None or math.floor(s) != math.floor(state.edge):
             free = (b[:, node] - share * held) / (1.0 - share)
             return NodeStrips.two(share, held, free, False)
         inner, outer = min(share, before), max(share, before)
@@ -300,7 +299,7 @@ class ContactProblem:
 
     def _left(self, s: float, b: Array) -> dict[int, NodeStrips]:
         """Strips of the nodes in which the edge turned and has left, as far out as the closure looks."""
-        node, strips, last = self._partly, self.state.strips, int(np.floor(s)) + 1
+        node, strips, last = self._partly, self.state.strips, math.floor(s) + 1
         if self.geometry.shift is None or s <= NO_CONTACT or not self._gain.size:
             return {}
         reach = np.searchsorted(self.geometry.effective, self.geometry.radius(s) + self.zone(s))
@@ -317,7 +316,7 @@ class ContactProblem:
         Those in contact are released as the edge passes their middle; their mean is that of the node.
         """
         state, solid, ends = self.state, self.solid, self.geometry.effective
-        before = state.edge - np.floor(state.edge)
+        before = state.edge - math.floor(state.edge)
         (contact, held), (free, recovered) = strips.within(0.0, before), strips.within(before, 1.0)
         recovered = self._recovered(recovered)
         if not contact.size:
@@ -339,7 +338,7 @@ class ContactProblem:
         here, state = self.placement, self.state
         if here.stays:
             return None
-        nodes = SurfaceRecord(here.positions, b / here.unit, here.profile / here.unit, int(np.floor(s)) + 1)
+        nodes = SurfaceRecord(here.positions, b / here.unit, here.profile / here.unit, math.floor(s) + 1)
         if state.record is None or s <= NO_CONTACT:
             return nodes
         edge = here.site(s)
@@ -351,36 +350,27 @@ class ContactProblem:
         )
         return passed.renewed(nodes, slice(int(here.lowest), self.geometry.last + 1))
 
-    def forces(self, s: float) -> Array:
-        """All nodal forces, compressive positive; shape (n,)."""
-        v, b = self.arrival(s)
-        loaded = np.zeros(len(v))
-        end = int(np.floor(s)) + 2
-        loaded[:end] = self.solid.force(v[:end], b[:, :end])
-        return self.placement.forces(loaded)
-
     def closure(self, s: float) -> float:
         """Closure integral, an energy per area (see ``closure``); minus infinity under pressure.
 
         Of a node across the end of the zone it sees the radii within.
         """
         self.evaluations += 1
-        (v, b), here, shift = self.arrival(s), self.placement, self.geometry.shift
+        here, shift = self.placement, self.geometry.shift
         assert shift is not None, "no closure without adhesion"
         if self.geometry.stress is not None:
             shift = ZoneShift(here.radii, self.zone(s))
-        m = int(np.floor(s))
+        m = math.floor(s)
         top = m + 1
         first, end = shift.nodes(m, top)
-        y = self.solid.force(v[first : top + 1], b[:, first : top + 1])
+        y = self._bearing(s, first)
         # the node in full contact next to the edge tells tension from pressure
         if y[m - first] > 0.0:
             return -np.inf
-        seen = shift.seen(s)
-        node = int(np.floor(seen)) + 1
+        v, seen = self._components(s, end), shift.seen(s)
+        node = math.floor(seen) + 1
         across = self._left_free.get(node)
         if across is not None:
-            v = v.copy()
             v[node] = -across.mean(0.0, seen - (node - 1)).sum() / self.solid.modulus.relaxed
         gap = here.displacement_of(v, top, end) + (here.height[top:end] - self.penetration(s))
         lower, upper = here.closure_scale[m : m + 2]
@@ -413,14 +403,15 @@ class ContactProblem:
     def _left_inside(self) -> tuple[Array, Array]:
         """Depths of components within the edge, and of that edge, and what the past leaves."""
         v, b = self._edge_before
-        step, count = self.solid.modulus.increment(self.dt), int(np.floor(self.state.edge)) + 1
+        count = math.floor(self.state.edge) + 1
         depths = np.append(self.placement.depths[:count], self.placement.depth(self.state.radius))
-        return depths, np.append(self._memory[:count], step.memory(b, v) / self.modulus)
+        memory = self._memory[:count] / self.placement.unit[:count]
+        return depths, np.append(memory, self._step.memory(b, v)) / self.modulus
 
     @cached_property
     def _left_outside(self) -> tuple[Array, Array]:
         """The same beyond it, where the surface is free; the node in contact in part is neither."""
-        first = int(np.floor(self.state.edge)) + 2
+        first = math.floor(self.state.edge) + 2
         depths = np.append(self.placement.depth(self.state.radius), self.placement.depths[first:])
         return depths, -np.append(self._edge_freed[0], self._free[first:] / self.placement.unit[first:])
 
@@ -442,12 +433,12 @@ class ContactProblem:
         """Branch variables of a component at the edge at the end of the step, over ``e``: (branches,)."""
         if self.geometry.zone is not None or s <= NO_CONTACT:
             return np.zeros(len(self._gain))
-        here, count, radius = self.placement, int(np.floor(self.state.edge)) + 1, self.geometry.radius(s)
+        here, count, radius = self.placement, math.floor(self.state.edge) + 1, self.geometry.radius(s)
         depth = here.depth(radius)
         if radius <= self.state.radius:
             held_at = np.array([self.penetration(s) - here.depth(self.state.radius)])
             there = self.solid.linear(*self._edge_before, self.dt, held_at)
-            within = self._base[:, :count] / here.unit[:count] + self._gain * self.penetration(s)
+            within = self._in_contact(count, self.penetration(s)) / here.unit[:count]
             places, held = self._left_inside[0], np.hstack([within, there])
             return np.array([np.interp(depth, places, branch) for branch in held])
         first = count + 1
@@ -464,13 +455,12 @@ class ContactProblem:
     def zone(self, s: float) -> float:
         """Length of the process zone; at fixed stress that over which the tension has its mean, at most the
         contact radius."""
-        geometry, here, end = self.geometry, self.placement, int(np.floor(s)) + 2
+        geometry, here, end = self.geometry, self.placement, math.floor(s) + 2
         if geometry.stress is None or geometry.shortest is None or s < 0.0:
             return geometry.zone or 0.0
-        v, b = self.arrival(s)
 
         def forces(first: int) -> Array:
-            return here.forces(self.solid.force(v[first:end], b[:, first:end]), first)
+            return here.forces(self._bearing(s, first), first)
 
         edge = geometry.radius(s) / here.stretch  # as the nodes measure it
         length = zone_of_stress(geometry.radii[:end], forces, edge, geometry.stress, geometry.shortest)

@@ -104,7 +104,7 @@ class AdhesiveEdge:
         Arguments are not kept, as what a function holds would be in a reference cycle of scipy's.
         """
         known = problem, ends
-        return float(brentq(self._known_excess, min(ends), max(ends), known))
+        return float(brentq(self._known_excess, min(ends), max(ends), known, xtol=_NARROW_STRIDE**2))
 
     def _known_excess(self, s: float, problem: ContactProblem, ends: dict[float, float]) -> float:
         return ends[s] if s in ends else self._excess(problem, s)

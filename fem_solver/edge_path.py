@@ -48,10 +48,10 @@ class EdgePosition:
 class EdgeGeometry:
     """Radii that belong to edge positions, and the shift by one process zone.
 
-    ``effective`` are the contact radii of the sets ``0..m``, ``zone`` is the length of the process zone, at
-    fixed stress that at rest, ``None`` without adhesion, ``shortest`` that of a closing edge. The mesh is
-    made for contact edges up to ``reach``, from which they keep a ``margin``: the zone, to which the closure
-    looks.
+    ``effective`` are the contact radii of the sets ``0..m``, ``ends`` those between which each node stands,
+    ``zone`` is the length of the process zone, at fixed stress that at rest, ``None`` without adhesion,
+    ``shortest`` that of a closing edge. The mesh is made for contact edges up to ``reach``, from which they
+    keep a ``margin``: the zone, to which the closure looks.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class EdgeGeometry:
     ) -> None:
         self.radii, self.zone, self.stress = radii, zone, stress
         self.shortest = zone if shortest is None else shortest
-        self.effective = effective
+        self.effective, self.ends = effective, np.append(0.0, effective)
         span = reach - (zone or 0.0 if margin is None else margin)
         beyond = min(int(np.searchsorted(radii, span, side="right")), len(radii) - 1)
         self.last = min(beyond if math.isclose(radii[beyond], span) else beyond - 1, len(radii) - 2)
@@ -77,7 +77,7 @@ class EdgeGeometry:
 
     def radius(self, s: float) -> float:
         """Contact radius at the edge position ``s``; 0 at ``s = -1`` (no contact)."""
-        m = int(np.floor(s))
+        m = math.floor(s)
         inner = self.effective[m] if m >= 0 else 0.0
         part = s - m
         return float(inner + part * (self.effective[m + 1] - inner)) if part > 0.0 else float(inner)
@@ -89,6 +89,8 @@ class EdgeGeometry:
         return float(np.interp(radius, self.effective, np.arange(len(self.effective))))
 
 
+_CLOSE = math.cbrt(np.finfo(float).eps)
+"""Share of a step by which Newton's method moves at last, which leaves its square."""
 Row = tuple[float, float]
 """Time from an earlier row to the begin of the step, and the contact radius at that row."""
 
@@ -118,7 +120,7 @@ class EdgePolynomial:
         length, radius = before[0]
         slope = (start - radius) / length
         curvature = (travel / dt - slope) / (dt + length)
-        bend = float(np.clip(curvature * dt**2 / travel, -1.0, 1.0))
+        bend = min(max(curvature * dt**2 / travel, -1.0), 1.0)
         if len(before) < 2:
             return cls(start, travel, bend)
         age, oldest = before[1]
@@ -128,7 +130,7 @@ class EdgePolynomial:
         # Bernstein coefficients of the slope are positive: 1 - bend - earlier twist, 1 - twist and
         # 1 + bend + (1 + earlier) twist
         least, most = -(1.0 + bend) / (1.0 + earlier), min((1.0 - bend) / earlier, 1.0)
-        twist = float(np.clip(third * dt**3 / travel, least, most))
+        twist = min(max(third * dt**3 / travel, least), most)
         return cls(start, travel, bend, twist, earlier)
 
     @property
@@ -140,30 +142,28 @@ class EdgePolynomial:
         """Share of the step at which the edge is at each radius: 0 or 1 if it is there before or later."""
         if self.travel == 0.0:
             return np.where(radii <= self.start, 1.0, 0.0)
-        way = np.clip((radii - self.start) / self.travel, 0.0, 1.0)
-        slope = 1.0 - self.bend
-        root = slope + np.sqrt(np.maximum(slope**2 + 4.0 * self.bend * way, 0.0))
-        share = np.divide(2.0 * way, root, out=np.zeros_like(way), where=root > 0.0)
-        share = np.clip(share, 0.0, 1.0)
-        if self.twist != 0.0:
-            share = self._improved(share, way)
-        return np.where(way >= 1.0, 1.0, np.where(way <= 0.0, 0.0, share))  # to the last bit
+        way = (radii - self.start) / self.travel
+        share = np.where(way >= 1.0, 1.0, 0.0)  # to the last bit
+        between = (way > 0.0) & (way < 1.0)
+        if between.any():
+            share[between] = self._crossed(way[between])
+        return share
 
-    def _improved(self, share: Array, way: Array) -> Array:
+    def _crossed(self, way: Array) -> Array:
         """Roots of the cubic, from those of the parabola: Newton's method within brackets that shrink."""
-        low, high = np.zeros_like(way), np.ones_like(way)
+        slope, low, high = 1.0 - self.bend, np.zeros(way.size), np.ones(way.size)
+        root = slope + np.sqrt(np.maximum(slope**2 + 4.0 * self.bend * way, 0.0))
+        share = np.minimum(2.0 * way / root, 1.0)
         # p in powers of the share
         cubic, square = self.twist, self.bend + self.twist * (self.earlier - 1.0)
-        line = 1.0 - self.bend - self.twist * self.earlier
-        moved = np.inf
-        while moved > np.sqrt(np.finfo(float).eps):  # which leaves its square
+        line, moved = 1.0 - self.bend - self.twist * self.earlier, math.inf if self.twist else 0.0
+        while moved > _CLOSE:
             excess = share * (line + share * (square + share * cubic)) - way
             rate = line + share * (2.0 * square + share * (3.0 * cubic))
             low, high = np.where(excess <= 0.0, share, low), np.where(excess >= 0.0, share, high)
-            ahead = share - np.divide(excess, rate, out=np.zeros_like(rate), where=rate > 0.0)
-            inside = (ahead >= low) & (ahead <= high) & (rate > 0.0)
-            ahead = np.where(inside, ahead, 0.5 * (low + high))
-            moved, share = np.abs(ahead - share).max(initial=0.0), ahead
+            ahead = share - excess / np.maximum(rate, _CLOSE)
+            ahead = np.where((ahead >= low) & (ahead <= high), ahead, 0.5 * (low + high))
+            moved, share = np.abs(ahead - share).max(), ahead
         return share
 
 

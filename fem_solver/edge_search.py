@@ -70,9 +70,6 @@ def sharp_release_rates(problem: ContactProblem) -> Array:
     return 0.5 * np.divide(twice, areas, out=np.zeros_like(areas), where=areas > 0.0)
 
 
-_STRIDE_OF_RADIUS = 0.02
-"""Farthest that a search goes to the next place of the mesh, relative to the contact radius: stable and
-unstable contact are farther apart."""
 _MOST_PLACES = 400
 """Places of the mesh that a search asks at most: over the whole range of radii it takes some tens."""
 
@@ -198,7 +195,8 @@ class EdgeSearch:
                 radius, passed = 0.5 * (within + beyond), 0.0
                 continue
             fine_range = found.problem.placement.fine_range
-            stride = min(2.0 * stride + 0.25 * fine_range, _STRIDE_OF_RADIUS * reached)
+            # stable and unstable contact are farther apart than an edge goes in a step
+            stride = min(2.0 * stride + 0.25 * fine_range, self.setup.travel(reached))
             radius, passed = min(max(reached + (stride if outwards else -stride), low), high), stride
         raise EdgeNotFound(f"the edge is not found around the contact radius {radius:.6g}")
 

@@ -200,7 +200,7 @@ class _Bodies:
             stored_energy_density=recovery.densities(fields.stored[None])[0],
             dissipation_rate=recovery.densities(fields.rates),
             dissipated=recovery.densities(self._lost),
-            surface=profile(self._recording.surfaces[row], here),
+            surface=profile(self._recording.surfaces[row], state, here, self._solid),
             element_volumes=here.scale**3 * recovery.volumes,
             element_stored=recovery.means(fields.stored[None])[0],
             element_rate=recovery.means(fields.rates),

@@ -208,7 +208,7 @@ class Factorisation:
     def condensed(self) -> Array:
         """Lower triangle of the displacements of surface nodes per force on them, the far boundary held."""
         last = self.factor.perm_c[-self.count :]
-        lower = np.asfortranarray(self.factor.L[last][:, last].toarray())
+        lower = np.asfortranarray(self.factor.L[:, last][last].toarray())
         inverse = dtrtri(lower, lower=1, unitdiag=1, overwrite_c=1)[0]
         inverse /= np.sqrt(self.factor.U.diagonal()[last])[:, None]
         return dlauum(inverse, lower=1, overwrite_c=1)[0]

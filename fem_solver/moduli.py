@@ -39,7 +39,7 @@ equal numbers."""
 
 def phi(y: Array) -> Array:
     """``(1 - exp(-y))/y`` with ``phi(0) = 1`` and ``phi(inf) = 0``."""
-    return np.divide(-np.expm1(-y), y, out=np.ones_like(y), where=y > 0.0)
+    return np.divide(-np.expm1(-y), y, out=np.ones(y.shape), where=y > 0.0)
 
 
 def mean_phi(y: Array) -> Array:

@@ -169,6 +169,8 @@ class NodeBorders:
         held, holds = (self.radii < radius for radius in edge)
         share = np.where(held == holds, 1.0, moments(self.radii))
         until = self._relaxed(solid, held, share * dt)
+        if np.array_equal(held, holds):
+            return until, self.stored(solid) - until.stored(solid), 0.0
         passed = until._passed(solid, holds)
         last = passed._relaxed(solid, holds, (1.0 - share) * dt)
         before, reached, left, after = (one.stored(solid) for one in (self, until, passed, last))
@@ -199,11 +201,12 @@ class PartlyReleased:
 class NodePassage:
     """Components of a range of nodes on their way through a step; sums up energies if asked to.
 
-    ``held`` are the branch variables of the partly released node if it were in contact: (branches,) those at
-    the begin of the step, (branches, 1) those at its end. ``opening`` is the work of the forces on the gap;
-    that of the indenter is counted elsewhere. ``beyond`` is what radii that the edge has passed in the
-    step, and those of the same node on their side before, hold beyond the means (see ``borders``);
-    ``strips`` those of the partly released node, where they are known.
+    Without energies there may be several ``ways``, for as many penetrations: the nodes of one behind those of
+    another. ``held`` are the branch variables of the partly released node if it were in contact: (branches,)
+    those at the begin of the step, (branches, 1) those at its end, with energies. ``opening`` is the work of
+    the forces on the gap; that of the indenter is counted elsewhere. ``beyond`` is what radii that the edge
+    has passed in the step, and those of the same node on their side before, hold beyond the means (see
+    ``borders``); ``strips`` those of the partly released node, where they are known.
     """
 
     solid: Components
@@ -215,14 +218,17 @@ class NodePassage:
     opening: float = 0.0
     beyond: VariablesOfParts | None = None
     strips: NodeStrips | None = None
+    ways: int = 1
 
-    def towards(self, other: NodePassage, share: float) -> NodePassage:
-        """The passage at a share of the way in penetration to another one's, of which all is linear."""
-        v, b, held = (
-            one + share * (there - one)
-            for one, there in ((self.v, other.v), (self.b, other.b), (self.held, other.held))
-        )
-        return NodePassage(self.solid, v, b, held, self.accounts)
+    def _on_each(self, node: int) -> slice:
+        """A node on each of the ways."""
+        return slice(node, None, len(self.v) // self.ways)
+
+    def between(self, share: float) -> NodePassage:
+        """At a share of the way in penetration from the first of two to the second: all is linear in it."""
+        (v, to_v), (b, to_b) = np.split(self.v, 2), np.split(self.b, 2, axis=1)
+        v, b = v + share * (to_v - v), b + share * (to_b - b)
+        return NodePassage(self.solid, v, b, self.held, False)
 
     def linear(self, dt: Array, reached: Array, indented: Array | None = None) -> None:
         """``v`` goes linearly to ``reached``, by ``indented`` with the indenter: all the way in contact."""
@@ -248,25 +254,33 @@ class NodePassage:
     ) -> None:
         """All nodes go linearly to their ends together, in no time or from nothing."""
         reached = share * imposed + (1.0 - share) * free
-        top = int(np.count_nonzero(share == 1.0))
-        v, b, stays_free = self.v[top : top + 1], self.b[:, top : top + 1], None
         if partly is not None:
-            at = partly.at
-            reached[at] = self._reached_in_part(partly, float(share[at]), float(imposed[at]))
-            if self.accounts:
-                contact = self._in_part(at, partly.share, np.array([partly.contact]))
-                self._keep(contact.jumped(float(imposed[at]), float(share[at])))
-            if at == top and share[at] > partly.share:
-                stays_free = (1.0 - share[at]) * self._free_from(at, partly.share, float(share[at]))
-            elif at == top:
-                v, b = np.array([partly.contact]), self._held_up_to(float(share[at]))[:, None]
-        held = self.solid.linear(v, b, dt, imposed[top : top + 1])
+            at, here = partly.at, self._on_each(partly.at)
+            reached[here] = self._reached_in_part(partly, float(share[at]), imposed[here])
+        if self.accounts:
+            self.held = self._held_at_once(dt, share, imposed, reached, partly)
         self.linear(np.full(len(self.v), dt), reached, imposed - begun)
-        if stays_free is not None:  # radii just covered have jumped from elsewhere than those in contact
-            held = (self.b[:, top] - stays_free)[:, None] / share[top]
-        self.held = held
 
-    def _reached_in_part(self, partly: PartlyReleased, share: float, imposed: float) -> float:
+    def _held_at_once(
+        self, dt: float, share: Array, imposed: Array, reached: Array, partly: PartlyReleased | None
+    ) -> Array:
+        """``held`` behind :meth:`at_once`, and what that leaves beyond the means."""
+        top = int(np.count_nonzero(share == 1.0))
+        v, b = self.v[top : top + 1], self.b[:, top : top + 1]
+        if partly is not None:
+            at, after = partly.at, float(share[partly.at])
+            contact = self._in_part(at, partly.share, np.array([partly.contact]))
+            self._keep(contact.jumped(float(imposed[at]), after))
+            if (
+                at == top and after > partly.share
+            ):  # radii just covered jump from elsewhere than those in contact
+                b = self.solid.linear(v, b, dt, reached[top : top + 1])
+                return (b - (1.0 - after) * self._free_from(at, partly.share, after)[:, None]) / after
+            if at == top:
+                v, b = np.array([partly.contact]), self._held_up_to(after)[:, None]
+        return self.solid.linear(v, b, dt, imposed[top : top + 1])
+
+    def _reached_in_part(self, partly: PartlyReleased, share: float, imposed: Array) -> Array:
         """Mean of the node in contact in part after a change in no time.
 
         Its radii in contact follow the indenter, the others stay; the edge releases the former or covers the
@@ -278,12 +292,12 @@ class NodePassage:
         held = self.solid.force(np.array([partly.contact]), remaining)[0]
         held += glassy * (imposed - partly.contact)
         if share <= before:
-            return float(v + (share * held - force) / glassy)
+            return np.asarray(v + (share * held - force) / glassy)
         whole = force + glassy * (imposed - v)  # of the node in full contact
         if share < 1.0:
             free = self._free_from(at, before, share)
             whole -= (1.0 - share) * glassy * (imposed + float(free.sum()) / self.solid.modulus.relaxed)
-        return float(v + (whole - force) / glassy)
+        return np.asarray(v + (whole - force) / glassy)
 
     def creep(self, dt: Array, force: Array, indented: Array) -> None:
         """The force goes linearly to ``force``, the indenter by ``indented``."""
@@ -321,8 +335,8 @@ class NodePassage:
         begun, reached, length = imposed(first), imposed(last), (last - first) * dt
         self.linear(first * dt, np.where(first > 0.0, begun, self.v))
         contact = self.b.copy()  # of the radii in contact
-        if partly < len(first):
-            contact[:, partly] = self.held
+        if partly < len(first) // self.ways:
+            contact[:, self._on_each(partly)] = self.held[:, None]
         lost, beyond = np.zeros(0), None
         if self.accounts:
             shares, remaining, free = np.ones(len(first)), np.zeros(len(first)), np.zeros_like(contact)
@@ -333,10 +347,11 @@ class NodePassage:
             times, parts = (length, (1.0 - last) * dt), (begun, contact)
             lost, beyond = self.solid.lost_by_release(times, (shares, remaining), parts, reached, free)
         # the node that remains in part, as if it had stayed in contact
-        stays = self._held_up_to(share)[:, None] if partly == 0 else contact[:, :1]
-        self.held = self.solid.linear(begun[:1], stays, length[:1], reached[:1])
+        each = self._on_each(0)
+        stays = self._held_up_to(share)[:, None] if partly == 0 else contact[:, each]
+        self.held = self.solid.linear(begun[each], stays, length[each], reached[each])
         force, dissipated = np.zeros(len(first)), self.dissipated
-        force[0] = share * self.solid.force(reached[:1], self.held)[0]
+        force[each] = share * self.solid.force(reached[each], self.held)
         self.creep(length, force, reached - begun)
         self._lose(lost, dissipated)
         self._keep(beyond)
@@ -389,7 +404,7 @@ class NodePassage:
         """Nodes covered from shares ``first`` of the step to ``last``, the last of them in part."""
         self.recover(first * dt)
         length, free, reached = (last - first) * dt, self.b.copy(), imposed(last)
-        free[:, 0] = self._free_from(0, before, float(share[0]))
+        free[:, self._on_each(0)] = self._free_from(0, before, float(share[0]))[:, None]
         lost, beyond, dissipated = np.zeros(0), None, self.dissipated
         if self.accounts:
             shares, contact, counted = np.zeros(len(first)), np.zeros_like(free), free.copy()

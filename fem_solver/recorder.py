@@ -24,9 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import COLUMNS, Adhesion, Counters, Event, Outcome, SurfaceProfile, Trace
+from fem_solver.components import Components
 from fem_solver.placement import Placement
 from fem_solver.setup import Setup
-from fem_solver.state import ComponentState
+from fem_solver.state import ComponentState, nodal_forces
 
 Array = NDArray[np.float64]
 
@@ -45,8 +46,6 @@ class SurfaceState:
         ``radius`` is the contact radius.
     edge : float
         Edge position in nodes (see ``contact_problem``).
-    forces, displacement : ndarray, shape (n,)
-        Nodal forces, compressive positive, and nodal displacements, positive downwards.
     stored, interface : float
         Energy of the half-space, and of the parts of the node next to the edge beyond that of their mean.
     branch_dissipation, opening : float
@@ -69,8 +68,6 @@ class SurfaceState:
     force: float
     radius: float
     edge: float
-    forces: Array
-    displacement: Array
     stored: float
     interface: float
     branch_dissipation: float
@@ -280,18 +277,20 @@ def tributary_areas(radii: Array) -> Array:
     return areas
 
 
-def profile(state: SurfaceState, here: Placement) -> SurfaceProfile:
+def profile(
+    state: SurfaceState, surface: ComponentState, here: Placement, solid: Components
+) -> SurfaceProfile:
     """Pressure, displacement and gap at the surface nodes of the place of a state.
 
     The pressure is the nodal force over the node's area; the axis takes that of its neighbour, and the
     partly released node at the edge is left out.
     """
-    radii = here.radii
-    areas = tributary_areas(radii)
-    pressure = np.divide(state.forces, areas, out=np.zeros_like(areas), where=areas > 0.0)
+    radii, displacement = here.radii, here.displacement(surface.components)
+    areas, forces = tributary_areas(radii), nodal_forces(surface, here, solid)
+    pressure = np.divide(forces, areas, out=np.zeros_like(areas), where=areas > 0.0)
     pressure[0] = pressure[1]
     full = int(np.floor(state.edge))
-    gap = here.height - state.penetration + state.displacement
+    gap = here.height - state.penetration + displacement
     gap[: full + 1] = 0.0
     shown = np.ones(len(radii), bool)
     if full + 1 < len(radii) and state.edge > full:
@@ -303,6 +302,6 @@ def profile(state: SurfaceState, here: Placement) -> SurfaceProfile:
         state.radius,
         here.stretch * radii[shown],
         pressure[shown],
-        state.displacement[shown],
+        displacement[shown],
         gap[shown],
     )

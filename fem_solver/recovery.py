@@ -21,6 +21,7 @@ revolution remains.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,7 +47,7 @@ _AS_FINE, _SHARPNESS = 2.0, 8
 """Element size of a new mesh over that of the one that is left, from which on the points of the latter share
 out the sum, and the power of it: points of a mesh as fine or coarser lie unevenly in the new elements. With
 1 and 4 a smooth density is off by 3e-2 of its mean, with 2 and 8 by 5e-4, with 4 and 8 by no less."""
-_INSIDE = -1e-9
+_INSIDE = -math.sqrt(np.finfo(float).eps)
 """Barycentric coordinate of a point that lies in an element to rounding."""
 
 

@@ -20,7 +20,7 @@ from fem_solver.edge_path import EdgeMotion
 from fem_solver.edge_search import EdgeNotFound, EdgeSearch
 from fem_solver.recorder import SurfaceState, work_of_bends
 from fem_solver.step_control import DyadicInterval, swing
-from fem_solver.time_step import RunEnded, SteppedStates
+from fem_solver.time_step import MISSED, RunEnded, SteppedStates
 
 Search = Callable[[float, Control, float], EdgeSearch]
 
@@ -31,9 +31,6 @@ _LONGEST = 0.125
 """Longest step of a load step that does work on a relaxing solid, relative to the load step: in one much
 shorter than all relaxation, force over penetration is straight but for what a cycle loses. The first step,
 which nothing is known of, is its square of the interval, or of twice the shortest relaxation time."""
-_JUMP_TOLERANCE = 0.1
-"""Deviation from a linear response over a part of a load jump, per tolerance of the steps: a jump passes over
-many zones, and its work is that of its chords, whose errors all have one sign."""
 _SHORTEST_PART = 2.0**-10
 """Least part of a load jump where the response is curved, relative to it; its square is the least before
 contact counts as lost."""
@@ -188,7 +185,7 @@ class NodeReleaseRun(SteppedStates):
         self.estimator.reset()
         if math.isclose(target, before):
             return
-        tolerance = _JUMP_TOLERANCE * self.estimator.tolerance
+        tolerance = MISSED * self.estimator.tolerance
         jump = LoadJump(segment.control, before, target, state)
         while not jump.complete:
             self._check_budget()

@@ -111,7 +111,7 @@ class Setup:
         times, usual = self.solid.modulus.times, _TOLERANCE if self.adhesion else _PRESSED_TOLERANCE
         self.shortest_time, self.has_history = float(times.min(initial=math.inf)), times.size > 0
         self.tolerance = options.tolerance or usual / meshes.divisions**2
-        self.state = self.begin = undeformed(self.surfaces.around(self.surfaces.largest), len(times))
+        self.state = undeformed(self.surfaces.around(self.surfaces.largest), len(times))
         self._moved = self.state, self.state
 
     @property
@@ -129,11 +129,10 @@ class Setup:
         """Edge law; it may go anywhere."""
         return edge_law(self.geometry, self.adhesion, self.plane_tip)
 
-    @property
-    def travel(self) -> float:
-        """Edge travel allowed per step."""
+    def travel(self, radius: float) -> float:
+        """Edge travel allowed per step, from a radius."""
         share = _TRAVEL if self.adhesion is not None else _PRESSED_TRAVEL
-        return share * self.radius_scale(self.state.radius)
+        return share * self.radius_scale(radius)
 
     def radius_scale(self, radius: float) -> float:
         """Radius to which errors of a radius are relative."""
@@ -153,11 +152,6 @@ class Setup:
             moved = transferred(self.state, self.placement, placement, self.solid)
             self._moved = self.state, moved
         return moved
-
-    @property
-    def displacement(self) -> Array:
-        """Surface displacement, downwards; shape (n,)."""
-        return self.placement.displacement(self.state.components)
 
     @property
     def stored_energy(self) -> float:

@@ -102,7 +102,7 @@ def transferred(state: ComponentState, old: Placement, new: Placement, solid: Co
         return state
     touches = state.edge > NO_CONTACT
     edge = new.geometry.position(state.radius) if touches else NO_CONTACT
-    inside, top = int(np.floor(state.edge)) + 1, int(np.floor(edge)) + 1
+    inside, top = math.floor(state.edge) + 1, math.floor(edge) + 1
     known = state.record or SurfaceRecord(
         old.positions, state.branches / old.unit, old.profile / old.unit, inside
     )
@@ -145,11 +145,18 @@ def _on_nodes(x: Array, values: Array, new: Placement, first: int, ends: Array) 
 
 def _node_in_part(state: ComponentState, placement: Placement, solid: Components) -> NodeParts:
     """The partly released node; the first one, free, without contact."""
-    node = int(np.floor(state.edge)) + 1
+    node = math.floor(state.edge) + 1
     imposed = state.penetration * placement.unit[node] - placement.profile[node]
     mean = state.components[node : node + 1], state.branches[:, node : node + 1]
     contact = np.array([imposed]), state.held[:, None]
-    return NodeParts(solid, state.edge - np.floor(state.edge), mean, contact)
+    return NodeParts(solid, state.edge - math.floor(state.edge), mean, contact)
+
+
+def nodal_forces(state: ComponentState, placement: Placement, solid: Components) -> Array:
+    """All nodal forces, compressive positive; shape (n,)."""
+    y = solid.force(state.components, state.branches)
+    y[math.floor(state.edge) + 2 :] = 0.0
+    return placement.forces(y)
 
 
 def interface_energy(state: ComponentState, placement: Placement, solid: Components) -> float:
@@ -159,6 +166,6 @@ def interface_energy(state: ComponentState, placement: Placement, solid: Compone
 
 def free_energies(state: ComponentState, placement: Placement, solid: Components) -> Array:
     """Energy of the free radii by modes, as the elements hold it; shape (branches,)."""
-    parts, beyond = _node_in_part(state, placement, solid), int(np.floor(state.edge)) + 2
+    parts, beyond = _node_in_part(state, placement, solid), math.floor(state.edge) + 2
     outside = solid.free_energies(state.branches[:, beyond:])
     return outside + (1.0 - parts.share) * solid.free_energies(parts.free[1])

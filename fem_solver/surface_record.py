@@ -31,26 +31,32 @@ class SurfaceRecord:
     """Intensities (branches, m) of the branch variables at radii ``positions``, rising.
 
     ``profile`` is the penetration at which contact without adhesion ends there; ``edge`` points are in
-    contact, the next one is the node that is released in part.
+    contact, the next one is the node that is released in part; as many as
+    ``needed`` away from the fine strip could not be thinned, if any.
     """
 
     positions: Array
     intensity: Array
     profile: Array
     edge: int
+    needed: int = 0
 
     def renewed(self, nodes: SurfaceRecord, fine: slice) -> SurfaceRecord:
-        """The record with what the mesh knows where it is fine, thinned elsewhere."""
+        """The record with what the mesh knows where it is fine, thinned elsewhere as far as it can be."""
         inner = self.positions < nodes.positions[fine][0]
         outer = self.positions > nodes.positions[fine][-1]
         within, beyond = slice(fine.start, nodes.edge), slice(nodes.edge, fine.stop)
         left = self._at(inner)._followed_by(nodes._at(within))
-        left = left._at(_needed(left.positions, left.intensity, int(inner.sum())))
         right = nodes._at(beyond)._followed_by(self._at(outer))
-        # mirrored: the points that may go come first
-        mirrored = _needed(-right.positions[::-1], right.intensity[:, ::-1], int(outer.sum()))
-        right = right._at(mirrored[::-1])
-        return replace(left._followed_by(right), edge=len(left.positions))
+        away = int(inner.sum() + outer.sum())
+        if away > self.needed:
+            left = left._at(_needed(left.positions, left.intensity, int(inner.sum())))
+            # mirrored: the points that may go come first
+            mirrored = _needed(-right.positions[::-1], right.intensity[:, ::-1], int(outer.sum()))
+            right = right._at(mirrored[::-1])
+        both = left._followed_by(right)
+        all_needed = both.positions.size == away + nodes.positions[fine].size
+        return replace(both, edge=len(left.positions), needed=away if all_needed else 0)
 
     def after(
         self,
@@ -86,7 +92,7 @@ class SurfaceRecord:
         else:
             v, until = solid.recovered(b[:, at_pass], share * dt)
             changed = solid.linear(passed, solid.linear(v, until, 0.0, passed), left, last[at_pass])
-        return SurfaceRecord(x, np.hstack([held, changed, free]), profile, after)
+        return SurfaceRecord(x, np.hstack([held, changed, free]), profile, after, self.needed)
 
     def _with_points(self, nodes: SurfaceRecord, edge: float) -> SurfaceRecord:
         """Without the node that is released in part, and with the nodes that the edge passes on its way."""

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NoReturn
 
-import numpy as np
 from scipy.optimize import brentq
 
 from contact_scene import Counters, LoadingCursor, Outcome, OutcomeKind, RunMonitor, Segment, Trigger
@@ -36,10 +35,11 @@ from fem_solver.step_control import (
 
 _DEVIATION_PER_TOLERANCE = 10.0
 """Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its swing."""
-_MISSED = 0.1
+MISSED = 0.1
 """What rows may miss, per allowed error of the force: of the largest tension, which may lie between two rows,
-and of the path of the edge, extrapolated, relative to its radius. It is less than one: an edge that is too
-far inside recedes faster from then on, so that what it misses grows towards the pull-off."""
+of the path of the edge, extrapolated, relative to its radius, and of the response to a load jump, which is
+straight over a part of it. It is less than one: an edge that is too far inside recedes faster from then on,
+so that what it misses grows towards the pull-off; and the chords of a jump all miss on one side."""
 _REJECT = 2.0
 """A step is rejected if its estimated error exceeds this multiple of the allowed one."""
 
@@ -136,13 +136,13 @@ class SteppedStates:
     def _commit(self, candidate: ContactCandidate, contact: bool = True, bent: float = 0.0) -> None:
         """Accept a state, in contact or free: history, row, counters; ``bent`` as of a surface state."""
         problem, s, setup, last = candidate.problem, candidate.edge.s, self.setup, self.recorder.totals.last
-        forces = problem.forces(s)
         penetration, force, radius = candidate.penetration, candidate.force, candidate.radius
-        if not (np.isfinite(forces).all() and all(map(math.isfinite, (penetration, force, radius)))):
+        setup.state = problem.accepted(s)
+        stored = setup.stored_energy  # of every component
+        if not all(map(math.isfinite, (penetration, force, radius, stored))):
             self._end(OutcomeKind.NOT_FINITE, "a force or a radius is not finite")
-        setup.begin, setup.state = problem.state, problem.accepted(s)
         if self.options.records:
-            ends = (replace(at, record=None, before=()) for at in (setup.begin, setup.state))
+            ends = (replace(at, record=None, before=()) for at in (problem.state, setup.state))
             self.recorder.steps.append(SurfaceStep(problem.dt, *ends))
         self.counters.steps += last is not None
         self.recorder.add(
@@ -152,9 +152,7 @@ class SteppedStates:
                 force=force,
                 radius=radius,
                 edge=s,
-                forces=forces,
-                displacement=setup.displacement,
-                stored=setup.stored_energy,
+                stored=stored,
                 interface=setup.interface_energy,
                 branch_dissipation=setup.state.dissipated,
                 opening=setup.state.opening,
@@ -183,7 +181,8 @@ class SteppedStates:
     def _on_stop(self) -> None:
         """Profiles and rows that are asked for at the present time."""
         if self.time in self.options.profile_times:
-            self.recorder.profiles.append(profile(self.state, self.setup.placement))
+            setup = self.setup
+            self.recorder.profiles.append(profile(self.state, setup.state, setup.placement, setup.solid))
         if self.time in self.options.record_times:
             self.rows_at[self.time] = len(self.recorder.rows) - 1
 
@@ -243,15 +242,16 @@ class SteppedStates:
         assert self.setup.adhesion is not None
         zone = self.setup.adhesion.zone
 
-        def excess(share: float) -> float:
-            held = self.search(*load(share)).held(zone)
-            problem, s = held.problem, held.edge.s
-            self.counters.closure_evaluations += 1
-            return max(problem.closure(s) / self.setup.law.taken(problem, s), 0.0) - 1.0
+        def held(share: float) -> ContactCandidate:
+            return self.search(*load(share)).held(zone)
 
-        if not excess(0.0) < 0.0 <= excess(1.0):
+        def excess(state: ContactCandidate) -> float:
+            return self._excess(state, self.setup.law.taken(state.problem, state.edge.s))
+
+        begin = excess(held(0.0))
+        reached = located(held, excess, begin) if begin < 0.0 else None
+        if reached is None:
             self._pulled_off(load(0.0)[1])
-        reached = self.search(*load(float(brentq(excess, 0.0, 1.0)))).held(zone)
         self.time += reached.problem.dt
         self._commit(reached)
         self._end_below_zone()
@@ -296,15 +296,17 @@ class SteppedStates:
         def resting(share: float) -> ContactCandidate:
             return self.search(share * dt, segment.control, segment.value(start + share * dt)).resting()
 
-        def excess(share: float) -> float:
-            held = resting(share)
-            self.counters.closure_evaluations += 1
-            return max(held.problem.closure(held.edge.s) / limit, 0.0) - 1.0
+        def excess(state: ContactCandidate) -> float:
+            return self._excess(state, limit)
 
-        if not excess(0.0) * way > 0.0 > excess(1.0) * way:
-            return None
-        share = float(brentq(excess, 0.0, 1.0))
-        return resting(share) if share * dt > shortest else None
+        begin = excess(resting(0.0))
+        found = located(resting, excess, begin) if begin * way > 0.0 else None
+        return found if found is not None and found.problem.dt > shortest else None
+
+    def _excess(self, state: ContactCandidate, taken: float) -> float:
+        """Closure of a state over the energy that its edge takes up, less one."""
+        self.counters.closure_evaluations += 1
+        return max(state.problem.closure(state.edge.s) / taken, 0.0) - 1.0
 
     def _path_error(self, contact: ContactCandidate, dt: float) -> float:
         """Error of the edge's path over a step, relative to the allowed one.
@@ -319,13 +321,14 @@ class SteppedStates:
         radii, node = contact.problem.geometry.radii, int(contact.edge.s)
         if abs(radius - state.radius) < radii[node + 2] - radii[node]:
             return 0.0
-        allowed = _MISSED * self.estimator.tolerance * self.setup.radius_scale(radius)
+        allowed = MISSED * self.estimator.tolerance * self.setup.radius_scale(radius)
         missed = abs(radius - extrapolated(state.radius, dt, state.before))
         return (missed / allowed) ** (2.0 / 3.0)
 
     def _reach(self) -> tuple[float, float]:
         """Radii within one step's travel, at least one node either way."""
-        geometry, radius, travel = self.setup.geometry, self.state.radius, self.setup.travel
+        geometry, radius = self.setup.geometry, self.state.radius
+        travel = self.setup.travel(radius)
         low = min(geometry.position(radius - travel), self.state.edge - 1.0)
         high = max(geometry.position(radius + travel), self.state.edge + 1.0)
         return geometry.radius(low) if low > self.setup.law.lowest else 0.0, geometry.radius(high)
@@ -362,7 +365,8 @@ class SteppedStates:
             self._commit(contact)
             self.estimator.reset()
             return
-        radius, travel, jumped = self.state.radius, self.setup.travel, not contact.in_equilibrium
+        radius, jumped = self.state.radius, not contact.in_equilibrium
+        travel = self.setup.travel(radius)
         if jumped:
             contact, slopes, error = self._edge_jump(contact, segment, interval.dt), {}, 0.0
         elif self._below_zone(contact):
@@ -424,7 +428,7 @@ class SteppedStates:
         """The turn of the tension at the last row, if it is the largest so far."""
         tension = -self.state.force
         rise, fall = -self.estimator.slopes.get("force", 0.0), candidate.slopes.get("force", math.inf)
-        allowed = _MISSED * self.estimator.tolerance * self._present_force_scale()
+        allowed = MISSED * self.estimator.tolerance * self._present_force_scale()
         turns = rise > 0.0 and fall > 0.0 and tension + allowed > self.recorder.totals.largest_tension
         return TensionPeak(rise, fall, allowed) if turns else None
 
@@ -479,7 +483,7 @@ class SteppedStates:
             if self._has_rate and landed.edge.motion is not EdgeMotion.ADVANCING:
                 self._end_in_step(segment, dt)
             self._contact_lost(landed)
-        if abs(landed.radius - self.state.radius) > self.setup.travel:
+        if abs(landed.radius - self.state.radius) > self.setup.travel(self.state.radius):
             advancing = candidate.edge.motion is EdgeMotion.ADVANCING
             self.recorder.event("snap-in" if advancing else "pull-off")
         return landed
@@ -498,24 +502,33 @@ class _NoEquilibrium(Exception):
     """A shorter step does not end in equilibrium."""
 
 
+def located(
+    at: Callable[[float], ContactCandidate], excess: Callable[[ContactCandidate], float], begin: float
+) -> ContactCandidate | None:
+    """The state at the share of a step or jump where an excess loses the sign that it has at the begin.
+
+    ``None`` if it has that at the end as well.
+    """
+    if begin * excess(at(1.0)) > 0.0:
+        return None
+    return at(float(brentq(lambda share: excess(at(share)) if share else begin, 0.0, 1.0)))
+
+
 def step_to_level(
     run: SteppedStates, segment: Segment, trigger: Trigger, contact: ContactCandidate
 ) -> ContactCandidate | None:
     """The state at the level; ``None`` if the step does not pass it, or passes it in a jump of the edge."""
     now, dt = run.state, contact.problem.dt
-    before = trigger.excess(now.penetration, now.force, now.radius)
 
-    def excess_of(candidate: ContactCandidate) -> float:
+    def excess(candidate: ContactCandidate) -> float:
         if not candidate.in_equilibrium:
             raise _NoEquilibrium
         return trigger.excess(candidate.penetration, candidate.force, candidate.radius)
 
     def tried(share: float) -> ContactCandidate:
-        return run.trial_step(segment, share * dt, run.time + share * dt).contact
+        return run.trial_step(segment, share * dt, run.time + share * dt).contact if share < 1.0 else contact
 
     try:
-        if before * excess_of(contact) > 0.0:
-            return None
-        return tried(float(brentq(lambda share: excess_of(tried(share)) if share else before, 0.0, 1.0)))
+        return located(tried, excess, trigger.excess(now.penetration, now.force, now.radius))
     except _NoEquilibrium:
         return None

@@ -35,6 +35,7 @@ from fem_solver import forms
 from fem_solver.halfspace import Factorisation, HalfSpace
 from fem_solver.moduli import Prony
 from fem_solver.recorder import Recording
+from fem_solver.state import nodal_forces
 
 Array = NDArray[np.float64]
 Form = Callable[[Array, Array], float]
@@ -252,14 +253,15 @@ def replayed(recording: Recording) -> VolumeAnswer:
         As of :func:`volume`.
     """
     setup, steps, rows = recording.setup, recording.steps, recording.surfaces
-    history, scale = volume(recording), setup.surfaces.at(steps[0].end.place).scale
-    apart, stored, dissipated = [], [], []
+    history, here = volume(recording), setup.surfaces.at(steps[0].end.place)
+    apart, stored, dissipated, largest = [], [], [], 0.0
     for step, row in zip(steps, rows, strict=True):  # forces displace a mesh of unit scale by as much more
-        history.commit(step.dt, row.forces / scale)
-        apart.append(float(np.abs(history.displacement - row.displacement).max()))
-        stored.append((scale * history.stored_energy, row.stored))
-        dissipated.append((scale * history.state.dissipated, row.branch_dissipation))
-    largest = max(float(np.abs(row.displacement).max()) for row in rows)
+        history.commit(step.dt, nodal_forces(step.end, here, setup.solid) / here.scale)
+        displacement = here.displacement(step.end.components)
+        apart.append(float(np.abs(history.displacement - displacement).max()))
+        largest = max(largest, float(np.abs(displacement).max()))
+        stored.append((here.scale * history.stored_energy, row.stored))
+        dissipated.append((here.scale * history.state.dissipated, row.branch_dissipation))
     return VolumeAnswer(
         np.array([row.time for row in rows]),
         np.array(apart) / largest,

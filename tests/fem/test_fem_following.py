@@ -441,9 +441,9 @@ def test_penetration_under_a_force_where_elements_are_tiny(monkeypatch):
     problem.control, problem.value = "force", 2.0
     problem.state = SimpleNamespace(penetration=1e-3)
     problem.placement, problem._passage = SimpleNamespace(scale=1e-26), None
-    nodes = SimpleNamespace(towards=lambda *_: None)
+    nodes = SimpleNamespace(between=lambda _: None)
     monkeypatch.setattr(ContactProblem, "_passages", lambda self, s: lambda *_: nodes)
-    monkeypatch.setattr(ContactProblem, "_force_of", lambda self, s, depth, _: 1.0 + 500.0 * depth)
+    monkeypatch.setattr(ContactProblem, "_forces_of", lambda self, s, depths, _: 1.0 + 500.0 * depths)
     assert problem.penetration(2.0) == pytest.approx(2e-3, rel=1e-9)
 
 
