@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import signal
 from dataclasses import replace
 
 import numpy as np
@@ -39,6 +40,7 @@ from validation.fits.result import InterruptedFit, correlation, covariance, inde
 from validation.fits.synthetic import synthetic
 from validation.reference.ting import Ting
 from validation.runs.folder import claim
+from validation.runs.process import interrupting
 from validation.runs.store import Store
 
 pytestmark = pytest.mark.usefixtures("closed_form")
@@ -219,15 +221,16 @@ def test_a_fit_says_that_it_moves_from_its_first_run_on():
 
 
 def test_an_interrupted_fit_has_its_best_point_and_goes_on_from_its_runs(tmp_path):
+    """By Ctrl-C; the errors of the best point need runs of their own."""
     curve, settings = hertz_curve(noise=2e-4), settings_of("material.modulus")
     said = []
 
     def stop(text):
         said.append(text)
         if len(said) == 6:
-            raise KeyboardInterrupt
+            signal.raise_signal(signal.SIGINT)
 
-    with pytest.raises(InterruptedFit) as caught, without_layout():
+    with pytest.raises(InterruptedFit) as caught, interrupting(), without_layout():
         FitWork([curve], elastic_scene(GUESS), settings, tmp_path, None, stop).fit()
     best = caught.value.result
     assert best is not None

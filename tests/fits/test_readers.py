@@ -232,6 +232,18 @@ def test_columns_in_other_units_or_of_no_real_numbers_are_refused(tmp_path, colu
         assert len(cc.read_curves(file)) == 1
 
 
+@pytest.mark.parametrize("column", ["force", "segment"])
+def test_a_column_that_is_shorter_than_the_others_is_refused(tmp_path, column):
+    file = tmp_path / "a.h5"
+    write_afm(hertz_curve(), file)
+    with h5py.File(file, "r+") as opened:
+        values, unit = opened["0"][column][:-5], opened["0"][column].attrs["unit"]
+        del opened["0"][column]
+        opened["0"][column] = values
+        opened["0"][column].attrs["unit"] = unit
+    assert refusal(file)
+
+
 @pytest.mark.parametrize("ending", ["csv", "h5", "tab", "H5", "Tab"])
 @pytest.mark.parametrize("stiffness", [None, 0.3])
 def test_a_curve_that_is_written_comes_back(tmp_path, ending, stiffness):

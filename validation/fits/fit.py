@@ -33,6 +33,7 @@ from validation.fits.result import (
     independent,
     joined,
 )
+from validation.runs.process import caught
 from validation.runs.store import Store
 
 MOST_ROWS = 20_000
@@ -95,6 +96,7 @@ def fit_curves(
         if np.isfinite(problem.least):
             tell("interrupted: the errors of the best so far are worked out (once more ends at once)")
             problem.ended = "interrupted"
+            caught()
             with suppress(KeyboardInterrupt):
                 kept = found()
         raise InterruptedFit(kept) from None
@@ -140,7 +142,7 @@ def by_second_solver(problem: FitProblem, x: Array, variance: float, solver: str
     """The fitted curves once more by another solver, and how far it would have moved the parameters."""
     problem.tell(f"the same curves by {solver}")
     settings, point = replace(problem.settings, solver=solver, resolution=None), problem.at(x)
-    other = replace(problem, settings=settings, tolerance=None, quick=None).at(x)
+    other = replace(problem, settings=settings, tolerance=None, quick=None, tell=lambda text: None).at(x)
     change = [two.values - one.values for one, two in zip(point, other, strict=True)]
     differences: list[dict[str, Any]] = []
     for one, two, apart in zip(point, other, change, strict=True):

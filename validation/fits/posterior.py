@@ -29,7 +29,7 @@ MOST_STEPS, BURN_IN, CHECKED, ENOUGH = 600, 3, 100, 500
 of the least squares; and independent samples behind that are enough, counted every so many steps: they know
 the ends of a 95 % interval to an eighth of the deviation."""
 AFFORDABLE = 2.0
-"""Hours that a posterior may take, by the time of its first point."""
+"""Hours that a posterior may take, by the time of half of its first step."""
 WIDEST = 1.0
 """Standard deviation, of a number of the search, from which walkers set out, at most."""
 
@@ -65,8 +65,8 @@ def sampled(problem: FitProblem, runs: FitProblem, best: Array, variance: float)
         return found
 
     began = time.perf_counter()
-    density(start[:1])
-    hours = (time.perf_counter() - began) * walkers * MOST_STEPS / 3600.0
+    density(start[: walkers // 2])  # as many as the sampler asks for together, side by side
+    hours = (time.perf_counter() - began) * 2.0 * MOST_STEPS / 3600.0
     if not runs.batched and hours > AFFORDABLE:
         took = f"{walkers * MOST_STEPS} points by {solver} take up to {hours:.1f} h"
         raise SceneError("posterior", took, f"{AFFORDABLE:g} h, or curves that are solved in batches")

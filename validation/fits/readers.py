@@ -198,14 +198,16 @@ def read_file(path: Path, given: Given | None = None, si: bool = False) -> list[
     try:
         with _in_one_line(path):
             records = (reader or _read_afmformats)(path, given)
+            several = [f"{path.stem}-{number}" for number in range(len(records))]
+            names = [path.stem] if len(records) == 1 else several
+            curves = [given.curve(path, name, one) for name, one in zip(names, records, strict=True)]
     except UnknownFormat:
         if reader is None:
             raise no_table from None
         raise
-    if not records:
+    if not curves:
         raise SceneError("", "holds no curve", "a file of force-distance curves", str(path))
-    names = [path.stem] if len(records) == 1 else [f"{path.stem}-{number}" for number in range(len(records))]
-    return [given.curve(path, name, one) for name, one in zip(names, records, strict=True)]
+    return curves
 
 
 def _reader_of(ending: str) -> Callable[[Path, Given], list[Recorded]] | None:

@@ -49,6 +49,11 @@ def raise_swallowed() -> None:
         raise KeyboardInterrupt
 
 
+def caught() -> None:
+    """Let tasks begin after an interruption that has been caught; the next signal interrupts them again."""
+    _raised.clear()
+
+
 @contextmanager
 def deferred() -> Iterator[None]:
     """Either signal waits for the end of the block, which could not be interrupted cleanly."""

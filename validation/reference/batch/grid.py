@@ -192,7 +192,7 @@ def lagrange(nodes: Array, at: Array) -> Array:
     return weights
 
 
-@lru_cache(maxsize=128)
+@lru_cache(maxsize=256)  # a batch of all zones and speeds takes 170
 def grid(resolution: int, size: int, kind: Kind, count: int = COUNT, ahead: int = 0) -> Grid:
     """For radii from ``2^size`` zones to twice that.
 

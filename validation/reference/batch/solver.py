@@ -115,7 +115,7 @@ def retract(
         rows.ending[(opens & ~found) | (rest >= duration)] = FAILED
     here = Opening(leg, steps.step(0), start, None, own).left_behind(rest)
     rows.add(0, rest, start, total * np.exp(-rest / bodies.times), here)
-    rows.ending[rows.force[0] <= bodies.least] = FAILED
+    rows.ending[rows.force[0] <= bodies.least] = MISSED  # it begins at less
     follow(rows, start, duration, left, rest, until)
     return rows
 
