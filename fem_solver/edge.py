@@ -99,15 +99,13 @@ class AdhesiveEdge:
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 
     def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:
-        """The root between two positions, given with their excess.
-
-        Arguments are not kept, as what a function holds would be in a reference cycle of scipy's.
-        """
-        known = problem, ends
-        return float(brentq(self._known_excess, min(ends), max(ends), known, xtol=_NARROW_STRIDE**2))
-
-    def _known_excess(self, s: float, problem: ContactProblem, ends: dict[float, float]) -> float:
-        return ends[s] if s in ends else self._excess(problem, s)
+        """The root between two positions, given with their excess."""
+        # SciPy's wrapper of a function refers to itself: what it holds would wait for the garbage collection
+        held = [lambda s: ends[s] if s in ends else self._excess(problem, s)]
+        try:
+            return float(brentq(lambda s: held[0](s), min(ends), max(ends), xtol=_NARROW_STRIDE**2))
+        finally:
+            held.clear()
 
 
 class PressedEdge(AdhesiveEdge):
