@@ -84,29 +84,6 @@ def installed(request, built, tmp_path_factory):
     shutil.rmtree(folder)
 
 
-def _python(version):
-    """An interpreter of that version, on the path or kept by pyenv; skips where there is none."""
-    places = [Path(folder) / f"python{version}" for folder in os.get_exec_path()]
-    places += Path.home().glob(f".pyenv/versions/{version}.*/bin/python3")
-    for place in places:  # one on the path may be a stand-in for a version that is not there
-        if place.is_file() and subprocess.run([place, "--version"], capture_output=True).returncode == 0:
-            return place
-    pytest.skip(f"no Python {version} here")
-
-
-@pytest.mark.parametrize("version", OTHERS)
-def test_on_every_python_that_is_named_three_solvers_agree(version, built, tmp_path):
-    (wheel,) = built.glob("*.whl")
-    environment = tmp_path / "environment"
-    uv = sys.executable, "-m", "uv"
-    _run(*uv, "venv", "--quiet", "--python", _python(version), environment)
-    _run(*uv, "pip", "install", "--quiet", "--python", environment / "bin" / "python", wheel)
-    assert _run(environment / "bin" / "python", "--version").startswith(f"Python {version}.")
-    told = _run(environment / "bin" / "crosscontact", "compare", "elastic-relaxed", cwd=tmp_path)
-    assert all(f"{solver} " in told for solver in ("bem", "fem", "reference")), told
-    shutil.rmtree(environment)
-
-
 def test_a_clone_without_tags_has_a_version(clone):
     version = _run(sys.executable, "-m", "setuptools_scm", cwd=clone).strip()  # reads pyproject.toml
     assert re.match(r"1\.0\.1\.dev\d+", version), version
@@ -141,6 +118,29 @@ def test_source_distribution_holds_tests_and_documentation(built):
         "pyproject.toml",
     ):
         assert name in names
+
+
+def _python(version):
+    """An interpreter of that version, on the path or kept by pyenv; skips where there is none."""
+    places = [Path(folder) / f"python{version}" for folder in os.get_exec_path()]
+    places += Path.home().glob(f".pyenv/versions/{version}.*/bin/python3")
+    for place in places:  # one on the path may be a stand-in for a version that is not there
+        if place.is_file() and subprocess.run([place, "--version"], capture_output=True).returncode == 0:
+            return place
+    pytest.skip(f"no Python {version} here")
+
+
+@pytest.mark.parametrize("version", OTHERS)
+def test_on_every_python_that_is_named_three_solvers_agree(version, built, tmp_path):
+    (wheel,) = built.glob("*.whl")
+    environment = tmp_path / "environment"
+    uv = sys.executable, "-m", "uv"
+    _run(*uv, "venv", "--quiet", "--python", _python(version), environment)
+    _run(*uv, "pip", "install", "--quiet", "--python", environment / "bin" / "python", wheel)
+    assert _run(environment / "bin" / "python", "--version").startswith(f"Python {version}.")
+    told = _run(environment / "bin" / "crosscontact", "compare", "elastic-relaxed", cwd=tmp_path)
+    assert all(f"{solver} " in told for solver in ("bem", "fem", "reference")), told
+    shutil.rmtree(environment)
 
 
 def test_installed_alone_it_works(installed, tmp_path):
