@@ -64,12 +64,13 @@ def sampled(problem: FitProblem, runs: FitProblem, best: Array, variance: float)
         runs.kept.clear()
         return found
 
-    began = time.perf_counter()
-    density(start[: walkers // 2])  # as many as the sampler asks for together, side by side
-    hours = (time.perf_counter() - began) * 2.0 * MOST_STEPS / 3600.0
-    if not runs.batched and hours > AFFORDABLE:
-        took = f"{walkers * MOST_STEPS} points by {solver} take up to {hours:.1f} h"
-        raise SceneError("posterior", took, f"{AFFORDABLE:g} h, or curves that are solved in batches")
+    if not runs.batched:
+        began = time.perf_counter()
+        density(start[: walkers // 2])  # as many as the sampler asks for together, side by side
+        hours = (time.perf_counter() - began) * 2.0 * MOST_STEPS / 3600.0
+        if hours > AFFORDABLE:
+            took = f"{walkers * MOST_STEPS} points by {solver} take up to {hours:.1f} h"
+            raise SceneError("posterior", took, f"{AFFORDABLE:g} h, or curves that are solved in batches")
     sampler = sampler_module().EnsembleSampler(walkers, best.size, density, vectorize=True)
     sampler.random_state = generator.get_state()
     length, began = np.inf, time.perf_counter()
