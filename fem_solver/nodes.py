@@ -271,9 +271,8 @@ class NodePassage:
             at, after = partly.at, float(share[partly.at])
             contact = self._in_part(at, partly.share, np.array([partly.contact]))
             self._keep(contact.jumped(float(imposed[at]), after))
-            if (
-                at == top and after > partly.share
-            ):  # radii just covered jump from elsewhere than those in contact
+            if at == top and after > partly.share:
+                # radii just covered jump from elsewhere than those in contact
                 b = self.solid.linear(v, b, dt, reached[top : top + 1])
                 return (b - (1.0 - after) * self._free_from(at, partly.share, after)[:, None]) / after
             if at == top:

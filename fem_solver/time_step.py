@@ -509,9 +509,10 @@ def located(
 
     ``None`` if it has that at the end as well.
     """
-    if begin * excess(at(1.0)) > 0.0:
+    ends = {0.0: begin, 1.0: excess(at(1.0))}
+    if begin * ends[1.0] > 0.0:
         return None
-    return at(float(brentq(lambda share: excess(at(share)) if share else begin, 0.0, 1.0)))
+    return at(brentq(lambda share: ends[share] if share in ends else excess(at(share)), 0.0, 1.0))
 
 
 def step_to_level(
