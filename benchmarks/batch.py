@@ -18,13 +18,25 @@ import tempfile
 import time
 import tracemalloc
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import tomli_w
 
-from contact_scene import Adhesion, Branch, Hold, Indenter, Loading, Material, PowerLaw, Ramp, Scene, Sphere
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Hold,
+    Indenter,
+    Loading,
+    Machine,
+    Material,
+    PowerLaw,
+    Ramp,
+    Scene,
+    Sphere,
+)
 from validation.reference import batch
 from validation.reference.path import Options, solve
 
@@ -47,6 +59,7 @@ class Family:
     cycle: bool = False
     closing: float | None = None
     dwell: bool = False
+    spring: bool = False
 
     def scene(self, rng: np.random.Generator) -> Scene:
         """One of them: a retraction from a relaxed start, or a cycle from jump-in."""
@@ -72,6 +85,9 @@ class Family:
             hold = Hold(10.0 ** float(rng.uniform(-2.0, 1.5)))
             loading = Loading("jump-in", 0.0, (Ramp(depth, rate, until_force=level), hold, away))
         adhesion = Adhesion(work, zone * WIDTH, self.closing and self.closing * work)
+        if self.spring:
+            stiffness = 2.0 * WIDTH * 10.0 ** float(rng.uniform(-2.0, 2.0))
+            loading = replace(loading, machine=Machine(stiffness))
         return Scene(Material(0.75, 0.5, branches), indenter, loading, adhesion)
 
 
@@ -83,6 +99,10 @@ FAMILIES = {
     "retractions, three branches": Family(branches=3, decades=4.0),
     "retractions, ten branches over six decades": Family(branches=10, decades=6.0),
     "retractions, zone 1e-5 of the radius": Family(zones=(-5.0, -5.0)),
+    "retractions on a spring": Family(spring=True),
+    "retractions on a spring, hysteresis, three branches": Family(
+        spring=True, closing=0.5, branches=3, decades=4.0, any_indenter=True, zones=(-2.0, -2.0)
+    ),
     "cycles, speeds over four decades": Family(cycle=True, speeds=(-1.0, 3.0)),
     "cycles with hysteresis, any indenter": Family(
         cycle=True, speeds=(-1.0, 3.0), closing=0.5, any_indenter=True, zones=(-2.0, -2.0)

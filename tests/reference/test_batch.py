@@ -40,6 +40,24 @@ FREE = st.builds(
 )
 
 
+SPRUNG = st.builds(
+    lambda seed, branches, closing: drawn(
+        1,
+        seed,
+        branches=branches,
+        zones=(-5.0, -1.2),
+        works=(-4.3, -2.8),
+        any_indenter=True,
+        decades=3.0,
+        closing=closing,
+        spring=True,
+    )[0],
+    st.integers(0, 2**32 - 1),
+    st.integers(0, 4),
+    st.sampled_from([None, 0.3]),
+)
+
+
 def cycles(**family):
     """Cycles of any indenter at speeds over four decades, with hysteresis and without."""
     alike = {"any_indenter": True, "cycle": True, "speeds": (-1.0, 3.0)}
@@ -71,6 +89,43 @@ def assert_as_by_the_reference(scene, *reasons):
 def test_random_scenes_are_answered_as_by_the_reference(scene):
     """Retractions from a relaxed start, of any indenter and up to four branches."""
     assert_as_by_the_reference(scene, "zones")
+
+
+@given(scene=SPRUNG)
+@settings(max_examples=10)
+def test_random_springs_are_answered_as_by_the_reference(scene):
+    """A hundred times softer than the contact to a hundred times stiffer, with hysteresis and without."""
+    assert_as_by_the_reference(scene, "zones")
+
+
+@pytest.mark.parametrize("stiffness", [0.02, 1.0])
+def test_rows_of_a_spring_are_those_of_the_reference(stiffness):
+    """Penetration, force and radius at the times of the rows; what the stage does, and where it then is."""
+    scene = changed(
+        machine=Machine(stiffness), adhesion=Adhesion(ADHESION.work, ADHESION.zone, 0.5 * ADHESION.work)
+    )
+    [answer] = batch.solve([scene])
+    trace = by_reference(scene, Options(resolution=48, stop_times=tuple(answer.time[:-2].tolist())))
+    for name in COLUMNS[1:]:
+        there = np.interp(answer.time[:-2], trace.time, getattr(trace, name))
+        assert np.abs(getattr(answer, name)[:-2] - there).max() < 4e-6 * np.abs(there).max()
+    assert answer.time[-1] == pytest.approx(trace.time[-1], rel=2e-6)
+    assert answer.penetration[-1] == pytest.approx(trace.penetration[-1], abs=2e-7)
+    assert answer.external_work[-1] == pytest.approx(trace.external_work[-1], rel=2e-5)
+
+
+def test_a_spring_as_stiff_as_none_is_none():
+    [rigid], [stiff] = (batch.solve([scene]) for scene in (RETRACTION, changed(machine=Machine(1e9))))
+    assert stiff.pull_off_force == pytest.approx(rigid.pull_off_force, rel=1e-7)
+    assert stiff.time[-1] == pytest.approx(rigid.time[-1], rel=1e-7)
+    assert batch.solve([changed(machine=Machine(np.inf))])[0].pull_off_force == rigid.pull_off_force
+
+
+def test_contact_is_lost_when_it_is_lost():
+    """Fields with a bend at the largest time left 7e-5 of it, and on a spring 1e-4 of the force."""
+    for scene in (*drawn(4, 5), *drawn(4, 5, spring=True)):
+        coarse, fine = (batch.solve([scene], n)[0] for n in (16, 48))
+        assert coarse.time[-1] == pytest.approx(fine.time[-1], rel=2e-6)
 
 
 @given(scene=CYCLES)
@@ -124,13 +179,19 @@ def test_an_approach_ends_at_a_force():
 
 
 @pytest.mark.parametrize(
-    ("name", "level"), [("retraction-v0.02", -0.01), ("cycle-v0.02", -5e-3), ("cycle-v0.02", 2e-4)]
+    ("name", "level", "machine"),
+    [
+        ("retraction-v0.02", -0.01, None),
+        ("retraction-v0.02", -0.01, Machine(0.1)),
+        ("cycle-v0.02", -5e-3, None),
+        ("cycle-v0.02", 2e-4, None),
+    ],
 )
-def test_a_retraction_ends_at_a_force(name, level):
+def test_a_retraction_ends_at_a_force(name, level, machine):
     """At the time and radius of the reference; the run is over, and did not lose contact."""
     scene = load(name).scene
     steps = *scene.loading.steps[:-1], replace(scene.loading.steps[-1], until_force=level)
-    scene = replace(scene, loading=replace(scene.loading, steps=steps))
+    scene = replace(scene, loading=replace(scene.loading, steps=steps, machine=machine))
     [answer], trace = batch.solve([scene]), by_reference(scene, Options(resolution=32))
     assert not answer.detached
     assert answer.force[-1] == pytest.approx(level, rel=1e-6)
@@ -224,6 +285,7 @@ def test_an_edge_that_waits_is_not_taken_for_lost(run, point):
         (solver, "SHARE", 0.3, "cycles, speeds over four decades", 7),
         (grid, "DEEPER", 16.0, "cycles, speeds over four decades", 39),
         (grid, "WIDEST", grid.WIDEST | {"turned": 2.4}, "cycles, speeds over four decades", 17),
+        (grid, "WIDEST", grid.WIDEST | {"sprung": 1.2}, "retractions on a spring", 79),
         (grid, "WIDEST", grid.WIDEST | {"corner": 3.6}, "cycles, speeds over four decades", 7),
         (grid, "WIDEST", grid.WIDEST | {"closing": 1.2}, "cycles, slow turns", 2),
     ],
@@ -290,6 +352,7 @@ def test_neither_order_nor_company_changes_an_answer():
         *drawn(24, branches=2),
         *drawn(8, zones=(-6.0, -1.2), any_indenter=True),
         *drawn(8, cycle=True),
+        *drawn(8, spring=True, branches=2, closing=0.5),
         *drawn(8, cycle=True, dwell=True),
         *drawn(24, 11, cycle=True, zones=(-4.0, -1.7), speeds=(-4.0, -1.0), works=(-5.0, -3.0))[1:],
     ]
@@ -314,7 +377,7 @@ REFUSED = {
     "speed": changed(adhesion=replace(ADHESION, rate=PowerRate(1.0, 0.5))),
     "layer": changed(body=Layer(1.0, "bonded")),
     "power of the radius": changed(indenter=TabulatedProfile((0.0, 0.5, 1.0), (0.0, 0.1, 0.5))),
-    "spring": changed(machine=Machine(0.1)),
+    "spring": changed(machine=Machine(0.1), steps=(Hold(1.0), *STEPS)),
     "snap-in": changed(start="snap-in"),
     "one ramp or two": changed(steps=(*STEPS, Hold(1.0))),
     "level": changed(steps=(Ramp(-0.5, 0.02, until_radius=0.1),)),

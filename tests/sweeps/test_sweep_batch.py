@@ -54,10 +54,20 @@ def test_runs_of_the_batch_solver_stand_beside_those_of_the_reference():
     assert "solved_by" not in alone
 
 
+def test_runs_on_a_spring():
+    """What holds of the stage too."""
+    stiffness = {"machine.stiffness": [0.3, 10.0]}
+    found, alone = (cc.sweep(SCENE, stiffness, solver) for solver in ("batch", "reference"))
+    assert (found.solved_by == "batch").all()
+    for name in ("pull_off_force", "detachment_time", "stage_at_detachment", "detachment_penetration"):
+        assert found[name].values == pytest.approx(alone[name].values, rel=1e-4)
+    assert "instability_loss" not in found or np.isnan(found.instability_loss).all()
+
+
 @pytest.mark.parametrize(
     ("values", "more", "said"),
     [
-        ({"machine.stiffness": [10.0]}, {}, "does not take a spring at machine.stiffness = 10.0"),
+        ({"loading.start": ["snap-in"]}, {}, "does not take the start 'snap-in' at loading.start"),
         ({"adhesion.zone": [0.01]}, {"measures": ["dissipated_energy"]}, "gives no 'dissipated_energy'"),
         ({"adhesion.zone": [0.01]}, {"resolution": 4}, "resolution: got 4"),
     ],

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene import Counters, Outcome, OutcomeKind, Scene, SceneError, Trace
+from contact_scene.machine import on_machine
 from validation.cases import Case
 from validation.measure.observables import measure
 from validation.measure.scaling import LOSSES, WORKS
@@ -37,7 +38,7 @@ def check(scene: Scene, at: str) -> None:
     reason = batch.refusal(scene)
     if reason:
         allowed = (
-            "a rigid machine, a power of the radius, a fixed zone, one ramp away or a cycle of two ramps, "
+            "a power of the radius, a fixed zone, one ramp away or, of a rigid machine, a cycle of two, "
             "with a hold between them and a force that ends either"
         )
         raise SceneError("solver", f"the batch solver does not take {reason}{at}", allowed)
@@ -78,6 +79,7 @@ def _run(case: Case, found: batch.Solution, estimate: bool, wall: float, spent: 
     columns: dict[str, Any] = {name: getattr(found, name) for name in COLUMNS}
     columns |= dict.fromkeys(ENERGIES, np.zeros(len(columns["time"])))
     trace = Trace(BATCH, **columns, outcome=outcome, counters=Counters(steps=len(found.time) - 1))
+    trace = on_machine(trace, case.scene.loading.machine)
     named = measure(trace, case.scene, wall).items()
     return Run(
         case.name,

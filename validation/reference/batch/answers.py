@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.batch.march import DETACHED, ENDED, FAILED, REASONS, SHORT, March
-from validation.reference.batch.scenes import LoadRamp
+from validation.reference.batch.scenes import Bodies, LoadRamp
 from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
@@ -96,7 +96,7 @@ def events(found: March, leg: LoadRamp, duration: Array) -> Events:
 
     def state(time: Array, force: Array, travel: Array) -> Array:
         radius = found.radius[0] - travel * leg.bodies.zone
-        return np.array([time, leg.depth + leg.rate * time, force, radius])
+        return np.array([time, leg.depth + leg.rate * time - leg.bodies.compliance * force, force, radius])
 
     return Events(place, state(pulled, -tension, place), state(time, force, last))
 
@@ -135,7 +135,7 @@ def answers(
         else REASONS.get(max(ends), "")
         for ends, doubt, beyond in zip(endings, doubtful.tolist(), passed.tolist(), strict=True)
     ]
-    table, counts = _table(fine, leg.bodies.zone, one, when, before)
+    table, counts = _table(fine, leg.bodies, one, when, before)
     errors = np.maximum(list(found.values()), LEAST_ERROR).T.tolist()
     solutions = [Solution(reason) for reason in reasons]
     for j, why in enumerate(reasons):
@@ -180,8 +180,11 @@ def _apart(fine: March, coarse: March, found: Events, tension: Array) -> Array:
     return np.asarray(np.where(known, apart, 0.0).max(axis=0))
 
 
-def _table(found: March, zone: Array, events: Events, when: Array, before: list[Part]) -> tuple[Array, Whole]:
+def _table(
+    found: March, bodies: Bodies, events: Events, when: Array, before: list[Part]
+) -> tuple[Array, Whole]:
     """Rows (B, 5, m), with the work done; the free surface comes after as many as are told."""
+    zone, compliance = bodies.zone, bodies.compliance
     end, pulled, later = events.end[:, None], events.pull_off[:, None], (when * SINCE)[:, None]
     rows = found.columns[:, : int(found.last.max()) + 1]
     there = (rows[0] < end[0]) & (rows[3] > end[3]) & (np.abs(rows[0] - pulled[0]) > SAME * end[0])
@@ -203,7 +206,10 @@ def _table(found: March, zone: Array, events: Events, when: Array, before: list[
     columns, numbers = np.take_along_axis(columns, order[None], axis=1), np.take_along_axis(numbers, order, 0)
     inside = np.arange(1, len(order) - 1)[:, None] < counts - 1
     done = _works(columns, (numbers[1:-1] == numbers[2:]) & inside)
-    columns[2:, counts, np.arange(len(counts))] = 0.0
+    scenes, (_, depth, force, _) = np.arange(len(counts)), columns
+    done += 0.5 * compliance * (force**2 - force[0] ** 2)
+    depth[counts, scenes] += compliance * force[counts, scenes]
+    columns[2:, counts, scenes] = 0.0
     return np.ascontiguousarray(np.concatenate((columns, done[None])).transpose(2, 0, 1)), counts
 
 

@@ -10,18 +10,29 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.zone import BEHIND, COUNT, SHORTEST, SWEPT, Quadrature, quadrature
+from validation.reference.batch.zone import (
+    BEHIND,
+    COUNT,
+    LAYERS,
+    SHARES,
+    SHORTEST,
+    SWEPT,
+    Quadrature,
+    quadrature,
+)
 from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
-Kind = Literal["opening", "closing", "turned", "corner"]
-"""An edge that opens from rest on what is relaxed, one that closes, one that opens where it closed, and the
-same beside the place from which it closed: a corner of what it left, from which these travels count."""
+Kind = Literal["opening", "sprung", "closing", "turned", "corner"]
+"""An edge that opens from rest on what is relaxed, the same on a spring, one that closes, one that opens
+where it closed, and that beside the place from which it closed: a corner of what it left. Travels count
+from there."""
 
-WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 1.2, "corner": 1.2}
+WIDEST: dict[Kind, float] = {"opening": 1.2, "sprung": 0.6, "closing": 0.6, "turned": 1.2, "corner": 1.2}
 """Longest steps in travels, or in what is left of the radius, times the resolution; where the load turns
-slowly an edge that closed by longer ones is not found again."""
+slowly an edge that closed by longer ones is not found again. On a soft spring the largest tension is close to
+the loss of contact, to which an edge speeds up."""
 ROWS = 6
 """Rows of a polynomial over the travel."""
 NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
@@ -42,7 +53,8 @@ class Travel:
 
     ``passed``: points that the edge has passed, of which the first, ``near``, see the new row. ``behind``:
     weights of values at depths, from the first that matters, for nodes and points behind the edge and, last,
-    for the edge.
+    for the edge. ``rows``: travels, or roots of them, of the rows of the polynomial over the step, of which
+    the last two are its ends.
     """
 
     points: Quadrature
@@ -52,9 +64,32 @@ class Travel:
     old: Array
     new: Array
     guess: Array
-    within: Array
+    rows: Array
     first_depth: int
     behind: Array
+
+    @cached_property
+    def within(self) -> Array:
+        """Weights of the rows for values at the points ``SWEPT`` of the step."""
+        return self._at(SWEPT)[1]
+
+    @cached_property
+    def gained(self) -> tuple[Array, Array]:
+        """Weights of the rows for values at points of the step, and for the parts of their change there.
+
+        The last point begins the layer next to the end, over which values are straight: it is one part.
+        """
+        at, weights = self._at(np.append(SWEPT[:-COUNT], 1.0 - LAYERS[0]))
+        apart, length = 1.0 / (at[:, None] - self.rows), self.rows[-1] - self.rows[-2]
+        parts = weights * (apart.sum(axis=1, keepdims=True) - apart) * length
+        parts[:-1] *= SHARES[:-COUNT, None]
+        parts[-1] = (np.arange(len(self.rows)) == len(self.rows) - 1) - weights[-1]
+        return weights, parts
+
+    def _at(self, shares: Array) -> tuple[Array, Array]:
+        past, now = self.rows[-2:]
+        at = past + (now - past) * shares
+        return at, lagrange(self.rows + 0.0 * at[:, None], at)
 
 
 class Depths:
@@ -159,16 +194,15 @@ class Grid:
             behind = self.depths.weights(now + np.append(1.0 - np.append(BEHIND, points.v), 0.0))
         if k == 0:
             none = np.zeros((0, 0))
-            return Travel(points, 0, 0, 0, none, np.zeros((0, 1)), np.zeros(0), none, *behind)
+            return Travel(points, 0, 0, 0, none, np.zeros((0, 1)), np.zeros(0), np.zeros(0), *behind)
         s = np.asarray if closing or corner else np.sqrt  # an edge may set off with no speed
         begin, weights = self.weights(passed, k, s)
         low = max(int(self.breaks[self.breaks.searchsorted(k - 1) - 1]), k - ROWS) if k > 1 else 0
         guess = lagrange(s(self.g[None, low:k]), s(np.array([now])))[0]
         old, near = np.ascontiguousarray(weights[:, :-1]), int(weights[:, -1].nonzero()[0].max()) + 1
         rows = np.arange(int(panels(self.breaks[:, None], np.array([k - 1]), k)[0][0]), k + 1)
-        at = self.g[k - 1] + (now - self.g[k - 1]) * SWEPT
-        within = lagrange(self.g[rows] + 0.0 * at[:, None], at)
-        return Travel(points, len(passed), near, begin, old, weights[:near, -1:], guess, within, *behind)
+        new = weights[:near, -1:]
+        return Travel(points, len(passed), near, begin, old, new, guess, s(self.g[rows]), *behind)
 
 
 def panels(breaks: Whole, panel: Whole, newest: Whole | int) -> tuple[Whole, Whole]:

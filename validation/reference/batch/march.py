@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.batch.grid import ROWS, Grid, Travel, panels
-from validation.reference.batch.scenes import Bodies, LoadRamp
+from validation.reference.batch.scenes import Bodies, LoadRamp, State
 from validation.reference.batch.zone import SHORTEST, quadrature
 from validation.reference.path.numerics import derivative, horner
 
@@ -34,6 +34,10 @@ REASONS = {
 }
 
 
+Drive = Callable[[Array], State]
+"""Where the indenter is at a time (B,) since the ramp began."""
+
+
 class StepResidual:
     """``I/w - 1`` at the radii of a step, of any time at which the edge gets there.
 
@@ -45,8 +49,8 @@ class StepResidual:
     rates: Array
     weights: Array | float
 
-    def __init__(self, leg: LoadRamp, travel: Travel, forms: Array, shape: Array) -> None:
-        self.bodies, self.leg, self.travel = leg.bodies, leg, travel
+    def __init__(self, bodies: Bodies, state: Drive, travel: Travel, forms: Array, shape: Array) -> None:
+        self.bodies, self.state, self.travel = bodies, state, travel
         self.still = forms.sum(axis=1), (forms * shape).sum(axis=1)
         self.forms, self.shape = forms[:, : travel.passed], shape[: travel.passed, None]
 
@@ -61,33 +65,30 @@ class StepResidual:
 
     def passed(self, t: Array, left: Array) -> Array:
         """What the forms make of the points passed."""
-        new = self.travel.new
-        elapsed = np.maximum((1.0 - new) * t - self.when, 0.0)
+        new, earliest = self.travel.new, self.bodies.earliest
+        elapsed = np.maximum((1.0 - new) * t - self.when, earliest)
         fields = (self.left + new[:, None] * left) * np.exp(elapsed[:, None] * self.rates) * self.weights
         near = (self.forms[:, : len(new)] * fields.sum(axis=1)).sum(axis=1)
         return np.asarray(
-            near + (self.far * np.exp(np.maximum(t - self.before, 0.0) * self.rates)).sum(axis=1)
+            near + (self.far * np.exp(np.maximum(t - self.before, earliest) * self.rates)).sum(axis=1)
         )
 
 
 class Opening(StepResidual):
     """``held``, ``edge``: branch forces beside ``E_k M_k`` behind the edge and at it, when the leg begins."""
 
-    def __init__(self, leg: LoadRamp, travel: Travel, radius: Array, held: Array | None, edge: Array) -> None:
-        forms, ahead = travel.points.forms(leg.bodies, radius)
+    def __init__(
+        self, bodies: Bodies, state: Drive, travel: Travel, radius: Array, held: Array | None, edge: Array
+    ) -> None:
+        forms, ahead = travel.points.forms(bodies, radius)
         if held is not None:
-            forms = np.concatenate((forms, travel.points.stressed(leg.bodies, radius, held)))
-        super().__init__(leg, travel, forms, ahead)
-        self.edge, self.carried = edge, leg.bodies.compliances * leg.bodies.relaxed
-        self.rates, self.weights = -1.0 / leg.bodies.retardation, 1.0
-
-    def left_behind(self, t: Array) -> Array:
-        """``A_j`` (n, B) of what is released at a time."""
-        faded, b = self.leg.faded(t)
-        return self.bodies.released(self.leg.depth + self.leg.rate * t, b + self.edge * faded)
+            forms = np.concatenate((forms, travel.points.stressed(bodies, radius, held)))
+        super().__init__(bodies, state, travel, forms, ahead)
+        self.edge, self.carried = edge, bodies.compliances * bodies.relaxed
+        self.rates, self.weights = -1.0 / bodies.retardation, 1.0
 
     def __call__(self, t: Array) -> Array:
-        bodies, D, (faded, b) = self.bodies, self.leg.depth + self.leg.rate * t, self.leg.faded(t)
+        bodies, (D, faded, b) = self.bodies, self.state(t)
         factors = [bodies.relaxed * D + b.sum(axis=0), -bodies.relaxed]
         if len(self.forms) > 2:
             factors += list(faded)
@@ -102,21 +103,15 @@ class Closing(StepResidual):
 
     carried = 1.0
 
-    def __init__(self, leg: LoadRamp, travel: Travel, radius: Array) -> None:
-        forms, behind = travel.points.forms(leg.bodies, radius)
-        super().__init__(leg, travel, forms, behind)
+    def __init__(self, bodies: Bodies, state: Drive, travel: Travel, radius: Array) -> None:
+        forms, behind = travel.points.forms(bodies, radius)
+        super().__init__(bodies, state, travel, forms, behind)
         inside = forms[:, travel.passed :], (forms * behind)[:, travel.passed :]
-        bodies = leg.bodies
         self.rates, self.weights = -1.0 / bodies.times, bodies.moduli
         self.start = bodies.glassy * (bodies.depth * inside[0].sum(axis=1) - inside[1].sum(axis=1))
 
-    def left_behind(self, t: Array) -> Array:
-        """``D - M_k`` (n, B) of what is covered at a time."""
-        D, b = self.leg.at(t)
-        return D - b / self.bodies.moduli
-
     def __call__(self, t: Array) -> Array:
-        bodies, D, (faded, b) = self.bodies, self.leg.depth + self.leg.rate * t, self.leg.faded(t)
+        bodies, (D, faded, b) = self.bodies, self.state(t)
         sums = (bodies.relaxed * D + b.sum(axis=0)) * self.still[0] - bodies.relaxed * self.still[1]
         sums += self.start * (bodies.moduli * faded).sum(axis=0)
         sums += self.passed(t, D - b / bodies.moduli)
@@ -192,7 +187,8 @@ class March:
     ``left`` (S, n, B): what the edge left where it was; ``resting`` (4, m, B): rows before the first.
     ``quick``: a time in which it gets nowhere; ``lost``: one that is lost in the rounding of the penetration,
     as a scale of the convergence of secants. ``g``, ``breaks``: travels of the rows, and rows of corners, of
-    each scene or of all. ``given``: the last row of those that are known before.
+    each scene or of all. ``given``: the last row of those that are known before. ``lag``: branch
+    forces (n, B) that a spring has taken of those of the stage in the newest row.
     """
 
     grid: Grid
@@ -208,12 +204,13 @@ class March:
     quick: Array
     lost: Array
     resting: Array
+    lag: Array
 
     @classmethod
     def empty(cls, steps: Grid, leg: LoadRamp, start: Array, duration: Array) -> March:
         """Before the first row."""
         bodies, count = leg.bodies, len(start)
-        usable = np.isfinite(start) & np.isfinite(duration)
+        usable = np.isfinite(start) & np.isfinite(duration) & (duration >= 0.0)
         quick = 1e-4 * np.minimum(bodies.zone / np.abs(leg.rate), bodies.times.min(axis=0, initial=np.inf))
         depths = np.abs(leg.depth) + bodies.shape(start[None])[0]
         return cls(
@@ -230,6 +227,7 @@ class March:
             quick,
             ROUNDED / CONVERGED * depths / np.abs(leg.rate),
             np.zeros((4, 0, count)),
+            np.zeros((len(bodies.moduli), count)),
         )
 
     @property
@@ -278,11 +276,12 @@ class March:
         self.columns = np.concatenate((self.columns, np.zeros_like(self.columns)), axis=1)
         self.left = np.concatenate((self.left, np.zeros_like(self.left)))
 
-    def add(self, k: int, t: Array, radius: Array, held: Array, left: Array) -> None:
+    def add(self, k: int, t: Array, radius: Array, state: State, held: Array, left: Array) -> None:
         """A row; ``held``: integrals over the contact of branch forces beside ``E_k M_k``."""
         if k == len(self.left):
             self.grow()
-        D, b = self.leg.at(t)
+        D, _, b = state
+        self.lag = self.leg(t)[2] - b
         given, row = k <= self.given, np.array([t, D, self.leg.bodies.force(D, b, radius, held), radius])
         self.columns[:, k] = np.where(given, self.columns[:, k], row)
         self.left[k] = np.where(given, self.left[k], left)

@@ -16,12 +16,17 @@ from validation.reference.sneddon import PowerTransform, transform
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
+State = tuple[Array, Array, Array]
+"""Penetration (B,), what times leave of what relaxes, and branch forces ``E_k M_k``, both (n, B)."""
 
 
 PROGRAMMES = ["ramp"], ["hold", "ramp"], ["ramp", "ramp"], ["ramp", "hold", "ramp"]
 """Kinds of load steps."""
 
 
+BACK = 0.1
+"""Part of the shortest relaxation time for which fields go on smoothly where time turns back, so that its
+largest value is found by polynomials. With 1 there is no root where steps are long beside that time."""
 COLUMNS = 16
 """Columns of a product of matrices."""
 
@@ -40,8 +45,6 @@ def refusal(scene: Scene) -> str:
     shape = transform(scene.indenter)
     if not isinstance(shape, PowerTransform) or shape.coefficient == 0.0:
         return "an indenter that is no power of the radius"
-    if loading.compliance > 0.0:
-        return "a spring"
     if loading.start not in ("relaxed", "jump-in"):
         return f"the start {loading.start!r}"
     if [step.kind for step in loading.steps] not in PROGRAMMES:
@@ -54,6 +57,8 @@ def refusal(scene: Scene) -> str:
         return "a last ramp that does not retract"
     if len(ramps) == 2 and ramps[0].to <= loading.penetration:
         return "two ramps the first of which does not approach"
+    if loading.compliance > 0.0 and turns(scene):
+        return "a spring, with anything before the last ramp"
     return ""
 
 
@@ -77,7 +82,7 @@ def _numbers(scene: Scene) -> tuple[float, ...]:
     level = math.nan if first is last or first.until_force is None else first.until_force
     least = math.nan if last.until_force is None else last.until_force
     driven = first.rate, approach, level, hold, -last.rate, retraction, least
-    return *parts, loading.start == "jump-in", depth, *driven
+    return *parts, loading.start == "jump-in", depth, *driven, loading.compliance
 
 
 def turns(scene: Scene) -> bool:
@@ -109,6 +114,7 @@ class Bodies:
     rate: Array
     duration: Array
     least: Array
+    compliance: Array
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], rheologies: Sequence[Rheology]) -> Bodies:
@@ -125,6 +131,11 @@ class Bodies:
     def of_some(self, chosen: Whole) -> Bodies:
         """Some of them."""
         return Bodies(*(np.ascontiguousarray(getattr(self, part.name)[..., chosen]) for part in fields(self)))
+
+    @cached_property
+    def earliest(self) -> Array:
+        """Time since an event from which on fields change, where time turns back as contact is lost."""
+        return -BACK * self.times.min(axis=0, initial=np.inf)
 
     def shape(self, x: Array) -> Array:
         """``G`` (m, B) at radii."""
@@ -147,13 +158,20 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class LoadRamp:
-    """A ramp: penetration and branch forces ``E_k M_k`` where it begins, its rate, and a hold before it."""
+    """A ramp: penetration and branch forces ``E_k M_k`` where it begins, its rate, and a hold before it.
+
+    Of the stage, where there is a spring: what holds of the indenter is in :mod:`.machine`.
+    """
 
     bodies: Bodies
     depth: Array
     rate: Array
     branches: Array
     hold: Array | None = None
+
+    def __call__(self, t: Array) -> State:
+        """At times (B,) or (m, B) since it began."""
+        return self.at(t)[0], *self.faded(t)
 
     def at(self, t: Array) -> tuple[Array, Array]:
         """Both at times (B,) or (m, B) since it began: (B,) and (n, B), or (m, B) and (n, m, B)."""
@@ -173,12 +191,6 @@ class LoadRamp:
     def steady(self) -> Array:
         """Branch forces (n, B) in the end."""
         return np.asarray(self.bodies.moduli * self.rate * self.bodies.times)
-
-    def at_rest(self, t: Array, radius: Array, held: Array) -> Array:
-        """Time, penetration, force, radius (4, m, B) of an edge at rest; ``held`` as the ramp begins."""
-        D, b = self.at(t)
-        force = self.bodies.force(D, b, radius, held[:, None] * np.exp(-t / self.bodies.times[:, None]))
-        return np.array([t, D, force, radius + 0.0 * t])
 
     def after(self, t: Array, rate: Array, hold: Array | None = None) -> LoadRamp:
         """One that follows at a time."""

@@ -15,6 +15,7 @@ from contact_scene import Material, Scene
 from contact_scene.run_control import single_threaded
 from validation.reference.batch.answers import Part, Solution, answers
 from validation.reference.batch.grid import Grid, Kind, grid
+from validation.reference.batch.machine import AtRest, OnSpring
 from validation.reference.batch.march import (
     DETACHED,
     ENDED,
@@ -26,6 +27,7 @@ from validation.reference.batch.march import (
     ROUNDING,
     SHORT,
     Closing,
+    Drive,
     March,
     Opening,
     begun,
@@ -57,13 +59,13 @@ def approach(bodies: Bodies, start: Array, steps: Grid) -> tuple[March, LoadRamp
     total = bodies.glassy * bodies.moduli * (bodies.depth * start - bodies.volume(start))
     rows = March.empty(steps, leg, start, bodies.turn)
     rows.ending[bodies.turn <= 0.0] = ENDED
-    rows.add(0, 0.0 * start, start, total, leg.depth - 0.0 * total)
+    rows.add(0, 0.0 * start, start, leg(0.0 * start), total, leg.depth - 0.0 * total)
     for k in range(1, len(steps.g)):
         if not rows.going.any():
             break
         a, past = np.where(rows.going, start + steps.g[k] * bodies.zone, start), rows.radius[k - 1]
         travel, before = steps.step(k), rows.time[k - 1]
-        step = Closing(leg, travel, a)
+        step = Closing(bodies, leg, travel, a)
         t, going = rows.root(k, step, 0.0 * start)
         window = np.concatenate((rows.time[k + 1 - travel.within.shape[1] : k], t[None]))
         passed = travel.within @ window
@@ -73,7 +75,8 @@ def approach(bodies: Bodies, start: Array, steps: Grid) -> tuple[March, LoadRamp
         total = total * np.exp((before - t) / bodies.times) + strain.sum(axis=1) * np.where(
             going, a - past, 0.0
         )
-        rows.add(k, t, a, total, step.left_behind(t))
+        state = leg(t)
+        rows.add(k, t, a, state, total, state[0] - state[2] / bodies.moduli)
         rows.ending[going & (t <= before)] = FAILED
         rows.ending[going & (t > before) & ((t >= bodies.turn) | (rows.force[k] >= bodies.level))] = ENDED
     return rows, leg
@@ -104,17 +107,22 @@ def retract(
     rest, total, behind, own = 0.0 * start, none, None, none
     if left is not None:
         behind, own, total = left.at(steps.step(0))
+    drive: Drive = AtRest(leg, start, leg.branches, total) if bodies.compliance.any() else leg
     opens = bodies.closing < bodies.work
     if opens.any():
-        first = Opening(leg, steps.step(0), start, behind, own)
+        first = Opening(bodies, drive, steps.step(0), start, behind, own)
         guess, slope = begun(first, rest, rows.quick, -1.0)
         noise = ROUNDING * start / bodies.zone
         t, _, found = secants(first, guess, slope, rows.lost, noise, opens)
         rest = np.where(opens & found, t, 0.0)
-        rows.resting = leg.at_rest(rest * RESTING[:, None], start, total)
+        now = rest * RESTING[:, None]
+        D, faded, b = drive(now)
+        rows.resting = np.array(
+            [now, D, bodies.force(D, b, start, total[:, None] * faded), start + 0.0 * now]
+        )
         rows.ending[(opens & ~found) | (rest >= duration)] = FAILED
-    here = Opening(leg, steps.step(0), start, None, own).left_behind(rest)
-    rows.add(0, rest, start, total * np.exp(-rest / bodies.times), here)
+    state = drive(rest)
+    rows.add(0, rest, start, state, total * state[1], bodies.released(state[0], state[2] + own * state[1]))
     rows.ending[rows.force[0] <= bodies.least] = MISSED  # it begins at less
     follow(rows, start, duration, left, rest, until)
     return rows
@@ -137,9 +145,14 @@ def follow(
         a, travel, before = np.where(rows.going, a, start), steps.step(k), rows.time[k - 1]
         if left is not None:
             behind, own, total = left.at(travel)
-        step = Opening(leg, travel, a, behind, own)
-        t, going = rows.root(k, step, rest)
-        rows.add(k, t, a, total * np.exp(-t / bodies.times), step.left_behind(t))
+        drive: Drive = leg
+        if bodies.compliance.any():
+            window = slice(k + 1 - travel.within.shape[1], k)
+            drive = OnSpring(leg, travel, a, total, rows.time[window], rows.force[window], rows.lag)
+        t, going = rows.root(k, Opening(bodies, drive, travel, a, behind, own), rest)
+        state = drive(t)
+        left_there = bodies.released(state[0], state[2] + own * state[1])
+        rows.add(k, t, a, state, total * state[1], left_there)
         lost = going & (t <= before)
         rows.ending[lost] = np.where(rows.force[k - 1] < 0.0, DETACHED, FAILED)[lost]  # it adheres
         rows.ending[going & (t > before) & ((t >= duration) | (rows.force[k] <= bodies.least))] = ENDED
@@ -175,14 +188,14 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solutio
     reasons = [refusal(scene) for scene in scenes]
     solutions = [Solution(reason) for reason in reasons]
     known: dict[Material, Rheology] = {}
-    alike: dict[tuple[int, bool], list[int]] = defaultdict(list)
+    alike: dict[tuple[int, bool, bool], list[int]] = defaultdict(list)
     for i, scene in enumerate(scenes):
         if reasons[i]:
             continue
         if scene.material not in known:
             known[scene.material] = rheology(scene.material)
-        alike[len(known[scene.material].times), turns(scene)].append(i)
-    for (_, cycle), numbers in alike.items():
+        alike[len(known[scene.material].times), turns(scene), scene.loading.compliance > 0.0].append(i)
+    for (_, cycle, _), numbers in alike.items():
         for part in np.array_split(np.array(numbers), math.ceil(len(numbers) / LARGEST)):
             part = filled(part)
             bodies = Bodies.of([scenes[i] for i in part], [known[scenes[i].material] for i in part])
@@ -219,8 +232,10 @@ class Retraction:
         """From the start, or as the approach leaves it."""
         none = np.zeros_like(bodies.moduli)
         if not cycle:
-            leg = LoadRamp(bodies, bodies.depth, bodies.rate, none)
-            return cls(leg, bodies.duration, start, 0.0 * start, None, None, 0.0 * start)
+            deflected = bodies.compliance * bodies.force(bodies.depth, none, start, none)
+            leg = LoadRamp(bodies, bodies.depth + deflected, bodies.rate, none)
+            duration = bodies.duration - deflected / bodies.rate
+            return cls(leg, duration, start, 0.0 * start, None, None, 0.0 * start)
         before, first = approach(bodies, start, grid(resolution, ANY, "closing", count))
         bodies, travel = turn(bodies, before)
         held, when = turned(bodies, replace(first, bodies=bodies), before, travel, resolution)
@@ -275,7 +290,7 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     sizes = np.floor(np.log2(np.array([fine.radius, start]) / bodies.zone))
     for size, least in np.unique(sizes[:, np.isfinite(sizes).all(axis=0)], axis=1).T.tolist():
         chosen = filled(np.flatnonzero((sizes == [[size], [least]]).all(axis=0)))
-        kind: Kind = "turned" if cycle else "opening"
+        kind: Kind = "turned" if cycle else "sprung" if bodies.compliance.any() else "opening"
         steps = [grid(n, int(size), kind, count) for n, count in pair]
         runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
         before = fine.before(chosen, runs[0][3])
