@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from contact_scene import Adhesion, FlatPunch, Indenter, Layer, Loading, Material, Scene, Sphere, Trace
 from validation import cases
 from validation.fields.moments import EnergySums, FieldRequest, balance, record_fields
+from validation.fields.section import surface_nodes
 from validation.measure.events import end_of_approach
 from validation.reference import layer_subsurface, subsurface
 from validation.reference.elastic_layer import ElasticLayer
@@ -41,12 +42,9 @@ CYCLES = ("cycle-v0.02", "three-branches")
 
 @dataclass(frozen=True)
 class Deviation:
-    """Largest errors of a static field.
-
-    ``below`` is the body under the surface, ``inside`` and ``beside`` are the surface within and outside the
-    contact; all relative to the largest stress. ``traction`` is the largest difference of recovered normal
-    stress and nodal reaction over area inside, over the mean pressure's size, ``force`` the relative
-    difference of their sums.
+    """Largest errors of a static field, of the largest stress: below the surface, on it inside and beside the
+    contact; ``traction``: of recovered normal stress from nodal reactions over area, of the mean pressure;
+    ``force``: of their sums.
     """
 
     below: float
@@ -105,8 +103,7 @@ def traction_errors(state: FieldState) -> tuple[float, float]:
 
 def on_surface(state: FieldState, values: Array) -> tuple[Array, Array]:
     """Radii of the surface nodes, rising, and nodal values there."""
-    top = np.flatnonzero(state.points[:, 1] == 0.0)
-    top = top[np.argsort(state.points[top, 0])]
+    top = surface_nodes(state)
     return state.points[top, 0], values[top]
 
 

@@ -25,12 +25,12 @@ import numpy as np
 
 from benchmarks.random_scenes import FAMILIES, RandomScene, random_scene
 from benchmarks.trace_invariants import broken, energy_gained
-from contact_scene import SceneError, Trace
+from contact_scene import SceneError
 from contact_scene.scene import write_scene
 from contact_scene.trace import Array
 from validation.compare.checks import check_case
-from validation.measure.curves import CURVES, distance
-from validation.measure.scaling import scale
+from validation.measure.curves import CURVES
+from validation.measure.difference import of_curves, of_numbers
 from validation.measure.windows import windows
 from validation.runs.folder import output_folder
 from validation.runs.pool import Engine, TaskEnding, TaskResult, completed_tasks, processes, run_of, run_task
@@ -163,9 +163,8 @@ def _answer(chosen: RandomScene, name: str, result: TaskResult, base: Run | None
         note = f"the reference: {base.trace.outcome.kind} at t = {base.trace.outcome.time:.4g}"
         return replace(told, finding=Finding.OTHER_ENDING, note=note)
     worst = (-RANKS.index(Finding.AGREES), -math.inf, "", 0.0)
-    for quantity, difference, own, others in _differences(
-        run, trace, base, base.trace, windows(chosen.scene.loading, trace)
-    ):
+    spans = windows(chosen.scene.loading, trace)
+    for quantity, difference, own, others in _differences(run, base, spans):
         now = _finding(quantity, difference, own, others)
         worst = max(worst, (-RANKS.index(now), difference, quantity, own + others))
     rank, difference, quantity, allowed = worst
@@ -183,26 +182,18 @@ def _finding(quantity: str, difference: float, own: float, others: float) -> Fin
     return Finding.LOOSE if quantity in CURVES and LOOSE < own < math.inf else Finding.AGREES
 
 
-def _differences(
-    run: Run, trace: Trace, base: Run, base_trace: Trace, spans: Array
-) -> Iterator[tuple[str, float, float, float]]:
+def _differences(run: Run, base: Run, spans: Array) -> Iterator[tuple[str, float, float, float]]:
     """Name, difference, own estimate (infinite if there is none), the reference's; relative to one size."""
-    for column in CURVES:
-        apart = distance(trace, base_trace, column, spans)
-        values = base_trace.columns()[column]
-        largest, excursion = float(np.abs(values).max(initial=0.0)), float(np.ptp(values))
-        if apart is None or largest == 0.0:
-            continue
-        factor = largest / excursion if excursion > LEAST_MOVEMENT * largest else 1.0
-        own, others = run.errors.get(column, math.inf), base.errors.get(column, 0.0)
-        yield column, factor * apart.rms, factor * own, factor * others
-    for name in SCALARS:
-        expected, measured = base.measures.get(name), run.measures.get(name)
-        if expected is None or measured is None:
-            continue
-        if (size := scale(name, expected, base_trace)) > 0.0:
-            estimates = run.errors.get(name, math.inf), base.errors.get(name, 0.0)
-            yield name, abs(measured - expected) / size, *estimates
+    assert base.trace is not None
+    for one in (*of_curves(run, base, spans), *of_numbers(run, base, SCALARS)):
+        factor = 1.0
+        if one.quantity in CURVES:
+            values = base.trace.columns()[one.quantity]
+            largest, excursion = float(np.abs(values).max(initial=0.0)), float(np.ptp(values))
+            factor = largest / excursion if excursion > LEAST_MOVEMENT * largest else 1.0
+        if math.isfinite(one.error):
+            own = math.inf if one.own is None else one.own
+            yield one.quantity, factor * abs(one.error), factor * own, factor * (one.known_to or 0.0)
 
 
 @dataclass(frozen=True)

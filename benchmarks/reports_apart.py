@@ -20,7 +20,8 @@ from pathlib import Path
 
 from contact_scene import SceneError
 from validation import cases
-from validation.measure.curves import CURVES, distance
+from validation.measure.curves import CURVES
+from validation.measure.difference import of_curves, of_numbers
 from validation.measure.scaling import Magnitudes
 from validation.runs.run import Run, read_run
 
@@ -35,20 +36,15 @@ def differences(run: Run, other: Run) -> Iterator[tuple[str, float]]:
     one, two = run.trace, other.trace
     assert one is not None
     assert two is not None
-    largest = Magnitudes.of_trace(one)
-    for name in run.errors or CURVES:
-        if name in CURVES:
-            apart, columns = distance(two, one, name), (one.columns()[name], two.columns()[name])
-            if apart is not None:
-                yield name, apart.rms
-            elif len(one) == len(two) == 1:  # an equilibrium has no curve
-                yield name, float(abs(columns[1] - columns[0])[0]) / (largest.columns[name] or 1.0)
-            else:
-                yield name, math.inf
-        elif (value := run.measures.get(name)) is not None:
-            there = other.measures.get(name)
-            size = largest.scale(name, value) or 1.0
-            yield name, math.inf if there is None else abs(there - value) / size
+    if len(one) == len(two) == 1:  # an equilibrium has no curve
+        sizes = Magnitudes.of_trace(one).columns
+        pairs = {name: (one.columns()[name][0], two.columns()[name][0]) for name in CURVES}
+        curves = {name: abs(b - a) / (sizes[name] or 1.0) for name, (a, b) in pairs.items()}
+    else:
+        curves = {found.quantity: found.error for found in of_curves(other, run)}
+    yield from ((name, curves[name]) for name in CURVES if name in (run.errors or CURVES))
+    known = [name for name in run.errors if run.measures.get(name) is not None]
+    yield from ((found.quantity, abs(found.error)) for found in of_numbers(other, run, known))
 
 
 def _of_checks(run: Run, other: Run, name: str) -> float | None:

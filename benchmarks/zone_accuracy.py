@@ -1,8 +1,7 @@
 """How accurate a solver is with zones of every length under every kind of loading.
 
-``python -m benchmarks.zone_accuracy SOLVER [SCENE ...]`` runs built-in scenes with process zones of
-given ratios to their contact radius and prints the errors against the reference at twice its default
-resolution. The reference itself is measured so against a finer run of its own.
+``python -m benchmarks.zone_accuracy SOLVER [SCENE ...]`` is ``crosscontact study --zones`` on scenes of
+all kinds, with the curves and the time of detachment beside its errors.
 """
 
 from __future__ import annotations
@@ -12,26 +11,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from contact_scene import Adhesion, Oscillate, Scene
+from contact_scene import Oscillate, SceneError
 from validation import cases
-from validation.measure.curves import CURVES, distance
-from validation.measure.difference import of_numbers
-from validation.runs.run import Run, run
-from validation.solvers import REFERENCE, SOLVERS, solver
+from validation.solvers import SOLVERS
 from validation.studies.knobs import Zones
 
 SCENES = (
-    "cycle-v0.002",
-    "cycle-v0.1",
-    "retraction-v0.02",
-    "retraction-fast",
-    "dwell-1",
-    "force-4",
-    "pdms-dead-load-1um",
-    "three-branches",
-    "oscillation-w1.4",
-    "cone-cycle",
-    "elastic-relaxed",
+    *("cycle-v0.002", "cycle-v0.1", "retraction-v0.02", "retraction-fast", "dwell-1", "force-4"),
+    *("pdms-dead-load-1um", "three-branches", "oscillation-w1.4", "cone-cycle", "elastic-relaxed"),
     "spring-relaxed-si",
 )
 """Approach, reversal, dwell, dead loads with delayed detachment, oscillation, branches, jump at a spring."""
@@ -40,56 +27,36 @@ CYCLES = 10
 MEASURES = ("pull_off_force", "loop_energy", "detachment_time")
 
 
-def _with_zone(scene: Scene, work: float, zone: float) -> Scene:
-    """The scene with another zone, its oscillations no longer than ``CYCLES``."""
+def shortened(case: cases.Case) -> cases.Case:
+    """The case with oscillations no longer than ``CYCLES``."""
     steps = tuple(
         replace(step, duration=min(step.duration, CYCLES * 2.0 * math.pi / step.angular_frequency))
         if isinstance(step, Oscillate)
         else step
-        for step in scene.loading.steps
+        for step in case.scene.loading.steps
     )
-    return replace(scene, adhesion=Adhesion(work, zone), loading=replace(scene.loading, steps=steps))
-
-
-def _errors(answer: Run, exact: Run) -> dict[str, float]:
-    """Of measures and curves; none where one of the two has no answer."""
-    if answer.curves is None or exact.curves is None:
-        return {}
-    numbers = of_numbers(answer, exact, MEASURES)
-    errors = {one.quantity: one.error for one in numbers if math.isfinite(one.error)}
-    for name in CURVES:
-        if (apart := distance(answer.curves, exact.curves, name)) is not None:
-            errors[f"{name}, RMS"] = apart.rms
-    return errors
+    return replace(case, scene=replace(case.scene, loading=replace(case.scene.loading, steps=steps)))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print a line for every scene and zone, the longest first; exit code 2 for what cannot be run."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.zone_accuracy", description=__doc__.partition("\n")[0]
-    )
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("solver", choices=[*SOLVERS])
     parser.add_argument("scenes", nargs="*", default=SCENES, help="built-in names or TOML files")
-    parser.add_argument(
-        "--zones", type=float, nargs="+", default=Zones.values, help="over the contact radius"
-    )
-    parser.add_argument("--times", type=int, default=1, help="multiple of the default resolution")
+    parser.add_argument("--zones", type=float, nargs="+", default=Zones.values, help="over the radius")
     chosen = parser.parse_args(arguments)
-    for case in cases.load_all(chosen.scenes):
-        adhesion, own = case.scene.adhesion, run(case, REFERENCE)
-        if adhesion is None or own.curves is None:
-            print(f"{case.name}: {own.ending}; allowed: a scene with adhesion that the reference answers")
+    for case in map(shortened, cases.load_all(chosen.scenes)):
+        try:
+            runs = Zones((chosen.solver,)).runs(case, chosen.zones)
+        except SceneError as error:
+            print(f"{case.name}: {error}")
             return 2
-        radius = float(own.curves.contact_radius.max())
-        for ratio in sorted(chosen.zones, reverse=True):
-            there = replace(case, scene=_with_zone(case.scene, adhesion.work, ratio * radius))
-            exact = run(there, REFERENCE, 2 * SOLVERS[REFERENCE].default_resolution(there.scene))
-            fineness = chosen.times * solver(chosen.solver).default_resolution(there.scene)
-            answer = run(there, chosen.solver, fineness)
-            steps = 0 if answer.trace is None else answer.trace.counters.steps
-            errors = ", ".join(f"{name} {error:.1e}" for name, error in _errors(answer, exact).items())
-            what = f"{steps} steps, {answer.cpu_seconds:.2f} s, {errors or 'no errors'}; {answer.ending}"
-            print(f"{case.name}, {ratio:.0e}: {what}", flush=True)
+        for one in runs:
+            apart = one.differences(MEASURES).values()
+            errors = ", ".join(f"{each.quantity} {each.error:.1e}" for each in apart)
+            ending = one.run.ending if one.run else one.skipped
+            costs = ", ".join(f"{name} {value:.3g}" for name, value in one.costs.items())
+            print(f"{case.name}, {one.value:.0e}: {costs}; {errors or 'no errors'}; {ending}", flush=True)
     return 0
 
 

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.lennard_jones import WORK, compared
-from benchmarks.lennard_jones_sphere import LennardJonesSphere, UniformRings
+from benchmarks.lennard_jones import WORK, LennardJonesSphere, UniformRings, compared
 from contact_scene import Material
 
 ELASTIC = Material(0.75, 0.5)
