@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import time
 from collections.abc import Collection
-from pathlib import Path
 
 from crosscontact import arguments
 from crosscontact.commands import shared
@@ -15,10 +13,8 @@ from validation.runs.store import Store
 from validation.solvers import SOLVERS
 from validation.stability import matrix, page
 from validation.stability.cases import AXES, cases
-from validation.stability.matrix import Cell, StabilityMatrix
+from validation.stability.matrix import StabilityMatrix
 
-WRITE_INTERVAL = 2.0
-"""Seconds between two times that the cells so far are written."""
 OPTIONS = {
     "--out": value("DIR", "write page, Markdown, JSON and heat maps there"),
     **shared.solver("this one only; default: all"),
@@ -34,31 +30,16 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         arguments.usable()  # names those that cannot be loaded
     solvers = (options.solver,) if options.solver else SOLVERS
     with shared.long_work("stability", options, "a stability matrix") as work:
-        found = compute(jobs, work.store, solvers, options.only, work.folder)
+        found = compute(jobs, work.store, solvers, options.only)
         print("\n".join(page.limits(found.cells)))
         work.write(lambda folder, writing: page.write(found, folder))
     return shared.failed([f"failed: {cell.name}: {cell.verdict}" for cell in found.faults])
 
 
 def compute(
-    jobs: int,
-    store: Store | None = None,
-    solvers: Collection[str] = SOLVERS,
-    only: str | None = None,
-    folder: Path | None = None,
+    jobs: int, store: Store | None = None, solvers: Collection[str] = SOLVERS, only: str | None = None
 ) -> StabilityMatrix:
-    """Run the matrix with progress; the cells so far are written to ``folder``, if there is one."""
-    selected, due = cases(only), time.monotonic()
-    total = len(selected) * len(solvers)
-
-    def on_cell(cell: Cell, cells: list[Cell]) -> None:
-        nonlocal due
-        text = f"{len(cells)}/{total} {cell.name}: {cell.verdict}, {cell.seconds:.1f} s"
-        progress(len(cells) / total, text)
-        if folder is not None and time.monotonic() >= due:
-            page.write_cells(cells, folder)
-            due = time.monotonic() + WRITE_INTERVAL
-
+    """Run the matrix with progress."""
     with Progress("stability") as progress:
         progress.phase("runs")
-        return matrix.run(selected, jobs, solvers, on_cell, store=store)
+        return matrix.run(cases(only), jobs, solvers, progress, store=store)

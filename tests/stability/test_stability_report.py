@@ -72,8 +72,8 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
     monkeypatch.setattr(command, "cases", lambda only: asked if only is None else asked[:1])
     real = command.matrix.run
 
-    def faked(cases, jobs, solvers, on_cell, store):
-        return real(cases, jobs, solvers, on_cell, fakes.acted, store)
+    def faked(cases, jobs, solvers, progress, store):
+        return real(cases, jobs, solvers, progress, fakes.acted, store)
 
     monkeypatch.setattr(command.matrix, "run", faked)
     bem, out = ["stability", "--jobs", "1", "--solver", "bem"], tmp_path / "out"
@@ -81,7 +81,7 @@ def test_the_command_writes_everything_and_its_code_tells_a_fault(tmp_path, monk
         assert main([*bem, "--out", str(out)]) == 1
     told = capsys.readouterr()
     assert "failed: made up: wrong: bem: SILENTLY WRONG" in told.err
-    assert "2/2 made up: wrong: bem" in told.err
+    assert "2/2 made up: wrong: " in told.err
     names = {path.name for path in out.rglob("[!.]*") if path.is_file()}
     assert names == {"index.html", "stability.md", "stability.json", "stability-bem.png"}
     assert (out / "figures" / "stability-bem.png").read_bytes().startswith(b"\x89PNG")

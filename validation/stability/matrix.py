@@ -16,7 +16,16 @@ import numpy as np
 
 from contact_scene import Material, Scene, Trace
 from validation.cases import Case
-from validation.runs.pool import Task, TaskEnding, TaskResult, processes, run_of, run_task, run_tasks
+from validation.runs.pool import (
+    Task,
+    TaskEnding,
+    TaskResult,
+    TellProgress,
+    processes,
+    run_of,
+    run_task,
+    run_tasks,
+)
 from validation.runs.run import Run
 from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
@@ -102,37 +111,24 @@ def run(
     cases: Sequence[StabilityCase],
     jobs: int = 1,
     solvers: Collection[str] = SOLVERS,
-    on_cell: Callable[[Cell, list[Cell]], None] = lambda cell, cells: None,
+    progress: TellProgress | None = None,
     task: Callable[..., Task] = run_task,
     store: Store | None = None,
 ) -> StabilityMatrix:
-    """Run every case with every solver, ``jobs`` at a time; a cell is judged as soon as its runs are there.
+    """Run every case with every solver, ``jobs`` at a time; ``task`` makes the task of a run.
 
-    ``on_cell`` is given each cell and all so far; ``task`` makes the task of a run. Runs in the ``store`` are
-    not repeated; crashed or hung ones are not stored.
+    Runs in the ``store`` are not repeated; crashed or hung ones are not stored.
     """
     store = store or Store()
     columns = [(case, solver) for case in cases for solver in solvers]
     needed = [_tasks(case, solver, task) for case, solver in columns]
-    results: dict[str, TaskResult] = {}
-    cells: dict[int, Cell] = {}
-
-    def on_result(*found: TaskResult) -> None:
-        results.update({result.task.key: result for result in found})
-        for index, tasks in enumerate(needed):
-            if index not in cells and all(one.key in results for one in tasks):
-                cells[index] = cell_of(*columns[index], *(results[one.key] for one in tasks))
-                on_cell(cells[index], in_order())
-
-    def in_order() -> list[Cell]:
-        return [cells[index] for index in sorted(cells)]
-
-    on_result()  # cells without any run
+    unique = {one.key: one for tasks in needed for one in tasks}
+    longest_first = sorted(unique.values(), key=lambda one: -(one.time_limit or 0.0))
     with processes(jobs, isolated=True) as executor:
-        unique = {one.key: one for tasks in needed for one in tasks}
-        longest_first = sorted(unique.values(), key=lambda one: -(one.time_limit or 0.0))
-        run_tasks(longest_first, executor, store, on_result=on_result)
-    return StabilityMatrix(tuple(in_order()), store.seconds)
+        results = {one.task.key: one for one in run_tasks(longest_first, executor, store, progress)}
+    pairs = zip(columns, needed, strict=True)
+    cells = (cell_of(*column, *(results[one.key] for one in tasks)) for column, tasks in pairs)
+    return StabilityMatrix(tuple(cells), store.seconds)
 
 
 def _tasks(case: StabilityCase, solver: str, task: Callable[..., Task]) -> list[Task]:

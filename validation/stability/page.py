@@ -26,7 +26,7 @@ from validation.report import document as doc
 from validation.report import markdown, report
 from validation.report.report import Chapter
 from validation.report.tables import environment
-from validation.runs.folder import to_json, write_whole
+from validation.runs.folder import to_json
 from validation.runs.provenance import stamp
 from validation.stability.matrix import Cell, CellVerdict, StabilityMatrix
 
@@ -88,11 +88,11 @@ def checks(cells: Sequence[Cell]) -> list[Check]:
     return found
 
 
-def data(matrix: StabilityMatrix, complete: bool = True) -> dict[str, Any]:
-    """The matrix in ``report.json``; ``complete`` is false while cells are still missing."""
+def data(matrix: StabilityMatrix) -> dict[str, Any]:
+    """The matrix in ``report.json``."""
     numbered = numbers(matrix.cells)
     return {
-        "complete": complete,
+        "complete": True,
         "wall_seconds": matrix.wall_seconds,
         "limits": limits(matrix.cells),
         "growth": [asdict(one) | {"logarithmic": one.logarithmic} for one in work_growth(matrix.cells)],
@@ -111,17 +111,11 @@ def write(matrix: StabilityMatrix, folder: Path) -> None:
     lead = (doc.Paragraph(f"{doc.counted(len(matrix.cells), 'cell')}: {verdict}.", not faults),)
     parts = section(matrix), environment(stamp(), matrix.wall_seconds)
     short = doc.Document("crosscontact stability", lead, (summary(matrix),))
-    texts = {"stability.json": _json(matrix, True), "stability.md": markdown.text(short)}
+    texts = {
+        "stability.json": to_json({"format": FORMAT} | data(matrix)),
+        "stability.md": markdown.text(short),
+    }
     report.write(folder, doc.Document("crosscontact stability", lead, parts), texts)
-
-
-def write_cells(cells: Sequence[Cell], folder: Path) -> None:
-    """Write ``stability.json`` alone, of a matrix that is not complete yet."""
-    write_whole(folder / "stability.json", _json(StabilityMatrix(tuple(cells), 0.0), False))
-
-
-def _json(matrix: StabilityMatrix, complete: bool) -> str:
-    return to_json({"format": FORMAT} | data(matrix, complete))
 
 
 def section(matrix: StabilityMatrix) -> doc.Section:
