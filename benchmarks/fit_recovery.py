@@ -25,9 +25,7 @@ from scipy import stats
 
 from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphere
 from contact_scene.scene import value_at, with_values
-from validation.drawing import export
-from validation.drawing.axes import drawing, format_axes
-from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
+from validation.drawing.figure import GREY, INK, MARKERS, SERIES, VERMILION, drawing, format_axes, png
 from validation.fits.contact import Array
 from validation.fits.fit import fit_curves
 from validation.fits.parameters import FitSettings
@@ -308,7 +306,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         progress.phase("fits")
         run_tasks(tasks, executor, store, progress, write)
     found = [done[key] for key in sorted(done)]
-    write_whole(folder / "recovery.png", export.png(draw(found)))
+    write_whole(folder / "recovery.png", png(draw(found)))
     print(report(found, list(failures.values())))
     sound = judged([one.inside for one in found])[1]
     if options.posterior:

@@ -19,8 +19,7 @@ from typing import Any
 import numpy as np
 
 from crosscontact.fitting import MeasuredCurve
-from validation.drawing.axes import drawing
-from validation.drawing.export import png
+from validation.drawing.figure import drawing, png
 from validation.fits.curve_page import draw_over_stage, prefixed
 from validation.fits.features import Features
 from validation.fits.readers import Given, choose, read_file

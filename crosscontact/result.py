@@ -13,7 +13,7 @@ from contact_scene import Outcome, Scene, Units
 from contact_scene.value_checks import of_class, true_or_false
 from crosscontact.arguments import checked_path
 from validation.drawing import run_figures
-from validation.drawing.export import png
+from validation.drawing.figure import png
 from validation.measure.scaling import SYMBOLS, kind_of, unit_name, unit_sizes
 from validation.report.terminal import aligned
 from validation.runs.folder import output_folder

@@ -16,8 +16,7 @@ from matplotlib.figure import Figure
 
 import crosscontact as cc
 from validation.drawing.curves import elastic_limits, labels, of_trace
-from validation.drawing.export import png
-from validation.drawing.styles import BLUE, CLOSED_FORM, INK, VERMILION
+from validation.drawing.figure import BLUE, CLOSED_FORM, INK, VERMILION, png
 
 CIRCLES: dict[str, Any] = {"marker": "o", "linestyle": "none", "markerfacecolor": "none"}
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.pyplot import subplots
 
 from contact_scene import FlatPunch, Layer, Sphere
-from validation.drawing.styles import BLUE, DASHES, GREEN, INK, ORANGE, PURPLE, VERMILION
+from validation.drawing.figure import BLUE, DASHES, GREEN, INK, ORANGE, PURPLE, VERMILION
 from validation.reference.elastic_layer import ElasticLayer, force_ratio
 from validation.reference.jkr import JKR
 from validation.reference.layer_formulas import HAYES, PUNCHES, SPHERES

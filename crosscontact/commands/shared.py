@@ -16,7 +16,7 @@ from crosscontact import arguments
 from crosscontact.arguments import COUNT, RESOLUTION, option_type
 from validation import cases
 from validation.cases import Case
-from validation.drawing.export import png, svg_file
+from validation.drawing.figure import png, svg_file
 from validation.measure.difference import Check
 from validation.report.document import number as in_digits
 from validation.runs.folder import claim, output_folder, scene_question, write_whole

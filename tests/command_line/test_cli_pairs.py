@@ -7,6 +7,7 @@ with every option. Slow and exhaustive tests repeat the table with the solvers t
 from __future__ import annotations
 
 import dataclasses
+import io
 import math
 import tomllib
 from contextlib import nullcontext
@@ -37,9 +38,7 @@ from contact_scene.indenter import SHAPES
 from contact_scene.loading import STEPS
 from contact_scene.material import MODELS
 from crosscontact.cli import main
-from validation.drawing import export
 from validation.fields import files
-from validation.report import document
 from validation.runs import pool, process
 from validation.studies import ladders as schemes
 
@@ -90,11 +89,11 @@ def _stand_ins(monkeypatch):
 @pytest.fixture
 def quick_pictures(monkeypatch):
     """Figures are made, not rendered."""
-    monkeypatch.setattr(document.export, "svg", lambda *given: "<svg></svg>")
-    monkeypatch.setattr(export, "png", lambda *given: b"PNG")
-    for module in ("crosscontact.commands.shared", "validation.fields.figures"):
-        monkeypatch.setattr(f"{module}.png", lambda *given: b"PNG")
-    monkeypatch.setattr("crosscontact.commands.shared.svg_file", lambda *given: "<svg></svg>")
+
+    def save(figure, stream, **how):
+        stream.write("<svg></svg>" if isinstance(stream, io.StringIO) else b"PNG")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", save)
 
 
 def interrupted(row: Row, monkeypatch: pytest.MonkeyPatch) -> None:

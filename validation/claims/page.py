@@ -10,7 +10,7 @@ from validation.claims import cycles, retractions
 from validation.claims.claim import Claim, Finding, Verdict
 from validation.claims.evidence import Evidence
 from validation.claims.paper_figures import FIGURES, draw_figure
-from validation.drawing import export
+from validation.drawing.figure import png
 from validation.report import document as doc
 from validation.report.report import Chapter
 
@@ -67,7 +67,7 @@ def _figures(evidence: Evidence) -> list[doc.Figure]:
     figures = []
     for paper in FIGURES:
         drawing = draw_figure(paper, evidence)
-        files = {} if drawing is None else {f"{paper.name}.png": export.png(drawing)}
+        files = {} if drawing is None else {f"{paper.name}.png": png(drawing)}
         figure = doc.Figure(f"paper-{paper.name}", paper.caption, wide=paper.wide, files=files)
         figures.append(doc.with_drawing(figure, drawing))
     return figures

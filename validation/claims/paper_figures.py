@@ -21,9 +21,19 @@ from validation.claims.cycles import REVERSAL
 from validation.claims.evidence import Evidence, MissingRun, cycle, retraction
 from validation.claims.measures import SOFT, STIFF, jkr, sweep_cycles
 from validation.claims.retractions import DEPTHS, MOST, approaching, at_pull_off
-from validation.drawing.axes import SIZE, drawing, format_axes
 from validation.drawing.curves import of_trace
-from validation.drawing.styles import BLUE, CLOSED_FORM, DASHES, INK, MARKERS, ORANGE, SERIES
+from validation.drawing.figure import (
+    BLUE,
+    CLOSED_FORM,
+    DASHES,
+    INK,
+    MARKERS,
+    ORANGE,
+    SERIES,
+    SIZE,
+    drawing,
+    format_axes,
+)
 from validation.measure.events import end_of_approach
 from validation.measure.scaling import unit_sizes
 

@@ -15,8 +15,7 @@ from validation.compare import scene_page
 from validation.compare.regression import ReportComparison
 from validation.compare.scene_page import anchor, skipped_work
 from validation.compare.suite import SceneComparison, SuiteComparison
-from validation.drawing.axes import SIZE, drawing, format_axes
-from validation.drawing.styles import INK, curve_style
+from validation.drawing.figure import INK, SIZE, curve_style, drawing, format_axes
 from validation.measure.difference import Check
 from validation.report import document as doc
 from validation.report import html, junit, markdown

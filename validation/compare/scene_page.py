@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 from contact_scene import Adhesion, PowerRate
 from validation.compare.suite import SceneComparison
 from validation.drawing import run_figures
-from validation.drawing.axes import format_axes
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
-from validation.drawing.styles import INK, curve_style
+from validation.drawing.figure import INK, curve_style, format_axes
 from validation.measure.warnings import left_out_by_all
 from validation.report import document as doc
 from validation.report.tables import COUNTERS, of_checks

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from contact_scene import Material
 from contact_scene.prony import PronyFit, RelaxationData
 from contact_scene.value_checks import SMALLEST
-from validation.drawing.axes import drawing, format_axes
-from validation.drawing.styles import BLUE, GREY, INK, ORANGE, VERMILION
+from validation.drawing.figure import BLUE, GREY, INK, ORANGE, VERMILION, drawing, format_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,9 +17,17 @@ import numpy as np
 
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown as shown_value
-from validation.drawing.axes import drawing, format_axes, label_axes
 from validation.drawing.curves import Labels, RunCurves, labels, of_trace
-from validation.drawing.styles import CLOSED_FORM, DASHES, INK, SERIES, curve_style
+from validation.drawing.figure import (
+    CLOSED_FORM,
+    DASHES,
+    INK,
+    SERIES,
+    curve_style,
+    drawing,
+    format_axes,
+    label_axes,
+)
 from validation.measure.scaling import drawn_sizes
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from contact_scene import Scene, Trace
 from validation.cases import Case, load
-from validation.drawing.export import png
+from validation.drawing.figure import png
 from validation.fields import fig3, figures
 from validation.fields.figures import USUAL, FigureSet
 from validation.fields.moments import FieldRequest, balance, record_fields

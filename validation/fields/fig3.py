@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene, SurfaceProfile
-from validation.drawing.axes import format_axes
-from validation.drawing.styles import GRID, INK, MARKERS, SERIES
+from validation.drawing.figure import GRID, INK, MARKERS, SERIES, format_axes
 from validation.measure.scaling import unit_sizes
 
 if TYPE_CHECKING:

@@ -16,9 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact_scene import Scene, Trace
-from validation.drawing.axes import drawing
-from validation.drawing.export import png
-from validation.drawing.styles import APPROACH, RETRACTION
+from validation.drawing.figure import APPROACH, RETRACTION, drawing, png
 from validation.fields import rendering
 from validation.fields.moments import in_contact, key_moments
 from validation.fields.quantities import QUANTITIES, Quantity, ValueKind

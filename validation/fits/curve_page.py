@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing.axes import drawing, format_axes, label_axes
-from validation.drawing.styles import GREY, INK, SERIES, VERMILION
+from validation.drawing.figure import GREY, INK, SERIES, VERMILION, drawing, format_axes, label_axes
 from validation.fits.contact import Array
 from validation.fits.features import Features
 from validation.fits.record import KINDS, MeasuredCurve

@@ -15,9 +15,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact_scene import write_scene
-from validation.drawing import export
-from validation.drawing.axes import drawing, format_axes, label_axes
-from validation.drawing.styles import GREY, INK, MARKERS, SERIES, VERMILION
+from validation.drawing.figure import (
+    GREY,
+    INK,
+    MARKERS,
+    SERIES,
+    VERMILION,
+    drawing,
+    format_axes,
+    label_axes,
+    png,
+    svg_file,
+)
 from validation.fits.fit import OF_PARAMETER, EachFit, dataset
 from validation.fits.result import CHI_SQUARED, UNLIKELY, VAGUE, Estimate, FitResult, Posterior
 from validation.measure.scaling import unit_name
@@ -85,7 +94,7 @@ def write_fit(result: FitResult, folder: Path) -> None:
     (folder / "index.html").unlink(missing_ok=True)
     write_scene(result.scene, folder / "scene.toml")
     drawn = draw_curves(result)
-    files: dict[str, str | bytes] = {"fit.png": export.png(drawn), "fit.svg": export.svg_file(drawn)}
+    files: dict[str, str | bytes] = {"fit.png": png(drawn), "fit.svg": svg_file(drawn)}
     report.write(folder, document(result, drawn), files | {"fit.json": to_json(of_fit(result))})
 
 

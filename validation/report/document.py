@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar
 
-from validation.drawing import export
+from validation.drawing.figure import svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -202,7 +202,7 @@ def with_drawing(figure: Figure, drawing: Drawing | None, description: str = "")
     """
     if drawing is None:
         return replace(figure, missing=figure.missing or MISSING)
-    return replace(figure, picture=export.svg(drawing, figure.name, description or figure.caption))
+    return replace(figure, picture=svg(drawing, figure.name, description or figure.caption))
 
 
 def valid_id(text: str) -> str:

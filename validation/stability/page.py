@@ -18,9 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing import export
-from validation.drawing.axes import drawing
-from validation.drawing.styles import INK, VERMILION
+from validation.drawing.figure import INK, VERMILION, drawing, png
 from validation.measure.difference import Check
 from validation.report import document as doc
 from validation.report import markdown, report
@@ -149,7 +147,7 @@ def _maps(matrix: StabilityMatrix) -> doc.Figures:
     for solver in dict.fromkeys(cell.solver for cell in matrix.cells):
         name = f"stability-{solver}"
         drawing = draw([cell for cell in matrix.cells if cell.solver == solver], numbered)
-        files = {f"{name}.png": export.png(drawing, MAP_DOTS)}
+        files = {f"{name}.png": png(drawing, MAP_DOTS)}
         figure = doc.Figure(name, f"{solver}: {LEGEND}.", wide=True, files=files)
         figures.append(doc.with_drawing(figure, drawing, f"Heat map, {solver}"))
     return doc.Figures(tuple(figures))

@@ -27,9 +27,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from contact_scene import Material, SceneError
 from validation.cases import Case
-from validation.drawing import export
-from validation.drawing.axes import SIZE, drawing, format_axes
-from validation.drawing.styles import curve_style
+from validation.drawing.figure import SIZE, curve_style, drawing, format_axes, png, svg_file
 from validation.measure.curves import CURVES
 from validation.measure.difference import Difference, of_curves, of_numbers
 from validation.reference.creep_compliance import creep_compliance
@@ -111,8 +109,8 @@ def write(knob: Zones | Poisson, case: Case, runs: Sequence[KnobRun], folder: Pa
     write_whole(path.with_suffix(".md"), markdown.text(doc.Document(shown.title, (), shown.parts)))
     if isinstance(knob, Zones):
         figure = knob.draw(runs)
-        write_whole(path.with_suffix(".png"), export.png(figure))
-        write_whole(path.with_suffix(".svg"), export.svg_file(figure))
+        write_whole(path.with_suffix(".png"), png(figure))
+        write_whole(path.with_suffix(".svg"), svg_file(figure))
     return path.with_suffix(".md")
 
 

@@ -22,7 +22,7 @@ from contact_scene.errors import shown
 from contact_scene.scene import value_at
 from contact_scene.value_checks import low_and_high
 from validation.drawing.curves import labels, of_trace
-from validation.drawing.styles import BLUE, GREY, VERMILION
+from validation.drawing.figure import BLUE, GREY, VERMILION
 from validation.measure.scaling import unit_name
 from validation.runs.folder import write_whole
 from validation.runs.pool import Engine

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing.axes import drawing, format_axes
-from validation.drawing.export import png, svg_file
-from validation.drawing.styles import DASHES, INK, MARKERS, SERIES
+from validation.drawing.figure import DASHES, INK, MARKERS, SERIES, drawing, format_axes, png, svg_file
 from validation.runs.folder import write_whole
 from validation.sweeps.dataset import RUN, drawn_measures
 

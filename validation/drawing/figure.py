@@ -1,4 +1,8 @@
-"""Figures as SVG for a page or a file, and as PNG."""
+"""How every figure looks, and how it leaves: colours and lines, axes, and the figure as SVG or PNG.
+
+Colours are Okabe and Ito's, distinct for any kind of colour vision; line style or marker differ beside them.
+In a page each colour is a CSS variable, so that a page can be light or dark.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +11,94 @@ import io
 import re
 from html import escape
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from validation.drawing.styles import CSS_VARIABLES, GRID
+from validation.solvers import SOLVERS
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+BLUE, VERMILION, PURPLE, ORANGE, SKY, GREEN = (
+    "#0072b2", "#d55e00", "#cc79a7", "#e69f00", "#56b4e9", "#009e73"
+)  # fmt: skip
+GREY = "#999999"
+INK = "#0a0a0a"  # text and axes; not quite black, so that the page can replace it by its own
+GRID = "#b3b3b4"
+SERIES = (BLUE, VERMILION, PURPLE, ORANGE, SKY, INK)  # colours of curves that belong to no solver
+DASHES: tuple[Any, ...] = ("-", (0, (6, 1.5)), (0, (3, 1, 1, 1)), (0, (1, 1)), (0, (8, 2, 2, 2)), "-.")
+MARKERS = "os^Dvx"
+APPROACH, RETRACTION = BLUE, VERMILION
+
+CSS_VARIABLES = {
+    GREY: "var(--reference)",
+    BLUE: "var(--bem)",
+    VERMILION: "var(--fem)",
+    GREEN: "var(--closed)",
+    INK: "currentColor",
+    GRID: "var(--grid)",
+}
+CLOSED_FORM: dict[str, Any] = {"color": GREEN, "linestyle": ":", "linewidth": 1.3}
+_OTHER: dict[str, Any] = {"color": ORANGE, "linestyle": (0, (8, 2, 2, 2)), "linewidth": 1.4, "marker": "P"}
+
+
+def curve_style(name: str) -> dict[str, Any]:
+    """Line properties of a solver: colour, line style and width, marker."""
+    method = SOLVERS.get(name)
+    if method is None:
+        return _OTHER
+    return {**method.curve_style, "marker": method.marker}
+
+
+# Axes
+
+SIZE = (4.2, 3.1)  # inches of a figure with one pair of axes
+OF_THE_SI = re.compile(r" \((m|N|s)\)$")
+"""End of a label with a unit whose numbers carry a prefix: ``20 nm``."""
+
+
+def drawing(
+    size: tuple[float, float] = SIZE, *grid: int, layout: Any = "constrained", **how: Any
+) -> tuple[Figure, Any]:
+    """A figure of so many inches, and its axes, or those of a grid of rows and columns."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout=layout)
+    return figure, figure.subplots(*grid, **how)
+
+
+def format_axes(axes: Axes, powers: tuple[int, int] = (-3, 4), grid_width: float = 0.5) -> None:
+    """Give axes and their insets grid, ink and notation: no power of ten between ``powers``."""
+    from matplotlib.ticker import ScalarFormatter
+
+    axes.grid(True, which="major", color=GRID, linewidth=grid_width)
+    axes.set_axisbelow(True)
+    for one in (axes, *axes.child_axes):
+        one.tick_params(which="both", colors=INK, labelcolor=INK)
+        for spine in one.spines.values():
+            spine.set_color(INK)
+        one.title.set_color(INK)
+        for axis in (one.xaxis, one.yaxis):
+            axis.label.set_color(INK)
+            axis.get_offset_text().set_color(INK)
+            if isinstance(axis.get_major_formatter(), ScalarFormatter):  # neither words nor logarithms
+                one.ticklabel_format(
+                    axis="x" if axis is one.xaxis else "y", style="sci", scilimits=powers, useOffset=False
+                )
+
+
+def label_axes(axes: Axes, across: str, up: str) -> None:
+    """Label axes; numbers in a unit of the SI carry it and a prefix."""
+    from matplotlib.ticker import EngFormatter
+
+    for axis, label in ((axes.xaxis, across), (axes.yaxis, up)):
+        unit = OF_THE_SI.search(label)
+        axis.set_label_text(label if unit is None else label[: unit.start()])
+        if unit is not None:
+            axis.set_major_formatter(EngFormatter(unit[1]))
+
+
+# Files and pages
 
 DECIMALS = 1
 """Of a coordinate on a page, in points: rounded by at most a twentieth of a point, a tenth of the thinnest
