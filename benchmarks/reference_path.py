@@ -1,76 +1,53 @@
-"""Scenes by the reference of this checkout and by that of another one, side by side.
+"""Error estimates of the reference on built-in and random scenes, against runs at a 64th of the tolerance.
 
-    python -m benchmarks.reference_path CHECKOUT --oracle FILE [SCENE ...] [FAMILY:FROM-TO ...]
+    python -m benchmarks.reference_path [SCENE ...] [FAMILY:FROM-TO ...]
 
-CHECKOUT has its environment in ``.venv``. FILE keeps what its reference says at resolution 32 (a random
-scene: at its default) and what its default costs; made where it lacks a scene.
+A line a scene: estimate over true difference of each quantity. At the end, by quantity: how many scenes, the
+median ratio, and how many estimates are below the difference, where that is more than rounding. Two checkouts
+are compared by two reports (``benchmarks.reports_apart``).
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import signal
-import subprocess
-import time
+from collections import defaultdict
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from benchmarks.random_scenes import random_scene
-from contact_scene import Scene, Trace
+from contact_scene import OutcomeKind, Scene, Trace
 from validation.cases import load
-from validation.reference.path.solver import DEFAULT_TOLERANCE, Options, solve
+from validation.measure.observables import observe
+from validation.reference.path import Options, solve
+from validation.reference.path.solver import LEAST_LOOP, distances
 from validation.scenes import names
 
-FINE = 32
-LONGEST = 60.0
-"""Of a run, in seconds."""
-MEASURES = ("pull_off", "time", "radius", "largest", "work")
+FINER = 64.0
+"""Tolerance, in that of the run at the other resolution: eight times the resolution."""
+ROUNDING = 1e-11
+"""Difference below which nothing is told."""
+LONGEST = 120.0
+"""Of both runs, in seconds."""
 
 
-COLUMNS = ("time", "force", "contact_radius", "external_work")
-ELSEWHERE = """
-import json, sys, time
-from benchmarks.random_scenes import random_scene
-from validation.cases import load
-from validation.solvers import SOLVERS
-
-name, resolution = sys.argv[1], json.loads(sys.argv[2])
-family, _, seed = name.partition(":")
-scene = random_scene(family, int(seed)).scene if seed else load(name).scene
-began = time.process_time()
-trace = SOLVERS["reference"].solve(scene, resolution)
-row = {column: getattr(trace, column).tolist() for column in sys.argv[3:]}
-row |= {"outcome": str(trace.outcome.kind), "steps": trace.counters.steps}
-print(json.dumps(row | {"seconds": time.process_time() - began}))
-"""
-"""What the other checkout runs: name of the scene, resolution, columns; prints them."""
-
-
-def of_trace(trace: Trace) -> dict[str, Any]:
-    """What is measured of a trace of this checkout."""
-    row: dict[str, Any] = {column: getattr(trace, column) for column in COLUMNS}
-    return row | {"outcome": str(trace.outcome.kind), "steps": trace.counters.steps}
-
-
-def measures(row: dict[str, Any]) -> dict[str, Any]:
+def measures(trace: Trace) -> dict[str, Any]:
     """Scalars of a trace, at the last row in contact; at the last of all where nothing pulls."""
-    time_, force, radius, work = (np.asarray(row[column]) for column in COLUMNS)
+    force, radius, work = trace.force, trace.contact_radius, trace.external_work
     pulls = float(force.min()) < -1e-12 * float(force.max())
     touching = np.flatnonzero(radius > (0.0 if pulls else -1.0))
     last = int(touching[-1]) if touching.size else 0
     return {
         "pull_off": max(-float(force.min()), 0.0) if pulls else 0.0,
-        "time": float(time_[last]),
+        "time": float(trace.time[last]),
         "radius": float(radius[last]),
         "largest": float(radius.max()),
         "work": float(work[last]),
         "most_work": float(np.abs(work).max()),
-        "outcome": row["outcome"],
-        "steps": row["steps"],
+        "outcome": str(trace.outcome.kind),
     }
 
 
@@ -101,48 +78,6 @@ def scene_of(name: str) -> Scene | None:
     return drawn.scene if drawn else None
 
 
-def elsewhere(checkout: Path, name: str, resolution: float | None) -> dict[str, Any]:
-    """What the reference of another checkout says, and its processor time."""
-    command = [".venv/bin/python", "-c", ELSEWHERE, name, json.dumps(resolution), *COLUMNS]
-    done = subprocess.run(command, cwd=checkout, capture_output=True, text=True, timeout=LONGEST, check=True)
-    row = json.loads(done.stdout.splitlines()[-1])
-    return measures(row) | {"seconds": row["seconds"]}
-
-
-def oracle_of(checkout: Path, name: str) -> dict[str, dict[str, Any]]:
-    """The other reference, fine and as it comes."""
-    default = elsewhere(checkout, name, None)
-    slow = ":" in name or name.startswith(("sweep", "oscillation"))  # minutes at the fine resolution
-    return {"default": default, "fine": default if slow else elsewhere(checkout, name, FINE)}
-
-
-def compared(
-    name: str, scene: Scene, oracle: dict[str, dict[str, Any]], tolerance: float, checkout: Path | None
-) -> str:
-    """One line: relative differences from the fine run, the work, and the times of both (in turn: of now)."""
-    fine, default = oracle["fine"], oracle["default"]
-    began = time.process_time()
-    try:
-        trace = within(LONGEST, lambda: solve(scene, Options(tolerance=tolerance)))
-    except Exception as error:
-        return f"{name:22s} FAILED {type(error).__name__}: {str(error)[:80]} | {fine['outcome']}"
-    seconds = time.process_time() - began
-    mine, counters = measures(of_trace(trace)), trace.counters
-    sizes = {key: abs(fine[key]) for key in MEASURES} | {"work": fine["most_work"]}
-    apart = [abs(mine[key] - fine[key]) / (sizes[key] or 1.0) for key in MEASURES]
-    if checkout is not None:
-        default["seconds"] = elsewhere(checkout, name, None)["seconds"]
-    return (
-        f"{name:22s} "
-        + " ".join(f"{key} {value:.0e}" for key, value in zip(MEASURES, apart, strict=True))
-        + f" | {counters.steps}+{counters.rejected_steps} geo {counters.history_updates}"
-        + f" ev {counters.closure_evaluations} rows {len(trace)}"
-        + f" {1e3 * seconds:.0f} ms {mine['outcome'][:22]}"
-        + f" | {default['steps']} {1e3 * default['seconds']:.0f} ms {fine['outcome'][:12]}"
-        + f" x{default['seconds'] / seconds:.1f}"
-    )
-
-
 def spread(given: list[str]) -> list[str]:
     """Names, those of FAMILY:FIRST-LAST one by one."""
     names = []
@@ -153,29 +88,64 @@ def spread(given: list[str]) -> list[str]:
     return names
 
 
+def differences(scene: Scene, run: Trace, finer: Trace) -> dict[str, float]:
+    """Relative differences of what a run estimates; of curves the largest distance."""
+    here, there = (observe(trace, ends_in_a_point=scene.ends_in_a_point) for trace in (run, finer))
+    turnover = float(np.abs(np.diff(finer.external_work)).sum())
+    sizes = {
+        "pull_off_force": there.pull_off_force or 0.0,
+        "loop_energy": max(abs(there.loop_energy or 0.0), LEAST_LOOP * turnover),
+        "detachment_time": float(run.time.max()),
+        "detachment_penetration": float(np.abs(run.penetration).max()),
+    }
+    found = {}
+    for name, size in sizes.items():
+        one, other = getattr(here, name), getattr(there, name)
+        if one is not None and other is not None and size > 0.0:
+            found[name] = abs(one - other) / size
+    for name in ("force", "contact_radius"):
+        found[name] = float(distances(run.columns(), finer.columns(), name).max())
+    return found
+
+
+def compared(scene: Scene) -> dict[str, tuple[float, float]]:
+    """Estimate and true difference by quantity; nothing where a run has no estimate."""
+    run = solve(scene, Options(estimate_errors=True))
+    if not run.errors:
+        return {}
+    step = Options().step_tolerance / FINER
+    finer = solve(scene, Options(tolerance=step, stop_times=tuple(run.time.tolist())))
+    if finer.outcome.kind is not run.outcome.kind or finer.outcome.kind is OutcomeKind.BREAKDOWN:
+        raise ArithmeticError(f"{run.outcome.kind}, and {finer.outcome.kind} at the finer tolerance")
+    found = differences(scene, run, finer)
+    return {name: (run.errors[name], found[name]) for name in run.errors if name in found}
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("checkout", type=Path)
-    parser.add_argument("--oracle", type=Path, required=True)
-    parser.add_argument("--tolerance", type=float, default=DEFAULT_TOLERANCE)
-    parser.add_argument("--in-turn", action="store_true", help="time the other default beside each run")
     parser.add_argument("scenes", nargs="*")
-    given = parser.parse_intermixed_args()
-    known = json.loads(given.oracle.read_text()) if given.oracle.exists() else {}
-    for name in spread(given.scenes) or names():
+    pairs: defaultdict[str, list[tuple[float, float]]] = defaultdict(list)
+    for name in spread(parser.parse_args().scenes) or names():
         scene = scene_of(name)
         if scene is None:
             continue
-        if name not in known:
-            try:
-                known[name] = oracle_of(given.checkout, name)
-            except Exception as error:
-                print(name, "has no oracle:", error)
-                continue
-            given.oracle.write_text(json.dumps(known))
-        beside = given.checkout if given.in_turn else None
-        print(compared(name, scene, known[name], given.tolerance, beside), flush=True)
+        try:
+            found = within(LONGEST, partial(compared, scene))
+        except Exception as error:
+            print(f"{name:20s} FAILED {type(error).__name__}: {error}", flush=True)
+            continue
+        told = [f"{key} {one:.0e}/{other:.0e}" for key, (one, other) in found.items()]
+        below = [key for key, (one, other) in found.items() if one < other > ROUNDING]
+        print(f"{name:20s}", *told, *(f"BELOW: {key}" for key in below), flush=True)
+        for key, pair in found.items():
+            pairs[key].append(pair)
+    for key, each in pairs.items():
+        one, other = np.array(each).T
+        seen = other > ROUNDING
+        ratio = one[seen] / other[seen]
+        middle = f": median {np.median(ratio):.1f}, {(ratio < 1.0).sum()} below" if seen.any() else ""
+        print(f"{key:24s} {seen.sum()} of {len(each)} scenes{middle}")
 
 
 if __name__ == "__main__":

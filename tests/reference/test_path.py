@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.reference_path import measures, of_trace, scene_of
+from benchmarks.reference_path import measures, scene_of
 from contact_scene import (
     Adhesion,
     Branch,
@@ -105,7 +105,7 @@ one at four times the resolution.
 def test_random_scenes_end_as_known(name):
     outcome, pull_off, time, largest, work = (DRAWN | LATER)[name]
     trace = solve(scene_of(name))
-    found = measures(of_trace(trace))
+    found = measures(trace)
     assert trace.outcome.kind is outcome
     assert found["pull_off"] == pytest.approx(pull_off, rel=1e-5, abs=1e-9 * np.abs(trace.force).max())
     assert found["time"] == pytest.approx(time, rel=1e-5)
