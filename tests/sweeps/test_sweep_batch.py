@@ -64,6 +64,13 @@ def test_runs_on_a_spring():
     assert "instability_loss" not in found or np.isnan(found.instability_loss).all()
 
 
+def test_a_run_that_is_never_pulled_has_no_error_of_its_pull_off():
+    """A number of 2e-5 stood beside no pull-off force."""
+    found = cc.sweep(SCENE, {"loading.steps.0.to": [-0.5, 0.031]}, "batch")
+    for name in ("pull_off_force", "pull_off_force_error", "pull_off_time_error"):
+        assert np.isnan(found[name].values).tolist() == [False, True], name
+
+
 @pytest.mark.parametrize(
     ("values", "more", "said"),
     [

@@ -143,7 +143,7 @@ def test_a_batch_that_ends_its_process_is_run_again_one_by_one(tmp_path, scene_f
         assert data.reason.values[3].startswith("TypeError")
         assert sizes == [2, 2, 1, 1]
         assert sorted(rate for rate, _ in calls) == [0.01, 0.03, 0.06]
-        assert len(run_plan.missing_runs(plan, store)[1]) == 1  # another attempt may end otherwise
+        assert run_plan.missing_runs(plan, store)[1].sum() == 1  # another attempt may end otherwise
 
 
 @pytest.mark.parametrize("pages", [1, 5])

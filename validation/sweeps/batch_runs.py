@@ -81,17 +81,20 @@ def _run(case: Case, found: batch.Solution, estimate: bool, wall: float, spent: 
     trace = Trace(BATCH, **columns, outcome=outcome, counters=Counters(steps=len(found.time) - 1))
     trace = on_machine(trace, case.scene.loading.machine)
     named = measure(trace, case.scene, wall).items()
+    measures = {
+        name: value
+        for name, value in named
+        if given(name) and not (found.reason and name.startswith("final_"))
+    }
     return Run(
         case.name,
         BATCH,
         trace,
         wall_seconds=wall,
         cpu_seconds=spent,
-        measures={
-            name: value
-            for name, value in named
-            if given(name) and not (found.reason and name.startswith("final_"))
+        measures=measures,
+        errors={
+            name: told for name, told in found.errors.items() if estimate and measures.get(name) is not None
         },
-        errors=found.errors if estimate else {},
         warnings=trace_warnings(case.scene, trace),
     )

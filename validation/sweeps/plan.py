@@ -335,8 +335,9 @@ class SweepPlan(Checked):
             join = itertools.product if self.design == "grid" else zip
             yield from join(*(coordinate.rows for coordinate in self.coordinates))
         else:
-            for point in sample(self.design, len(self.coordinates), self.points, self.seed).tolist():
-                yield tuple(c.sampled(share) for c, share in zip(self.coordinates, point, strict=True))
+            for point in sample(self.design, len(self.coordinates), self.points, self.seed):
+                pairs = zip(self.coordinates, point.tolist(), strict=True)
+                yield tuple(coordinate.sampled(share) for coordinate, share in pairs)
 
     def scene_of(self, rows: tuple[Row, ...]) -> cs.Scene:
         """The scene of a run; a refusal says at which values."""

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import groupby, islice
+from itertools import compress, islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contact_scene import COLUMNS
 from validation.cases import Case
@@ -35,6 +36,7 @@ TOGETHER = 1024
 SAMPLE, LEAST_SAMPLE = 0.01, 20
 """Share of the runs of the batch solver that the reference solves again, and how many at least."""
 Progress = Callable[[float, str], None]
+Flags = NDArray[np.bool_]
 
 
 def store_of(folder: Path | None = None, fresh: bool = False) -> Store:
@@ -88,9 +90,9 @@ def thinned(traces: bool, result: Run) -> Run:
     return replace(result, trace=replace(result.trace, **columns, extra=extra, profiles=()))
 
 
-def batch_task(plan: SweepPlan, some: Mapping[str, tuple[Row, ...]]) -> Task:
+def batch_task(plan: SweepPlan, some: list[tuple[Row, ...]]) -> Task:
     """Some runs of a plan by the batch solver."""
-    return Task("", "batch", solved_together, (plan, list(some.values())))
+    return Task("", "batch", solved_together, (plan, some))
 
 
 def solved_together(plan: SweepPlan, some: list[tuple[Row, ...]]) -> list[Run]:
@@ -99,14 +101,24 @@ def solved_together(plan: SweepPlan, some: list[tuple[Row, ...]]) -> list[Run]:
     return [thinned(plan.traces is not None, run) for run in solve_all(cases, plan.resolution, plan.estimate)]
 
 
+def rows_of(plan: SweepPlan, chosen: Collection[int] | None) -> Iterator[tuple[Row, ...]]:
+    """The values of all runs of a plan, or of those chosen."""
+    return (rows for number, rows in enumerate(plan.rows()) if chosen is None or number in chosen)
+
+
 def missing_runs(
     plan: SweepPlan, store: Store, chosen: Collection[int] | None = None
-) -> tuple[list[str], dict[str, tuple[Row, ...]]]:
-    """Fingerprints of all runs of a plan, or of those chosen, and the values of the ones not stored."""
-    some = (rows for number, rows in enumerate(plan.rows()) if chosen is None or number in chosen)
-    rows_of = [(task_of(plan, rows).key, rows) for rows in some]
-    missing = {key: rows for key, rows in rows_of if not _holds(store.get(key, Run), plan)}
-    return [key for key, _ in rows_of], missing
+) -> tuple[list[str], Flags]:
+    """Fingerprints of all runs of a plan, or of those chosen, and which are not stored; of equal ones one is.
+
+    Values are made again when they are asked for: kept, they take three times the memory of fingerprints.
+    """
+    keys, missing, seen = list[str](), bytearray(), set[str]()
+    for rows in rows_of(plan, chosen):
+        keys.append(task_of(plan, rows).key)
+        missing.append(keys[-1] not in seen and not _holds(store.get(keys[-1], Run), plan))
+        seen.add(keys[-1])
+    return keys, np.array(missing, bool)
 
 
 def _holds(stored: Run | None, plan: SweepPlan) -> bool:
@@ -133,11 +145,11 @@ def carry_out(
     if engine.executor is None:
         keep_freed()  # as a worker process does
     keys, missing = missing_runs(plan, store, chosen)
-    found, tell = SweepRuns(keys, store), _teller(progress, len(keys), len(missing))
+    found, tell = SweepRuns(keys, store), _teller(progress, len(keys), int(missing.sum()))
     if plan.solver == BATCH:
         missing = _by_batch(plan, found, missing, engine, tell)
-    tasks = enumerate(task_of(plan, rows) for rows in missing.values())
-    for _, result in completed_tasks(tasks, engine, len(missing)):
+    tasks = enumerate(task_of(plan, rows) for rows in compress(rows_of(plan, chosen), missing))
+    for _, result in completed_tasks(tasks, engine, int(missing.sum())):
         run = run_of(result)
         if run.breakdown:
             found.failed[result.task.key] = run
@@ -167,25 +179,23 @@ def _teller(progress: Progress | None, runs: int, missing: int) -> Callable[[int
 def _by_batch(
     plan: SweepPlan,
     found: SweepRuns,
-    missing: dict[str, tuple[Row, ...]],
+    missing: Flags,
     engine: Engine,
     tell: Callable[[int], None],
-) -> dict[str, tuple[Row, ...]]:
+) -> Flags:
     """Store what the batch solver answers; what it leaves open, a batch whose process has ended too.
 
     Batches are the same whatever is stored: they are stored whole, so that an interrupted sweep solves no
     scene in other company, and gives the same bits.
     """
-    place = {key: number for number, key in enumerate(dict.fromkeys(found.keys))}
-    batches = [list(some) for _, some in groupby(missing, lambda key: place[key] // TOGETHER)]
-    tasks = enumerate(batch_task(plan, {key: missing[key] for key in some}) for some in batches)
-    left = dict(missing)
-    for number, result in completed_tasks(tasks, engine, len(batches)):
-        runs = dict(zip(batches[number], result.value or (), strict=False))
-        answered = {key: run for key, run in runs.items() if run.trace is not None}
-        found.store.put_all(answered)
-        for key in answered:
-            del left[key]
+    rows, numbers, left = compress(plan.rows(), missing), np.flatnonzero(missing), missing.copy()
+    batches = np.split(numbers, np.flatnonzero(np.diff(numbers // TOGETHER)) + 1)
+    tasks = enumerate(batch_task(plan, [*islice(rows, len(some))]) for some in batches if len(some))
+    for place, result in completed_tasks(tasks, engine, len(batches)):
+        runs = zip(batches[place].tolist(), result.value or (), strict=False)
+        answered = {number: run for number, run in runs if run.trace is not None}
+        found.store.put_all({found.keys[number]: run for number, run in answered.items()})
+        left[[*answered]] = False
         tell(len(answered))
     return left
 
@@ -225,10 +235,11 @@ class SweepForecast:
 def forecast(plan: SweepPlan, store: Store) -> SweepForecast:
     """Forecast a sweep by the runs that are stored; where there are none, its first run is carried out."""
     keys, missing = missing_runs(plan, store)
-    stored = [key for key in keys if key not in missing]
+    lacking = set(compress(keys, missing))
+    stored = [key for key in keys if key not in lacking]
     sample: list[Run] = [store.get(key, Run) for key in stored[:: max(1, len(stored) // 200)]]
     if not sample:
-        sample = _first_runs(plan, missing)
+        sample = _first_runs(plan, [*islice(compress(plan.rows(), missing), TOGETHER)])
     spent = sum(run.cpu_seconds + run.estimate_seconds for run in sample) / len(sample)
     again = sample_size(plan) * _first_run(plan, plan.rows()).cpu_seconds if plan.solver == BATCH else 0.0
     rows = [trace.columns().values() for run in sample if (trace := run.trace) is not None]
@@ -237,16 +248,15 @@ def forecast(plan: SweepPlan, store: Store) -> SweepForecast:
     of_run += max((sum(column.nbytes for column in columns) for columns in rows), default=0)
     size = float(of_run * len(keys) + FIGURES_BYTES * len(plan.drawn))
     measured = len(sample) if stored else 0
-    return SweepForecast(len(keys), len(stored), spent * len(missing) + again, spent, measured, size)
+    return SweepForecast(len(keys), len(stored), spent * missing.sum() + again, spent, measured, size)
 
 
-def _first_runs(plan: SweepPlan, missing: Mapping[str, tuple[Row, ...]]) -> list[Run]:
+def _first_runs(plan: SweepPlan, first: list[tuple[Row, ...]]) -> list[Run]:
     """The first run that is missing, or a batch of them; what has no answer there, as the first of these."""
     if plan.solver != BATCH:
-        return [_first_run(plan, missing.values())]
-    first = dict(islice(missing.items(), TOGETHER))
+        return [_first_run(plan, first)]
     task = batch_task(plan, first)
-    found = dict(zip(first.values(), task.function(*task.arguments), strict=True))
+    found = dict(zip(first, task.function(*task.arguments), strict=True))
     left = [rows for rows, run in found.items() if run.trace is None]
     answered = [run for run in found.values() if run.trace is not None]
     return answered + ([_first_run(plan, left)] * len(left) if left else [])
