@@ -302,8 +302,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             write_whole(folder / "recovery.json", to_json([vars(one) for one in everything]))
             write_whole(folder / "recovery.md", report(everything, list(failures.values())))
 
-    with Progress("recovery") as progress, processes(options.jobs) as executor:
-        progress.phase("fits")
+    with Progress("recovery", "fits") as progress, processes(options.jobs) as executor:
         run_tasks(tasks, executor, store, progress, write)
     found = [done[key] for key in sorted(done)]
     write_whole(folder / "recovery.png", png(draw(found)))

@@ -1,7 +1,6 @@
 """Scene, form of results and control of a run, shared by the solvers of crosscontact; no way of solving."""
 
 from contact_scene.adhesion import Adhesion, PowerRate, RateTable
-from contact_scene.body import Layer
 from contact_scene.errors import SceneError, UnsupportedScene
 from contact_scene.indenter import Cone, FlatPunch, Indenter, PowerLaw, Sphere, TabulatedProfile
 from contact_scene.loading import (
@@ -23,7 +22,7 @@ from contact_scene.material import Branch, BulkRelaxation, Material, PowerLawRel
 from contact_scene.material_file import read_material, read_measured
 from contact_scene.prony import DynamicData, PronyFit, RelaxationData, fit_prony
 from contact_scene.run_control import LoadingCursor, RunMonitor
-from contact_scene.scene import Scene, Units, read_scene, scene_from_dict, write_material, write_scene
+from contact_scene.scene import Layer, Scene, Units, read_scene, scene_from_dict, write_material, write_scene
 from contact_scene.temperature_shift import WLF, Arrhenius, ShiftTable, at_temperature, read_shift_factors
 from contact_scene.trace import (
     COLUMNS,

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import ThreadpoolController
 
-from contact_scene.body import THINNEST, Layer
 from contact_scene.loading import Loading, Segment, Trigger, passed
+from contact_scene.scene import THINNEST, Layer
 from contact_scene.trace import Counters, Outcome, OutcomeKind
 from contact_scene.value_checks import number, whole_from
 

@@ -12,14 +12,23 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import tomli_w
 
 from contact_scene.adhesion import Adhesion
 from contact_scene.approach_bound import bounded_approaches
-from contact_scene.body import Layer
-from contact_scene.checked import Checked, Key, Tabulated, check_keys, fields_of, from_table, to_table, under
+from contact_scene.checked import (
+    Checked,
+    Key,
+    Positive,
+    Tabulated,
+    check_keys,
+    fields_of,
+    from_table,
+    to_table,
+    under,
+)
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import as_path, as_target, read_text, table_text, write_whole
 from contact_scene.indenter import SHAPES, Indenter
@@ -35,6 +44,9 @@ PARTS = ("material", "indenter", "adhesion")
 """Parts of a scene that may be built before it."""
 LONGEST_UNIT = 16
 """Characters of the name of a unit, which stands beside the axes of figures."""
+THINNEST = 30.0
+"""Largest contact radius, in thicknesses, that is computed: linear theory has long ended, and the functions
+that describe a layer grow in number with it."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +78,31 @@ class Units(Checked):
         for kind, name in vars(self).items():
             dimension = dimension.replace(kind, name or kind)
         return dimension
+
+
+@dataclass(frozen=True)
+class Layer(Checked):
+    """A layer of finite ``thickness`` on a rigid ``base``: bonded, or without friction and never lifted off.
+
+    Examples
+    --------
+    >>> cc.Layer(thickness=2e-5, base="bonded")
+    Layer(thickness=2e-05, base='bonded')
+    """
+
+    thickness: Annotated[Positive, Key("thickness", "length")]
+    base: Annotated[Literal["bonded", "frictionless"], Key("how it rests on its base")]
+
+    @property
+    def largest_contact(self) -> float:
+        """Largest contact radius that is computed."""
+        return THINNEST * self.thickness
+
+    @property
+    def outgrown(self) -> SceneError:
+        """The error for a contact that is larger."""
+        problem = f"the contact is wider than {THINNEST:g} thicknesses"
+        return SceneError("body.thickness", problem, f"a contact of at most {THINNEST:g}")
 
 
 @dataclass(frozen=True)

@@ -38,8 +38,7 @@ OPTIONS = {
 def run(options: argparse.Namespace, jobs: int) -> int:
     """Solve the grid and write the page; a run that does not come to its end is shown as that."""
     page = as_target(options.page)
-    with Progress(f"explore {options.scene}") as progress:
-        progress.phase("runs")
+    with Progress(f"explore {options.scene}", "runs") as progress:
         found = explore(
             options.scene,
             options.vary,

@@ -121,8 +121,7 @@ def _into(
     claim(folder, "a run", scene_question(("", scene), solver=METHOD.name), fresh=options.fresh)
     shared.warn(solvers.scene_warnings(scene))
     try:
-        with interrupting(), Progress(f"{case.name} fields") as progress:
-            progress.phase("set-up")
+        with interrupting(), Progress(f"{case.name} fields", "set-up") as progress:
             how = options.resolution, StepProgress(progress, "computing and writing"), options.max_steps
             with stop.handling_signals():
                 recorded = record_fields(scene, request, *how, stop.monitor)

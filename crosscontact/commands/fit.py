@@ -71,8 +71,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     curves = [curve for found in read_all(options.data, options, si=False) for curve in found]
     folder = None if options.out is None else output_folder(options.out)
     try:
-        with Progress("fit") as progress, processes(jobs) as executor:
-            progress.phase("searching")
+        with Progress("fit", "searching") as progress, processes(jobs) as executor:
             how: Any = folder, executor, lambda text: progress(0.0, text), "--out", options.fresh
             work = FitWork(curves, scene, settings, *how)
             if options.each:

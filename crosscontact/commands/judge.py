@@ -26,11 +26,10 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     """Judge everything in a folder and print the verdicts; 1 if an answer failed."""
     found = read_folder(Path(options.folder))
     with (
-        Progress("judge") as progress,
+        Progress("judge", "reference") as progress,
         shared.long_work("judge", options, "verdicts on an exam") as work,
         processes(min(jobs, len(found.cases))) as executor,
     ):
-        progress.phase("reference")
         judgement = judge.judge_folder(found, executor, work.store, progress)
         print(terminal.text(judge.overview(judgement)))
         print(judge.lead(judgement).text)

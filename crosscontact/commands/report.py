@@ -55,8 +55,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         compared = compare_scenes(suite, loaded, executor, work.runs(), **settings)
         matrix = stability.compute(jobs, work.store) if suite == "full" else None
         fields = _fields(compared.scenes) if options.fields else None
-        with Progress("report") as writing:
-            writing.phase("drawing and writing")
+        with Progress("report", "drawing and writing") as writing:
             if suite != "quick":
                 collected = evidence.collect([*planned, *further], compared.runs)
                 others.append(claims_page.chapter(claims_page.findings(collected), collected))
@@ -91,6 +90,5 @@ def _moved(since: regression.ReportComparison) -> int:
 def _fields(comparisons: Sequence[SceneComparison]) -> Chapter:
     """Fields in the body for the report's section, with progress."""
     runs = next((one.runs for one in comparisons if one.case.name == fields_chapter.SCENE), {})
-    with Progress("report") as progress:
-        progress.phase("fields in the body")
+    with Progress("report", "fields in the body") as progress:
         return fields_chapter.chapter(runs, progress)

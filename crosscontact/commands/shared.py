@@ -191,15 +191,12 @@ class Work:
 
     def runs(self) -> Progress:
         """Progress of the runs."""
-        progress = Progress(self.name)
-        progress.phase("runs")
-        return progress
+        return Progress(self.name, "runs")
 
     def write(self, write: Callable[[Path, Progress], Path | None]) -> None:
         """Write the results, if there is a folder, and say where."""
         if self.folder is not None:
-            with Progress(self.name) as writing:
-                writing.phase("drawing and writing")
+            with Progress(self.name, "drawing and writing") as writing:
                 page = write(self.folder, writing)
             print(f"written to {page or self.folder / 'index.html'}")
 

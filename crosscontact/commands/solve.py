@@ -49,8 +49,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     drawn = (folder or output_folder(".", "--plot")) if options.plot else None
     said, stop = solvers.scene_warnings(case.scene), GracefulStop()
     warn(said)
-    with Progress(f"{case.name} {name}") as progress:
-        progress.phase("set-up")
+    with Progress(f"{case.name} {name}", "set-up") as progress:
         steps = StepProgress(progress, "estimating the errors" if estimate else "measuring")
         how, max_steps = (options.resolution, steps, estimate), options.max_steps
         try:

@@ -40,6 +40,5 @@ def compute(
     jobs: int, store: Store | None = None, solvers: Collection[str] = SOLVERS, only: str | None = None
 ) -> StabilityMatrix:
     """Run the matrix with progress."""
-    with Progress("stability") as progress:
-        progress.phase("runs")
+    with Progress("stability", "runs") as progress:
         return matrix.run(cases(only), jobs, solvers, progress, store=store)

@@ -83,8 +83,7 @@ def _turned(options: argparse.Namespace, jobs: int) -> int:
     workers = processes(jobs) if options.zones is None else processes(1, isolated=True, tasks_per_process=1)
     with shared.long_work("study", options, "a study", loaded) as work, workers as executor:
         for case in loaded:
-            with Progress(f"{case.name} {knob.name}") as progress:
-                progress.phase("runs")
+            with Progress(f"{case.name} {knob.name}", "runs") as progress:
                 values, how = given or knob.values, (progress, executor, work.store, options.max_steps)
                 runs = knob.runs(case, values, *how)
             print(terminal.text(knob.section(case.name, runs)))

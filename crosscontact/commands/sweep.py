@@ -70,12 +70,11 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
     dataset.check_writable(plan)
     claim(folder, "a sweep", {}, fresh=options.fresh)
     with store_of(folder, options.fresh) as store:
-        with Progress(f"sweep {name}") as progress, own_engine(jobs, options.dask) as engine:
+        with Progress(f"sweep {name}", "runs") as progress, own_engine(jobs, options.dask) as engine:
 
             def tell(share: float, text: str) -> None:
                 progress(share, detail=text)
 
-            progress.phase("runs")
             try:
                 runs = carry_out(plan, store, engine, tell)
                 if plan.solver == BATCH:
@@ -85,8 +84,7 @@ def _carry_out(plan: SweepPlan, name: str, folder: Path, jobs: int, options: arg
                 kept = f"kept in {folder}: the same command goes on"
                 say(kept if store.holds_answers else "no run is done: there is nothing to keep")
                 raise
-        with Progress(f"sweep {name}") as progress:
-            progress.phase("drawing and writing")
+        with Progress(f"sweep {name}", "drawing and writing") as progress:
             data = dataset.write_results(plan, runs, folder)
             draw(data, folder)
     print(f"{plan.title or name}: {plan.count} runs of {plan.scene.name} by {plan.solver}")

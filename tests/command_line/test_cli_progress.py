@@ -34,7 +34,7 @@ def _terminal(monkeypatch):
 @pytest.mark.usefixtures("_terminal")
 def test_bar_on_a_terminal(clock):
     stream = Terminal()
-    show = progress.Progress("work", stream)
+    show = progress.Progress("work", stream=stream)
     clock[0] = 1.0
     show(0.5)
     assert stream.getvalue().count("━") == 15
@@ -49,7 +49,7 @@ def test_bar_on_a_terminal(clock):
 def test_plain_lines_on_a_terminal_that_cannot_redraw(monkeypatch):
     monkeypatch.setenv("TERM", "dumb")
     stream = Terminal()
-    show = progress.Progress("work", stream)
+    show = progress.Progress("work", stream=stream)
     show(0.5, "half")
     show.close()
     assert stream.getvalue() == "work: half\n"
@@ -57,7 +57,7 @@ def test_plain_lines_on_a_terminal_that_cannot_redraw(monkeypatch):
 
 def test_plain_lines_elsewhere(clock):
     stream = io.StringIO()
-    show = progress.Progress("work", stream)
+    show = progress.Progress("work", stream=stream)
     for second in range(101):
         clock[0] = float(second)
         show(second / 100)
@@ -72,7 +72,7 @@ def work(clock, monkeypatch):
     """Progress without its thread, and its lines."""
     monkeypatch.setattr(progress.Progress, "_keep_telling", lambda self: None)
     stream = io.StringIO()
-    return progress.Progress("work", stream), lambda: stream.getvalue().splitlines()
+    return progress.Progress("work", stream=stream), lambda: stream.getvalue().splitlines()
 
 
 def test_a_silent_phase_is_told_to_go_on(clock, work):

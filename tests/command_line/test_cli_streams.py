@@ -61,7 +61,7 @@ class Gone(io.StringIO):
 def test_progress_without_a_reader_ends_no_work(terminal, monkeypatch):
     monkeypatch.setenv("TERM", "xterm")
     stream = Gone(terminal)
-    show = progress.Progress("work", stream)
+    show = progress.Progress("work", stream=stream)
     show.phase("solving")
     show(0.5, "half")
     show.tell()

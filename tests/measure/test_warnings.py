@@ -11,8 +11,8 @@ from contact_scene import Adhesion, Branch, Loading, Material, Ramp, Scene, Sphe
 from validation.cases import Case, load
 from validation.compare.checks import check_case
 from validation.measure.observables import largest_fall, measure
-from validation.measure.warnings import fall_warnings, left_out_by_all
-from validation.runs.run import Run, run
+from validation.report.tables import left_out_by_all
+from validation.runs.run import Run, fall_warnings, run
 
 
 def falling(loss):

@@ -10,9 +10,8 @@ from validation.compare.suite import SceneComparison
 from validation.drawing import run_figures
 from validation.drawing.curves import elastic_limits, labels, of_trace, with_differences
 from validation.drawing.figure import INK, curve_style, format_axes
-from validation.measure.warnings import left_out_by_all
 from validation.report import document as doc
-from validation.report.tables import COUNTERS, of_checks
+from validation.report.tables import COUNTERS, left_out_by_all, of_checks
 from validation.solvers import REFERENCE
 
 if TYPE_CHECKING:
@@ -81,8 +80,8 @@ def runs(scene: SceneComparison) -> doc.DataTable:
 
 def skipped_work(scene: SceneComparison) -> str:
     """What the solvers left out because the scene did not need it."""
-    traces = {solver: run.trace for solver, run in scene.runs.items() if run.trace is not None}
-    work = {solver: asdict(trace.counters) for solver, trace in traces.items()}
+    runs = scene.runs.items()
+    work = {solver: asdict(run.trace.counters) for solver, run in runs if run.trace is not None}
     return left_out_by_all(work) if work else "No run has counters of its work."
 
 

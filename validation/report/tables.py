@@ -1,4 +1,4 @@
-"""Tables that several kinds of evidence show: checks, costs, and where they were computed."""
+"""What several kinds of evidence show: tables of checks and costs, work left out, and where it was done."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from validation.measure.difference import Check
 from validation.measure.scaling import SYMBOLS
 from validation.report import document as doc
 from validation.runs.run import Run
+from validation.solvers import SOLVERS
+from validation.solvers.base import SKIPPED_WORK
 
 _RELATIONS = {"<=": "≤ ", ">=": "≥ "}
 COUNTERS = {
@@ -90,3 +92,17 @@ def environment(stamp: Mapping[str, object], wall_seconds: float) -> doc.Section
 def in_words(value: object) -> str:
     """A fact as text, names and values of a mapping in one line."""
     return ", ".join(f"{k} {v}" for k, v in value.items()) if isinstance(value, dict) else str(value)
+
+
+def left_out(scheme: str, counters: Mapping[str, float | None]) -> list[str]:
+    """The parts of its work that a solver or scheme left out, in words; none if a counter is not known."""
+    meanings = SOLVERS[scheme].skipped_work if scheme in SOLVERS else SKIPPED_WORK
+    return [text for name, text in meanings.items() if counters.get(name) == 0]
+
+
+def left_out_by_all(work: Mapping[str, Mapping[str, float | None]]) -> str:
+    """A sentence on all solvers of a scene, ``work`` being their counters by name."""
+    skipped = [f"{name}: {', '.join(parts)}" for name, c in work.items() if (parts := left_out(name, c))]
+    if not skipped:
+        return "Nothing was left out: by its counters every solver did all kinds of its work."
+    return f"Left out because the scene did not need it, by the counters: {'; '.join(skipped)}."

@@ -42,7 +42,7 @@ class Progress:
     is no line of its own; ``None``: the time left, by the pace of the phase so far.
     """
 
-    def __init__(self, label: str, stream: TextIO | None = None) -> None:
+    def __init__(self, label: str, phase: str = "", stream: TextIO | None = None) -> None:
         # The bar steers a terminal itself, past what keeps other text from doing so.
         self._stream: TextIO = getattr(sys.stderr, "unfiltered", sys.stderr) if stream is None else stream
         self._label, self._phase = printable(label), ""
@@ -55,6 +55,8 @@ class Progress:
         self._tenth, self._fraction, self._detail = 0, 0.0, ""
         self._lock, self._closed = threading.RLock(), threading.Event()
         self._watch: threading.Thread | None = None
+        if phase:
+            self.phase(phase)
 
     def phase(self, name: str) -> None:
         """Begin a phase of the work, at a fraction of zero."""

@@ -26,8 +26,8 @@ from contact_scene.run_control import outcome_of_loss
 from validation import solvers
 from validation.cases import Case
 from validation.measure import error_estimate
-from validation.measure.observables import Observables, measure
-from validation.measure.warnings import fall_warnings
+from validation.measure.observables import Observables, largest_fall, measure
+from validation.measure.scaling import scale
 from validation.measure.windows import cycle_times
 from validation.runs.folder import from_json, move_whole, to_json, write_whole
 from validation.runs.process import peak_memory
@@ -169,6 +169,22 @@ def run_or_raise(
         errors = _errors(case, trace, measures, method, resolution, monitor)
         result = replace(result, errors=errors, estimate_seconds=time.process_time() - spent)
     return replace(result, warnings=warnings + fall_warnings(scene, trace, fall_error(case, result)))
+
+
+def fall_warnings(scene: cs.Scene, trace: cs.Trace, error: float) -> tuple[str, ...]:
+    """A sentence on a loss that falls by more than its ``error``, relative as in ``scaling``."""
+    if len(trace) == 0:
+        return ()
+    fall, begin, end = largest_fall(trace)
+    largest = scale("loss_fall", fall, trace)
+    if fall <= error * largest:
+        return ()
+    when = f"from t = {trace.time[begin]:.4g} to {trace.time[end]:.4g}"
+    why = "without adhesion that is an error of the solver"
+    if scene.adhesion is not None and scene.is_adhesive:
+        zone = f"the adhesive closure over a zone of {scene.adhesion.zone:.3g}"
+        why = f'{zone} does not balance energies there ("Where the loss falls" in the documentation)'
+    return (f"the loss falls by {fall:.3g}, {fall / largest:.2g} of the largest energy, {when}: {why}",)
 
 
 def fall_error(case: Case, result: Run) -> float:

@@ -16,8 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 import contact_scene as cs
-from contact_scene.body import THINNEST
-from contact_scene.scene import zone_too_long
+from contact_scene.scene import THINNEST, zone_too_long
 from validation.reference.elastic_layer import ElasticLayer
 from validation.reference.jkr import JKR
 from validation.solvers.contact_range import (

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from validation.measure import warnings as run_warnings
+from validation.report import tables
 from validation.studies.orders import fitted_slope
 from validation.studies.study import Convergence, LevelRun
 
@@ -131,7 +131,7 @@ def left_out(studies: Sequence[Convergence]) -> list[str]:
     sentences = []
     for study in studies:
         finished = [run for run in study.runs if not run.failed]
-        missing = run_warnings.left_out(study.ladder.scheme, finished[-1].counters) if finished else ()
+        missing = tables.left_out(study.ladder.scheme, finished[-1].counters) if finished else ()
         if missing:
             sentences.append(f"{study.ladder.scheme}: {'; '.join(missing)}.")
     return sentences
