@@ -52,7 +52,8 @@ class Key:
 REQUIRED = object()
 """Default of a field that has none."""
 
-_PLAIN = {str: "a string", bool: "true or false", object: "a value", dict: "a dictionary"}
+_PLAIN: dict[Any, str] = {str: "a string", bool: "true or false", object: "a value", dict: "a dictionary"}
+_PLAIN[Callable] = "a function"
 """Plain kinds of values, in words."""
 
 

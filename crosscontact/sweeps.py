@@ -56,11 +56,8 @@ def sweep(
         value, and ``"log"`` where it is to be even in the logarithm.
     solver : str
         One of :func:`crosscontact.solvers`, or "batch": the reference's method, hundreds of scenes together.
-        It takes power-law indenters with a fixed zone on a rigid machine, one ramp away or a cycle of two
-        ramps, with a hold between them and a force that ends the first, and gives no energies. What has no
-        answer there the reference solves, as
-        ``solved_by`` says, and a hundredth of the runs, at least twenty, again: ``solved_again`` and
-        ``largest_difference`` in the attributes.
+        What it takes is on the page on sweeps; it gives no energies. What has no answer there the reference
+        solves (``solved_by``), and a sample again: ``solved_again``, ``largest_difference`` in attributes.
     resolution : int, optional
         As for :func:`crosscontact.solve`; of the batch solver steps a process zone, 16 by default.
     design : str

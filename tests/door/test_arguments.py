@@ -22,7 +22,6 @@ COLUMNS = dict.fromkeys(contact_scene.COLUMNS, ROWS)
 COMPLETED = cc.Outcome(cc.OutcomeKind.COMPLETED, "the end", 1.0)
 RUN = Run("scene", "none", cc.Trace("none", *COLUMNS.values(), COMPLETED, Counters()))
 REQUIRED = {
-    "RunOptions": {},
     "Fit": {"result": None},
     "Result": {"scene": SCENE, "run": RUN},
     "at_temperature": {"material": ELASTIC, "shift": cc.Arrhenius(1.0, 300.0), "temperature": 310.0},

@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from contact_scene import COLUMNS, RunMonitor, Scene, Trace, UnsupportedScene
+from contact_scene.checked import Checked, Finite, Positive
 from contact_scene.errors import shown
-from contact_scene.run_control import MAX_STEPS, whole_number
-from contact_scene.value_checks import as_tuple, finite, function_or_none, positive, true_or_false
+from contact_scene.run_control import MAX_STEPS
+from contact_scene.value_checks import true_or_false, whole_from
 from validation.solvers.model_range import cycle_count, interval_count, out_of_range
 
 REFERENCE = "reference"
@@ -35,7 +36,7 @@ Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
-class RunOptions:
+class RunOptions(Checked):
     """What may be requested of any solver beside the resolution.
 
     Parameters
@@ -62,26 +63,13 @@ class RunOptions:
     500
     """
 
-    step_tolerance: float | None = None
-    stop_times: tuple[float, ...] = ()
-    profile_times: tuple[float, ...] = ()
-    max_steps: int | None = None
+    step_tolerance: Positive | None = None
+    stop_times: tuple[Finite, ...] = ()
+    profile_times: tuple[Finite, ...] = ()
+    max_steps: Annotated[int | None, whole_from(1)] = None
     progress: Progress | None = None
     monitor: RunMonitor | None = None
-    estimate_errors: bool = False
-
-    def __post_init__(self) -> None:
-        if self.step_tolerance is not None:
-            object.__setattr__(self, "step_tolerance", positive(self.step_tolerance, "step_tolerance"))
-        for key in ("stop_times", "profile_times"):
-            times = as_tuple(getattr(self, key), key, "several times")
-            checked = tuple(finite(time, f"{key}[{index}]") for index, time in enumerate(times))
-            object.__setattr__(self, key, checked)
-        if self.max_steps is not None:
-            object.__setattr__(self, "max_steps", whole_number(self.max_steps, "max_steps", 1))
-        function_or_none(self.progress, "progress", "the share that is done")
-        function_or_none(self.monitor, "monitor", "nothing, and says whether the run is to continue")
-        true_or_false(self.estimate_errors, "estimate_errors")
+    estimate_errors: Annotated[bool, true_or_false] = False
 
     @property
     def of_solver(self) -> dict[str, Any]:
