@@ -22,6 +22,7 @@ COLUMNS = dict.fromkeys(contact_scene.COLUMNS, ROWS)
 COMPLETED = cc.Outcome(cc.OutcomeKind.COMPLETED, "the end", 1.0)
 RUN = Run("scene", "none", cc.Trace("none", *COLUMNS.values(), COMPLETED, Counters()))
 REQUIRED = {
+    "RunOptions": {},
     "Fit": {"result": None},
     "Result": {"scene": SCENE, "run": RUN},
     "at_temperature": {"material": ELASTIC, "shift": cc.Arrhenius(1.0, 300.0), "temperature": 310.0},
@@ -80,8 +81,9 @@ NOT_ASKED |= {"ContactState", "PronyFit", "scenes", "solvers"}
 
 
 def declared(name):
-    """Whether it is a class of declared fields: tests/scene tries them all."""
-    return inspect.isclass(getattr(cc, name)) and issubclass(getattr(cc, name), Checked)
+    """Whether it is a class of declared fields that a scene is made of: tests/scene tries them all."""
+    found = getattr(cc, name)
+    return inspect.isclass(found) and issubclass(found, Checked) and name != "RunOptions"
 
 
 def good_arguments(name):
