@@ -19,7 +19,7 @@ from validation.compare.checks import check_case
 from validation.drawing import run_figures
 from validation.measure.difference import Check
 from validation.report.tables import of_checks
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs import run as runs
 
 if TYPE_CHECKING:

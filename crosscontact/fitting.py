@@ -26,7 +26,7 @@ from validation.fits.readers import Given, write_csv
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import Estimate, FitResult, InterruptedFit
 from validation.fits.synthetic import synthetic
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
 

@@ -15,7 +15,7 @@ from crosscontact.arguments import checked_path
 from validation.drawing import run_figures
 from validation.drawing.figure import png
 from validation.measure.scaling import SYMBOLS, kind_of, unit_name, unit_sizes
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs.folder import output_folder
 from validation.runs.run import Run, read_run, write_run
 

@@ -10,7 +10,7 @@ from crosscontact.commands.shared import value
 from validation.compare import page
 from validation.compare.scene_page import verdicts
 from validation.compare.suite import all_pairs, compare_scenes
-from validation.report import terminal
+from validation.report.texts import for_terminal
 from validation.runs.pool import processes
 from validation.solvers import SOLVERS
 
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         if len(refused) == len(result.scenes):
             return 2
         for scene in result.scenes:
-            print(terminal.text(verdicts(scene)))
+            print(for_terminal(verdicts(scene)))
         work.write(lambda folder, writing: page.write(result, folder, executor, writing))
     code = shared.exit_code(result.failures)
     return 2 if refused else code

@@ -13,7 +13,7 @@ from crosscontact.fitting import read_all
 from validation.fits.curve_page import draw_curve, rows, written
 from validation.fits.features import Features, common_wall
 from validation.fits.record import MeasuredCurve
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs.folder import output_folder
 
 OPTIONS = {

@@ -29,7 +29,7 @@ from validation.fields.moments import (
 )
 from validation.fields.quantities import QUANTITIES
 from validation.report.document import counted, plain
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs.folder import claim, in_words, locked_folder, output_folder, scene_question
 from validation.runs.process import GracefulStop, interrupting
 from validation.runs.progress import Progress, StepProgress

@@ -16,7 +16,7 @@ from validation.fits.fit import EachFit
 from validation.fits.page import each_table
 from validation.fits.parameters import FitSettings
 from validation.fits.result import InterruptedFit
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs.folder import output_folder
 from validation.runs.pool import processes
 from validation.runs.progress import Progress

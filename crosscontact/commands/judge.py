@@ -10,7 +10,7 @@ from crosscontact.commands import shared
 from crosscontact.commands.shared import value
 from validation.exam import judge
 from validation.exam.answer import read_folder
-from validation.report import terminal
+from validation.report.texts import for_terminal
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
 
@@ -31,7 +31,7 @@ def run(options: argparse.Namespace, jobs: int) -> int:
         processes(min(jobs, len(found.cases))) as executor,
     ):
         judgement = judge.judge_folder(found, executor, work.store, progress)
-        print(terminal.text(judge.overview(judgement)))
+        print(for_terminal(judge.overview(judgement)))
         print(judge.lead(judgement).text)
         work.write(lambda folder, writing: judge.write(judgement, folder, work.store.seconds))
     sys.stdout.flush()

@@ -12,7 +12,7 @@ from contact_scene.value_checks import positive
 from crosscontact.commands import shared
 from crosscontact.commands.shared import flag, value
 from validation.drawing.material_figure import draw_fit, draw_series
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs.folder import output_folder
 
 OPTIONS = {

@@ -14,7 +14,7 @@ from crosscontact.commands.shared import flag, say, value, warn
 from crosscontact.result import SCALES_IN_WORDS, Result, key_numbers
 from validation import cases, solvers
 from validation.measure.windows import load_steps_begun
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs.folder import claim, output_folder, scene_question
 from validation.runs.process import GracefulStop
 from validation.runs.progress import Progress, StepProgress

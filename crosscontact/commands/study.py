@@ -10,7 +10,7 @@ from crosscontact import arguments
 from crosscontact.arguments import option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import value
-from validation.report import terminal
+from validation.report.texts import for_terminal
 from validation.runs.pool import processes
 from validation.runs.progress import Progress
 from validation.solvers import REFERENCE, SOLVERS, solvers
@@ -58,7 +58,7 @@ def _refinement(options: argparse.Namespace, jobs: int) -> int:
     loaded = shared.load_taken(options.scenes, lambda case: solvers())
     with shared.long_work("study", options, "a study", loaded) as work:
         result = study(loaded, jobs, work.runs(), work.store, options.max_steps)
-        print(terminal.text(page.short(result)))
+        print(for_terminal(page.short(result)))
         work.write(lambda folder, writing: page.write(result, folder))
     return shared.failed(
         [
@@ -86,7 +86,7 @@ def _turned(options: argparse.Namespace, jobs: int) -> int:
             with Progress(f"{case.name} {knob.name}", "runs") as progress:
                 values, how = given or knob.values, (progress, executor, work.store, options.max_steps)
                 runs = knob.runs(case, values, *how)
-            print(terminal.text(knob.section(case.name, runs)))
+            print(for_terminal(knob.section(case.name, runs)))
             if work.folder is not None:
                 print(f"written to {write(knob, case, runs, work.folder)}")
             failures += knob.failures(runs)

@@ -10,7 +10,7 @@ from contact_scene import SceneError
 from crosscontact import arguments
 from crosscontact.commands import shared
 from crosscontact.commands.shared import flag, say, value
-from validation.report.terminal import aligned
+from validation.report.texts import aligned
 from validation.runs.folder import claim, in_words, locked_folder
 from validation.runs.pool import own_engine
 from validation.runs.progress import Progress, duration

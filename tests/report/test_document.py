@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from validation.report import document as doc
-from validation.report import html, markdown, terminal
+from validation.report import html, texts
 
 TABLE = doc.DataTable.of(
     [
@@ -51,7 +51,7 @@ def test_page_escapes_links_and_marks():
 
 
 def test_markdown_holds_the_same():
-    text = markdown.text(DOCUMENT)
+    text = texts.markdown(DOCUMENT)
     rows = [line for line in text.splitlines() if line.startswith("|")]
     assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {4}
     assert rows[1] == "|---|---:|---|"
@@ -61,7 +61,7 @@ def test_markdown_holds_the_same():
 
 
 def test_terminal_aligns_columns():
-    lines = terminal.lines(PARTS[0])
+    lines = texts.lines(PARTS[0])
     table = lines[lines.index("Forces & radii") + 1 :][:4]
     assert table[0] == f"  run{9 * ' '}force  verdict"
     assert table[1].startswith("  first      1.5e-3  pass")

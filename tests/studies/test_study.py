@@ -15,7 +15,8 @@ from support.unlaid_figures import without_layout
 from contact_scene import OutcomeKind
 from crosscontact.cli import main
 from validation.cases import load
-from validation.report import html, markdown
+from validation.report import html
+from validation.report.texts import markdown
 from validation.runs.folder import to_json
 from validation.runs.progress import Progress
 from validation.studies import ladders as schemes
@@ -124,7 +125,7 @@ def test_a_scheme_that_is_missing_stays_visible(capsys, scene_file, fakes):
     assert data["scenes"][0]["failed_levels"] == 5
     assert ladder_of(data, "paper-scheme")["levels"][0]["failure"].startswith("ModuleNotFoundError")
     assert "FAILED: ModuleNotFoundError" in page_without_figures(found)
-    assert "FAILED: ModuleNotFoundError" in markdown.text(document(found, figures=False))
+    assert "FAILED: ModuleNotFoundError" in markdown(document(found, figures=False))
     for work in ("", "wall_seconds"):
         drawn = draw(found.scenes[0].timed, "force, RMS", work)
         assert drawn is not None
@@ -171,7 +172,7 @@ def test_a_coarser_reference_serves_or_values_are_judged_alone(scene_file, fakes
     found, data = studied(scene_file)
     said = data["scenes"][0]["reference"]
     assert said.startswith("front tracking at resolution 60; 80 failed: FloatingPointError")
-    assert said in markdown.text(document(found, figures=False))
+    assert said in markdown(document(found, figures=False))
     fakes(reference=failing(0))
     found, data = studied(scene_file)
     assert data["scenes"][0]["reference"].startswith("no reference")

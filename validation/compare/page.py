@@ -18,10 +18,11 @@ from validation.compare.suite import SceneComparison, SuiteComparison
 from validation.drawing.figure import INK, SIZE, curve_style, drawing, format_axes
 from validation.measure.difference import Check
 from validation.report import document as doc
-from validation.report import html, junit, markdown
+from validation.report import html, junit
 from validation.report import report as folders
 from validation.report.report import Chapter
 from validation.report.tables import costs, environment, of_checks, spent
+from validation.report.texts import markdown
 from validation.runs.folder import to_json
 from validation.runs.provenance import of_case, version
 from validation.runs.run import summary as summary_of_run
@@ -133,7 +134,7 @@ def write(
     files = {
         "report.json": to_json(whole),
         "junit.xml": cases,
-        "summary.md": markdown.text(doc.Document(title, opening, short)),
+        "summary.md": markdown(doc.Document(title, opening, short)),
     }
     folders.write(folder, doc.Document(title, opening, parts), files)
 

@@ -6,15 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_scene import Cone, PowerLaw, Scene, Sphere, Trace
+from contact_scene.trace import Array
 from validation.measure.events import largest_tension
 from validation.measure.scaling import drawn_sizes, unit_name
 from validation.reference.jkr import JKR
 
 Labels = Mapping[str, str]
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

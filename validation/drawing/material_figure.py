@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_scene import Material
 from contact_scene.prony import PronyFit, RelaxationData
+from contact_scene.trace import Array
 from contact_scene.value_checks import SMALLEST
 from validation.drawing.figure import BLUE, GREY, INK, ORANGE, VERMILION, drawing, format_axes
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 SIZE = (5.2, 7.0)  # inches: three panels above each other
 DASHED = (0, (6, 1.5))

@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_scene import Scene
+from contact_scene.trace import Array
 from validation.fields.moments import EnergySums
 from validation.fields.quantities import DENSITY, QUANTITIES, RATE, STRESS
 from validation.fields.section import outline, surface_nodes, triangle_areas
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
     from fem_solver import FieldState
 
-Array = NDArray[np.float64]
 PARTS = {"body": "vtu", "surface": "vtp", "indenter": "vtp"}
 DISPLACEMENT = "displacement_applied [length]"
 

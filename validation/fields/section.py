@@ -19,13 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene
+from contact_scene.trace import Array
 from validation.fields.moments import zone_length
 from validation.fields.quantities import ColourRange, Quantity, colours
 
 if TYPE_CHECKING:
     from fem_solver import FieldState
 
-Array = NDArray[np.float64]
 
 HALF_WIDTH = 2.0
 """Half the width of a view, over the largest contact radius."""

@@ -21,9 +21,10 @@ import numpy as np
 from validation.drawing.figure import INK, VERMILION, drawing, png
 from validation.measure.difference import Check
 from validation.report import document as doc
-from validation.report import markdown, report
+from validation.report import report
 from validation.report.report import Chapter
 from validation.report.tables import environment
+from validation.report.texts import markdown
 from validation.runs.folder import to_json
 from validation.runs.provenance import stamp
 from validation.stability.matrix import Cell, CellVerdict, StabilityMatrix
@@ -111,7 +112,7 @@ def write(matrix: StabilityMatrix, folder: Path) -> None:
     short = doc.Document("crosscontact stability", lead, (summary(matrix),))
     texts = {
         "stability.json": to_json({"format": FORMAT} | data(matrix)),
-        "stability.md": markdown.text(short),
+        "stability.md": markdown(short),
     }
     report.write(folder, doc.Document("crosscontact stability", lead, parts), texts)
 

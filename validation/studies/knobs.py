@@ -32,8 +32,8 @@ from validation.measure.curves import CURVES
 from validation.measure.difference import Difference, of_curves, of_numbers
 from validation.reference.creep_compliance import creep_compliance
 from validation.report import document as doc
-from validation.report import markdown
 from validation.report.tables import estimates
+from validation.report.texts import markdown
 from validation.runs.folder import to_json, write_whole
 from validation.runs.pool import TaskEnding, TellProgress, run_of, run_task, run_tasks
 from validation.runs.provenance import of_case
@@ -106,7 +106,7 @@ def write(knob: Zones | Poisson, case: Case, runs: Sequence[KnobRun], folder: Pa
     """
     shown, path = knob.section(case.name, runs), folder / f"{knob.name}-{case.name}.json"
     write_whole(path, to_json({"scene": case.name, "premises": of_case(case)} | knob.data(runs)))
-    write_whole(path.with_suffix(".md"), markdown.text(doc.Document(shown.title, (), shown.parts)))
+    write_whole(path.with_suffix(".md"), markdown(doc.Document(shown.title, (), shown.parts)))
     if isinstance(knob, Zones):
         figure = knob.draw(runs)
         write_whole(path.with_suffix(".png"), png(figure))

@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 from validation.drawing.figure import INK, drawing, format_axes, png, svg_file
 from validation.report import document as doc
-from validation.report import markdown, report
+from validation.report import report
 from validation.report.tables import COUNTERS, environment
 from validation.report.tables import in_words as fact_in_words
+from validation.report.texts import markdown
 from validation.runs.folder import to_json
 from validation.runs.provenance import of_case
 from validation.studies import prices
@@ -83,7 +84,7 @@ PRICE_CHARTS: tuple[Chart, ...] = (
 def write(study: Study, folder: Path) -> None:
     """Write ``index.html``, ``study.md``, ``study.json`` and ``figures/SCENE-NAME.png`` and ``.svg``."""
     page = document(study)
-    report.write(folder, page, {"study.json": to_json(data(study)), "study.md": markdown.text(page)})
+    report.write(folder, page, {"study.json": to_json(data(study)), "study.md": markdown(page)})
 
 
 def data(study: Study) -> dict[str, Any]:

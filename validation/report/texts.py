@@ -1,14 +1,53 @@
-"""A document as Markdown, for the summary of a CI job and for reading beside the code."""
+"""A document, or a part of it, as text: for a terminal, and as Markdown."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from validation.report import document as doc
 
+INDENT = "  "
 
-def text(document: doc.Document) -> str:
-    """The whole document; figures as links to their copies, folded parts in full."""
+
+def for_terminal(part: doc.Part) -> str:
+    """One part for a terminal: sections with their title on the first line, figures left out."""
+    return "\n".join(lines(part)) + "\n"
+
+
+def lines(part: doc.Part) -> list[str]:
+    """One part, line by line."""
+    if isinstance(part, doc.Paragraph):
+        return [part.text]
+    if isinstance(part, doc.Bullets):
+        return [f"- {item}" for item in part.items]
+    if isinstance(part, doc.DataTable):
+        return _aligned_table(part)
+    if isinstance(part, doc.Figures):
+        return []
+    return [part.title, *(line for one in part.parts for line in lines(one))]
+
+
+def aligned(rows: Sequence[Sequence[str]], kinds: Sequence[str] = ()) -> list[str]:
+    """Rows in aligned columns, those of the kind "number" to the right."""
+    columns = list(zip(*rows, strict=True))
+    widths = [max(map(len, column)) for column in columns]
+    kinds = kinds or ["text"] * len(columns)
+    return [
+        INDENT
+        + "  ".join(
+            cell.rjust(width) if kind == "number" else cell.ljust(width)
+            for cell, width, kind in zip(row, widths, kinds, strict=True)
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def _aligned_table(table: doc.DataTable) -> list[str]:
+    return ([table.caption] if table.caption else []) + aligned(table.texts, table.columns)
+
+
+def markdown(document: doc.Document) -> str:
+    """The whole document, as in the summary of a CI job: figures as links, folded parts in full."""
     lines = [f"# {document.title}", ""]
     for part in (*document.lead, *document.parts):
         lines += _part(part, 2)
