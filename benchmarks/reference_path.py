@@ -34,23 +34,6 @@ LONGEST = 120.0
 """Of both runs, in seconds."""
 
 
-def measures(trace: Trace) -> dict[str, Any]:
-    """Scalars of a trace, at the last row in contact; at the last of all where nothing pulls."""
-    force, radius, work = trace.force, trace.contact_radius, trace.external_work
-    pulls = float(force.min()) < -1e-12 * float(force.max())
-    touching = np.flatnonzero(radius > (0.0 if pulls else -1.0))
-    last = int(touching[-1]) if touching.size else 0
-    return {
-        "pull_off": max(-float(force.min()), 0.0) if pulls else 0.0,
-        "time": float(trace.time[last]),
-        "radius": float(radius[last]),
-        "largest": float(radius.max()),
-        "work": float(work[last]),
-        "most_work": float(np.abs(work).max()),
-        "outcome": str(trace.outcome.kind),
-    }
-
-
 class TooLong(Exception):
     """A run that takes longer than it may."""
 

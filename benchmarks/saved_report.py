@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import io
 import lzma
-import math
 import shutil
 import sys
 import tempfile
 import zipfile
 import zlib
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +23,6 @@ from validation.compare.suite import SceneComparison, SuiteComparison
 from validation.measure.difference import Check
 from validation.runs.folder import from_json, in_words
 from validation.runs.run import Run, read_run
-from validation.stability.matrix import Cell, CellVerdict, StabilityMatrix
 
 DIGITS = 7
 """Significant digits of a packed trace: its figures are drawn to four."""
@@ -71,17 +68,6 @@ def findings(data: list[dict[str, Any]]) -> tuple[Finding, ...]:
         )
         for one in data
     )
-
-
-def matrix(data: dict[str, Any]) -> StabilityMatrix:
-    """The stiff and extreme cases, of ``stability.json`` or of ``report.json``."""
-    names = {entry.name for entry in fields(Cell)}
-    cells = []
-    for cell in data["cells"]:
-        errors = {name: math.inf if error is None else error for name, error in cell["errors"].items()}
-        known = {name: value for name, value in cell.items() if name in names}
-        cells.append(Cell(**known | {"verdict": CellVerdict(cell["verdict"]), "errors": errors}))
-    return StabilityMatrix(tuple(cells), data["wall_seconds"])
 
 
 def pack(folder: Path, archive: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import zipfile
 from dataclasses import asdict
 from pathlib import Path
@@ -14,8 +13,6 @@ from benchmarks import saved_report as saved
 from contact_scene import SceneError
 from validation.claims import page as claims_page
 from validation.claims.claim import Finding, Part, Verdict
-from validation.stability import page as stability_page
-from validation.stability.matrix import Cell, CellVerdict, StabilityMatrix
 
 ARCHIVE = Path(__file__).parents[2] / "docs" / "data" / "report.zip"
 
@@ -54,22 +51,10 @@ def test_a_packed_report_is_the_same_report(report, tmp_path):
         assert [few.read(name) for name in names] == [whole.read(name) for name in names]
 
 
-def test_findings_and_cells_survive():
+def test_findings_survive():
     finding = Finding("a", "Sec. 1", "it sticks", Verdict.IN_PART, (Part("1 > 2", False, {"x": 1.0}),))
     data = json.loads(json.dumps([claims_page.data(finding)]))
     assert saved.findings(data) == (finding,)
-    cell = Cell(
-        "stiff",
-        "1e3",
-        "bem",
-        CellVerdict.WRONG,
-        "completed",
-        "",
-        errors={"force": 1e-3, "ending (detached)": math.inf},
-        tolerance=1e-2,
-    )
-    written = json.loads(json.dumps(stability_page.data(StabilityMatrix((cell,), 2.0))))
-    assert saved.matrix(written) == StabilityMatrix((cell,), 2.0)
 
 
 def test_what_is_damaged_is_said_in_one_line(tmp_path):
