@@ -48,7 +48,8 @@ RATIO = 10.0
 
 @dataclass(frozen=True)
 class Family:
-    """Random scenes: powers of ten of zone over radius, speed in radii a relaxation time, and work."""
+    """Random scenes: powers of ten of zone over radius, speed in radii a relaxation time, work, and
+    stiffness of a spring over that of the contact."""
 
     branches: int = 1
     zones: tuple[float, float] = (-1.19, -1.19)
@@ -59,7 +60,7 @@ class Family:
     cycle: bool = False
     closing: float | None = None
     dwell: bool = False
-    spring: bool = False
+    spring: tuple[float, float] | None = None
 
     def scene(self, rng: np.random.Generator) -> Scene:
         """One of them: a retraction from a relaxed start, or a cycle from jump-in."""
@@ -85,8 +86,8 @@ class Family:
             hold = Hold(10.0 ** float(rng.uniform(-2.0, 1.5)))
             loading = Loading("jump-in", 0.0, (Ramp(depth, rate, until_force=level), hold, away))
         adhesion = Adhesion(work, zone * WIDTH, self.closing and self.closing * work)
-        if self.spring:
-            stiffness = 2.0 * WIDTH * 10.0 ** float(rng.uniform(-2.0, 2.0))
+        if self.spring is not None:
+            stiffness = 2.0 * WIDTH * 10.0 ** float(rng.uniform(*self.spring))
             loading = replace(loading, machine=Machine(stiffness))
         return Scene(Material(0.75, 0.5, branches), indenter, loading, adhesion)
 
@@ -99,9 +100,9 @@ FAMILIES = {
     "retractions, three branches": Family(branches=3, decades=4.0),
     "retractions, ten branches over six decades": Family(branches=10, decades=6.0),
     "retractions, zone 1e-5 of the radius": Family(zones=(-5.0, -5.0)),
-    "retractions on a spring": Family(spring=True),
+    "retractions on a spring": Family(spring=(-2.0, 2.0)),
     "retractions on a spring, hysteresis, three branches": Family(
-        spring=True, closing=0.5, branches=3, decades=4.0, any_indenter=True, zones=(-2.0, -2.0)
+        spring=(-2.0, 2.0), closing=0.5, branches=3, decades=4.0, any_indenter=True, zones=(-2.0, -2.0)
     ),
     "cycles, speeds over four decades": Family(cycle=True, speeds=(-1.0, 3.0)),
     "cycles with hysteresis, any indenter": Family(
@@ -112,6 +113,18 @@ FAMILIES = {
     "cycles, slow turns": Family(cycle=True, zones=(-4.0, -1.7), speeds=(-4.0, -1.0), works=(-5.0, -3.0)),
     "cycles with a dwell, half ended by a force": Family(
         cycle=True, speeds=(-1.0, 3.0), dwell=True, closing=0.5, any_indenter=True, zones=(-2.0, -2.0)
+    ),
+    "cycles on a spring, speeds over four decades": Family(
+        cycle=True, speeds=(-1.0, 3.0), spring=(-0.5, 2.0)
+    ),
+    "cycles on a spring with a dwell, half ended by a force": Family(
+        cycle=True,
+        speeds=(-1.0, 3.0),
+        dwell=True,
+        closing=0.5,
+        any_indenter=True,
+        zones=(-2.0, -2.0),
+        spring=(-0.5, 2.0),
     ),
     "cycles, zone 1e-5 of the radius": Family(cycle=True, zones=(-5.0, -5.0), speeds=(-1.0, 3.0)),
 }

@@ -38,7 +38,7 @@ def check(scene: Scene, at: str) -> None:
     reason = batch.refusal(scene)
     if reason:
         allowed = (
-            "a power of the radius, a fixed zone, one ramp away or, of a rigid machine, a cycle of two, "
+            "a power of the radius, a fixed zone, one ramp away or a cycle of two, "
             "with a hold between them and a force that ends either"
         )
         raise SceneError("solver", f"the batch solver does not take {reason}{at}", allowed)

@@ -10,29 +10,21 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.zone import (
-    BEHIND,
-    COUNT,
-    LAYERS,
-    SHARES,
-    SHORTEST,
-    SWEPT,
-    Quadrature,
-    quadrature,
-)
+from validation.reference.batch.zone import BEHIND, COUNT, LAYERED, SHARES, SHORTEST, Quadrature, quadrature
 from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
-Kind = Literal["opening", "sprung", "closing", "turned", "corner"]
-"""An edge that opens from rest on what is relaxed, the same on a spring, one that closes, one that opens
-where it closed, and that beside the place from which it closed: a corner of what it left. Travels count
-from there."""
+Kind = Literal["opening", "closing", "turned", "corner"]
+"""An edge that opens from rest on what is relaxed, one that closes, one that opens where it closed, and the
+same beside the place from which it closed: a corner of what it left, from which these travels count."""
 
-WIDEST: dict[Kind, float] = {"opening": 1.2, "sprung": 0.6, "closing": 0.6, "turned": 1.2, "corner": 1.2}
+WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 1.2, "corner": 1.2}
 """Longest steps in travels, or in what is left of the radius, times the resolution; where the load turns
-slowly an edge that closed by longer ones is not found again. On a soft spring the largest tension is close to
-the loss of contact, to which an edge speeds up."""
+slowly an edge that closed by longer ones is not found again."""
+SPRUNG = 0.5
+"""Part of these of an edge that opens on a spring: on a soft one the largest tension is close to the loss of
+contact, to which the edge speeds up."""
 ROWS = 6
 """Rows of a polynomial over the travel."""
 NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
@@ -69,27 +61,19 @@ class Travel:
     behind: Array
 
     @cached_property
-    def within(self) -> Array:
-        """Weights of the rows for values at the points ``SWEPT`` of the step."""
-        return self._at(SWEPT)[1]
-
-    @cached_property
     def gained(self) -> tuple[Array, Array]:
         """Weights of the rows for values at points of the step, and for the parts of their change there.
 
         The last point begins the layer next to the end, over which values are straight: it is one part.
         """
-        at, weights = self._at(np.append(SWEPT[:-COUNT], 1.0 - LAYERS[0]))
-        apart, length = 1.0 / (at[:, None] - self.rows), self.rows[-1] - self.rows[-2]
+        past, now = self.rows[-2:]
+        at = past + (now - past) * LAYERED
+        weights = lagrange(self.rows + 0.0 * at[:, None], at)
+        apart, length = 1.0 / (at[:, None] - self.rows), now - past
         parts = weights * (apart.sum(axis=1, keepdims=True) - apart) * length
         parts[:-1] *= SHARES[:-COUNT, None]
         parts[-1] = (np.arange(len(self.rows)) == len(self.rows) - 1) - weights[-1]
         return weights, parts
-
-    def _at(self, shares: Array) -> tuple[Array, Array]:
-        past, now = self.rows[-2:]
-        at = past + (now - past) * shares
-        return at, lagrange(self.rows + 0.0 * at[:, None], at)
 
 
 class Depths:
@@ -150,6 +134,7 @@ class Grid:
     kind: Kind
     least: float
     count: int
+    sprung: bool
     steps: dict[int, Travel] = field(default_factory=dict)
 
     @cached_property
@@ -227,7 +212,9 @@ def lagrange(nodes: Array, at: Array) -> Array:
 
 
 @lru_cache(maxsize=256)  # a batch of all zones and speeds takes 170
-def grid(resolution: int, size: int, kind: Kind, count: int = COUNT, ahead: int = 0) -> Grid:
+def grid(
+    resolution: int, size: int, kind: Kind, count: int = COUNT, sprung: bool = False, ahead: int = 0
+) -> Grid:
     """For radii from ``2^size`` zones to twice that.
 
     Where an edge sets off from rest its travel goes like the square of the time. Rows even in the root of the
@@ -237,7 +224,7 @@ def grid(resolution: int, size: int, kind: Kind, count: int = COUNT, ahead: int 
     between two breaks.
     """
     radius, graded = 2.0**size, (np.arange(1, resolution + 1) / resolution) ** 2
-    widest, corner = WIDEST[kind] / resolution, kind == "corner"
+    widest, corner = (SPRUNG if sprung else 1.0) * WIDEST[kind] / resolution, kind == "corner"
     first, rest, far = 1.0 if corner else 2.0, [], [1.0]
     travel = first
     while travel < 2.0 * radius:
@@ -246,8 +233,8 @@ def grid(resolution: int, size: int, kind: Kind, count: int = COUNT, ahead: int 
         rest.append(travel)
     if not corner:
         breaks = np.array([0, resolution, 2 * resolution])
-        return Grid(np.concatenate(([0.0], graded, 1.0 + graded, rest)), breaks, kind, radius, count)
+        return Grid(np.concatenate(([0.0], graded, 1.0 + graded, rest)), breaks, kind, radius, count, sprung)
     while far[-1] < 2.0**ahead:
         far.append(far[-1] * (1.0 + widest))
     g = np.concatenate((-np.array(far[:0:-1]), -graded[::-1], [0.0], graded, rest))
-    return Grid(g, np.append(0, len(far) - 1 + resolution * np.arange(3)), kind, radius, count)
+    return Grid(g, np.append(0, len(far) - 1 + resolution * np.arange(3)), kind, radius, count, sprung)

@@ -63,6 +63,15 @@ class AtRest:
         return state if t.ndim == 2 else (state[0][0], faded[:, 0], b[:, 0])
 
 
+def fading(since: Array, times: Array) -> Array:
+    """What times (Q, B) since points ``LAYERED`` leave of what relaxes (Q, n, B), at last a mean."""
+    shares = since[:, None] / times
+    shares[-1] = np.where(shares[-1] == 0.0, 1e-300, shares[-1])
+    faded = np.exp(-shares)
+    faded[-1] = -np.expm1(-shares[-1]) / shares[-1]
+    return faded
+
+
 @dataclass(frozen=True, eq=False)
 class OnSpring:
     """At the end of a step to a radius, after rows of ``times`` and ``forces`` (m, B).
@@ -74,28 +83,60 @@ class OnSpring:
     leg: LoadRamp
     travel: Travel
     radius: Array
-    held: Array
     times: Array
     forces: Array
     lag: Array
+    held: Array
 
-    def lags(self, t: Array) -> tuple[Array, Array]:
-        """``E_k N_k`` (n, B) if the deflection at the end were none, and what it adds."""
-        bodies, (weights, parts) = self.leg.bodies, self.travel.gained
-        since = np.maximum(t - weights[:, :-1] @ self.times - weights[:, -1:] * t, bodies.earliest)
-        since = since[:, None] / bodies.times
-        since[-1] = np.where(since[-1] == 0.0, 1e-300, since[-1])
-        faded = np.exp(-since)
-        faded[-1] = -np.expm1(-since[-1]) / since[-1]
-        lag = self.lag * np.exp(-np.maximum(t - self.times[-1], bodies.earliest) / bodies.times)
-        gained = parts[:, :-1] @ (bodies.compliance * self.forces)
-        lag += bodies.moduli * (faded * gained[:, None]).sum(axis=0)
-        return lag, bodies.moduli * (faded * parts[:, -1:, None]).sum(axis=0)
+    def faded(self, t: Array) -> Array:
+        """As of :func:`fading`."""
+        bodies, weights = self.leg.bodies, self.travel.gained[0]
+        since = t - weights[:, :-1] @ self.times - weights[:, -1:] * t
+        return fading(np.maximum(since, bodies.earliest), bodies.times)
+
+    def remembered(self, t: Array, faded: Array, last: Array, values: Array) -> Array:
+        """Branch forces (n, B) that values (m, B) in the rows have driven, without the new row."""
+        bodies = self.leg.bodies
+        old = last * np.exp(-np.maximum(t - self.times[-1], bodies.earliest) / bodies.times)
+        gained = self.travel.gained[1][:, :-1] @ values
+        return np.asarray(old + bodies.moduli * (faded * gained[:, None]).sum(axis=0))
+
+    def new(self, faded: Array) -> Array:
+        """What the new row counts (n, B)."""
+        return np.asarray(self.leg.bodies.moduli * (faded * self.travel.gained[1][:, -1:, None]).sum(axis=0))
+
+    def driven(self, t: Array, state: State, faded: Array) -> Array:
+        """The force (B,) if the indenter were where the stage is."""
+        D, left, b = state
+        return self.leg.bodies.force(D, b, self.radius, self.held * left)
 
     def __call__(self, t: Array) -> State:
         """At a time (B,) at which the step ends."""
-        bodies, (D, faded, b), (lag, own) = self.leg.bodies, self.leg(t), self.lags(t)
-        force = bodies.force(D, b - lag, self.radius, self.held * faded)
+        bodies, (D, left, b), faded = self.leg.bodies, self.leg(t), self.faded(t)
+        own = self.new(faded)
+        b = b - self.remembered(t, faded, self.lag, bodies.compliance * self.forces)
         stiff = 2.0 * self.radius * (bodies.relaxed + own.sum(axis=0))
-        u = bodies.compliance * force / (1.0 + bodies.compliance * stiff)
-        return D - u, faded, b - lag - own * u
+        u = bodies.compliance * self.driven(t, (D, left, b), faded) / (1.0 + bodies.compliance * stiff)
+        return D - u, left, b - own * u
+
+
+@dataclass(frozen=True, eq=False)
+class Covering(OnSpring):
+    """The same of an edge that closes over a surface never touched.
+
+    What it covers has no strain, so that branch forces of the whole contact are those that
+    ``P = a D - int_0^a G dx`` drives: ``held`` (n, B) in the last row; ``driving``: ``P`` (m, B) in the rows.
+    """
+
+    driving: Array
+
+    def whole(self, t: Array, D: Array, faded: Array) -> Array:
+        """Integrals (n, B) of the branch forces over the contact at a penetration."""
+        P = self.radius * D - self.leg.bodies.volume(self.radius)
+        return self.remembered(t, faded, self.held, self.driving) + self.new(faded) * P
+
+    def driven(self, t: Array, state: State, faded: Array) -> Array:
+        """As of :class:`OnSpring`."""
+        bodies, D = self.leg.bodies, state[0]
+        P = self.radius * D - bodies.volume(self.radius)
+        return 2.0 * (bodies.relaxed * P + self.whole(t, D, faded).sum(axis=0))

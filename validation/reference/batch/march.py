@@ -26,11 +26,12 @@ ROUNDED = 1e-15
 """Share of the penetration that is lost in rounding, and so the time in which it is driven."""
 ROOM = 128
 """Rows for which there is room at first."""
-GOING, DETACHED, ENDED, SHORT, FAILED, MISSED, HANDED = range(7)
+GOING, DETACHED, ENDED, SHORT, FAILED, MISSED, SOFT, HANDED = range(8)
 REASONS = {
     SHORT: "the contact shrinks to one and a half process zones before it is lost",
     FAILED: "the time at which the edge gets somewhere is not found",
     MISSED: "the force that ends a ramp is not reached",
+    SOFT: "a spring so much softer than the contact that the edge hardly knows when the load turns",
 }
 
 
@@ -187,8 +188,8 @@ class March:
     ``left`` (S, n, B): what the edge left where it was; ``resting`` (4, m, B): rows before the first.
     ``quick``: a time in which it gets nowhere; ``lost``: one that is lost in the rounding of the penetration,
     as a scale of the convergence of secants. ``g``, ``breaks``: travels of the rows, and rows of corners, of
-    each scene or of all. ``given``: the last row of those that are known before. ``lag``: branch
-    forces (n, B) that a spring has taken of those of the stage in the newest row.
+    each scene or of all. ``given``: the last row of those that are known before. ``lags``: branch
+    forces (S, n, B) that a spring has taken of those of the stage; ``wholes``: integrals over the contact.
     """
 
     grid: Grid
@@ -204,7 +205,8 @@ class March:
     quick: Array
     lost: Array
     resting: Array
-    lag: Array
+    lags: Array
+    wholes: Array
 
     @classmethod
     def empty(cls, steps: Grid, leg: LoadRamp, start: Array, duration: Array) -> March:
@@ -227,7 +229,8 @@ class March:
             quick,
             ROUNDED / CONVERGED * depths / np.abs(leg.rate),
             np.zeros((4, 0, count)),
-            np.zeros((len(bodies.moduli), count)),
+            np.zeros((ROOM, len(bodies.moduli), count)),
+            np.zeros((ROOM, len(bodies.moduli), count)),
         )
 
     @property
@@ -274,17 +277,20 @@ class March:
     def grow(self) -> None:
         """Make room for twice as many rows."""
         self.columns = np.concatenate((self.columns, np.zeros_like(self.columns)), axis=1)
-        self.left = np.concatenate((self.left, np.zeros_like(self.left)))
+        for name in ("left", "lags", "wholes"):
+            part = getattr(self, name)
+            setattr(self, name, np.concatenate((part, np.zeros_like(part))))
 
     def add(self, k: int, t: Array, radius: Array, state: State, held: Array, left: Array) -> None:
         """A row; ``held``: integrals over the contact of branch forces beside ``E_k M_k``."""
         if k == len(self.left):
             self.grow()
         D, _, b = state
-        self.lag = self.leg(t)[2] - b
         given, row = k <= self.given, np.array([t, D, self.leg.bodies.force(D, b, radius, held), radius])
         self.columns[:, k] = np.where(given, self.columns[:, k], row)
         self.left[k] = np.where(given, self.left[k], left)
+        self.lags[k] = np.where(given, self.lags[k], self.leg(t)[2] - b)
+        self.wholes[k] = held + radius * b
 
     def polynomials(self, values: Array, panel: Whole) -> Array:
         """Coefficients (ROWS, ..., B) of rows in panels of each scene, in shares of them, by differences."""
@@ -372,9 +378,11 @@ class March:
         some = slice(begin, most + 1)
         place = np.clip(steps.g[some, None] + offset, 0.0, reached)
         t, force = self.at(self.time, place), self.at(self.force, place)
-        found.columns[:, some] = t, self.leg.at(t)[0], force, self.radius[0] - place * bodies.zone
+        depth = self.leg.at(t)[0] - bodies.compliance * force
+        found.columns[:, some] = t, depth, force, self.radius[0] - place * bodies.zone
         for j in range(self.left.shape[1]):
             found.left[some, j] = self.at(self.left[:, j], place)
+            found.lags[some, j] = self.at(self.lags[:, j], place)
         found.radius[0] = self.radius[0]
         return found
 

@@ -57,8 +57,6 @@ def refusal(scene: Scene) -> str:
         return "a last ramp that does not retract"
     if len(ramps) == 2 and ramps[0].to <= loading.penetration:
         return "two ramps the first of which does not approach"
-    if loading.compliance > 0.0 and turns(scene):
-        return "a spring, with anything before the last ramp"
     return ""
 
 

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.batch.grid import Depths, Travel
+from validation.reference.batch.machine import AtRest, fading
 from validation.reference.batch.march import CONVERGED, ENDED, FAILED, ROUNDING, March, secants
 from validation.reference.batch.scenes import Bodies, LoadRamp, filled
-from validation.reference.batch.zone import quadrature
+from validation.reference.batch.zone import COUNT, LAYERED, SHARES, quadrature
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -29,58 +30,86 @@ CREPT = 0.2, 0.4, 0.6, 0.8, 1.0
 NEARER, AT_REST = 0.6, 1e-5
 """Of the time that is left until an edge rests, the part that a step takes at most; and the travel, in zones,
 that is left where it is extrapolated."""
+NO_TIME = 1e-9
+"""Of the shortest relaxation time: a step that takes none."""
 FINER = 0.012, 0.08, 0.4
 """More breaks in this case: the place of the turn is somewhere in the zone."""
 
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """What an edge that closed has left in contact: rows (S, B) of its radius and time, ``last`` of each.
+    """What an edge that closed has left in contact: rows (3 + n, S, B) of radius, time, and of what a spring
+    takes of the penetration and of branch forces; ``last`` of each scene.
 
-    What stands after the last counts for nothing: it is room for :meth:`onward`.
-    ``start``: radius at the start; ``first``, ``second``: the legs before and after the turn of the load;
-    ``kinks`` (l, B): rows, in rising order.
+    What stands after the last counts for nothing: it is room for :meth:`onward`. ``whole`` (n, B): integrals
+    of branch forces over the contact in the last row. ``start``: radius at the start; ``first``, ``second``:
+    the legs before and after the turn of the load; ``kinks`` (l, B): rows, in rising order.
     """
 
     bodies: Bodies
     first: LoadRamp
     second: LoadRamp
     start: Array
-    radius: Array
-    time: Array
+    rows: Array
+    whole: Array
     last: Whole
     kinks: Whole
 
     @property
+    def radius(self) -> Array:
+        """Radii (S, B)."""
+        return self.rows[0]
+
+    @property
+    def time(self) -> Array:
+        """Times (S, B)."""
+        return self.rows[1]
+
+    @cached_property
+    def newest(self) -> Array:
+        """The last row (3 + n, B)."""
+        return np.asarray(self.rows[:, self.last, np.arange(len(self.last))])
+
+    @property
     def edge(self) -> Array:
         """Radius of the last row."""
-        return np.asarray(self.radius[self.last, np.arange(len(self.last))])
+        return np.asarray(self.newest[0])
 
     @property
     def when(self) -> Array:
         """Time of the last row."""
-        return np.asarray(self.time[self.last, np.arange(len(self.last))])
+        return np.asarray(self.newest[1])
 
-    def onward(self, radius: Array, time: Array, asked: Flags) -> Held:
+    @property
+    def lag(self) -> Array:
+        """What a spring has taken of the branch forces (n, B) in the last row."""
+        return np.asarray(self.newest[3:])
+
+    def onward(self, row: Array, whole: Array, asked: Flags) -> Held:
         """With one more row of those asked for."""
         some = np.flatnonzero(asked)
-        rows = self.last[some] + 1
-        self.radius[rows, some], self.time[rows, some] = radius[some], time[some]
-        return replace(self, last=self.last + asked)
+        self.rows[:, self.last[some] + 1, some] = row[:, some]
+        return replace(self, whole=np.where(asked, whole, self.whole), last=self.last + asked)
 
     def of_some(self, chosen: Whole, bodies: Bodies) -> Held:
         """Of some scenes."""
         first, second = (one.of_some(chosen, bodies) for one in (self.first, self.second))
-        radius, time, kinks = self.radius[:, chosen], self.time[:, chosen], self.kinks[:, chosen]
-        return Held(bodies, first, second, self.start[chosen], radius, time, self.last[chosen], kinks)
+        rows, whole, start = (part[..., chosen] for part in (self.rows, self.whole, self.start))
+        return Held(bodies, first, second, start, rows, whole, self.last[chosen], self.kinks[:, chosen])
 
     def last_rows(self, count: int) -> Held:
         """With that many rows before the last, and room for others."""
-        scenes, room = np.arange(len(self.last)), np.zeros((LONGEST, len(self.last)))
+        scenes, room = np.arange(len(self.last)), np.zeros((len(self.rows), LONGEST, len(self.last)))
         old = np.maximum(self.last - count + np.arange(count + 1)[:, None], 0)
-        radius, time = (np.concatenate((part[old, scenes], room)) for part in (self.radius, self.time))
+        rows = np.concatenate((self.rows[:, old, scenes], room), axis=1)
         kinks = np.clip(self.kinks - self.last + count, 0, count)
-        return replace(self, radius=radius, time=time, last=np.full(len(scenes), count), kinks=kinks)
+        return replace(self, rows=rows, last=np.full(len(scenes), count), kinks=kinks)
+
+    def stage(self, t: Array) -> tuple[Array, Array]:
+        """Where the stage is at times (m, B), and the branch forces (n, m, B) that it would cause."""
+        turn = self.bodies.turn
+        one, two = self.first.at(np.minimum(t, turn)), self.second.at(np.maximum(t - turn, 0.0))
+        return np.where(t > turn, two[0], one[0]), np.where(t > turn, two[1], one[1])
 
     @cached_property
     def places(self) -> tuple[Array, Array, Array]:
@@ -92,8 +121,11 @@ class Held:
         place = np.where(known, np.minimum((self.radius[: len(known)] - begin) / whole, 1.0), 1.0)
         return begin, whole, (place + 2.0 * scenes).T.ravel()
 
-    def passed(self, x: Array) -> Array:
-        """Times at which radii (m, B) were covered: roots of cubics through rows."""
+    def strain(self, x: Array) -> tuple[Array, Array]:
+        """When radii (m, B) were covered, and branch forces (n, m, B) beside ``E_k M_k`` just after.
+
+        Times are roots of cubics through rows; on cubics lies what a spring takes too.
+        """
         scenes, count, (begin, whole, flat) = np.arange(len(self.last)), len(self.last), self.places
         shares = np.clip((x - begin) / whole, 0.0, 1.0) + 2.0 * scenes
         row = flat.searchsorted(shares, side="right") - 1 - (self.last.max() + 1) * scenes
@@ -106,27 +138,32 @@ class Held:
         places += [row * count + scenes, np.minimum(row + 1, self.last) * count + scenes]
         *times, early, late = (self.time.ravel().take(place) for place in places)
         *table, near, far = (self.radius.ravel().take(place) for place in places)
-        for order in range(1, 4):
-            for i in range(3, order - 1, -1):
-                apart = times[i] - times[i - order]
-                table[i] = (table[i] - table[i - 1]) / np.where(apart > 0.0, apart, np.inf)
-        t = early + (late - early) * np.clip((x - near) / np.where(far > near, far - near, 1.0), 0.0, 1.0)
-        for _ in range(3):
-            value, slope = table[3], 0.0
+
+        def differences(table: list[Array]) -> list[Array]:
+            for order in range(1, 4):
+                for i in range(3, order - 1, -1):
+                    apart = times[i] - times[i - order]
+                    table[i] = (table[i] - table[i - 1]) / np.where(apart > 0.0, apart, np.inf)
+            return table
+
+        def cubic(table: list[Array], t: Array) -> tuple[Array, Array]:
+            value, slope = table[3], 0.0 * t
             for i in (2, 1, 0):
                 since = t - times[i]
-                slope = slope * since + value
-                value = value * since + table[i]
-            t = np.minimum(np.maximum(t - (value - x) / np.where(slope > 0.0, slope, np.inf), early), late)
-        return t
+                value, slope = value * since + table[i], slope * since + value
+            return value, slope
 
-    def strain(self, x: Array) -> tuple[Array, Array]:
-        """When radii (m, B) were covered, and branch forces (n, m, B) beside ``E_k M_k`` just after."""
-        bodies, t = self.bodies, self.passed(x)
-        turn = bodies.turn
-        one, two = self.first.at(np.minimum(t, turn)), self.second.at(np.maximum(t - turn, 0.0))
-        D, b = np.where(t > turn, two[0], one[0]), np.where(t > turn, two[1], one[1])
-        covered = np.where(x > self.start, 1.0, bodies.glassy)
+        table = differences(table)
+        t = early + (late - early) * np.clip((x - near) / np.where(far > near, far - near, 1.0), 0.0, 1.0)
+        for _ in range(3):
+            value, slope = cubic(table, t)
+            t = np.minimum(np.maximum(t - (value - x) / np.where(slope > 0.0, slope, np.inf), early), late)
+        D, b = self.stage(t)
+        if self.bodies.compliance.any():
+            taken = self.rows[2:].reshape(len(self.rows) - 2, -1)
+            u, *lags = cubic(differences([taken.take(place, axis=1) for place in places[:4]]), t)[0]
+            D, b = D - u, b - np.array(lags).reshape(b.shape)
+        bodies, covered = self.bodies, np.where(x > self.start, 1.0, self.bodies.glassy)
         return t, covered * ((D - bodies.shape(x)) * bodies.moduli[:, None] - b)
 
     def branches(self, x: Array, now: Array) -> Array:
@@ -176,8 +213,9 @@ class Left:
             return found
         for m, share in enumerate(CREPT):
             row = turned + np.rint(share * (held.last - turned)).astype(np.intp)
-            radius, now = held.radius[row, scenes], held.time[row, scenes]
+            radius, now, u, *lag = held.rows[:, row, scenes]
             D, b = held.second.at(now - held.bodies.turn)
+            D, b = D - u, b - np.array(lag).reshape(b.shape)
             total = self.depths.at(self.total(now), (self.edge - radius) / held.bodies.zone)
             found[:, m] = now, D, held.bodies.force(D, b, radius, total), radius
         return found
@@ -192,16 +230,23 @@ def turned(
     start = closing.radius[0]
     edge = start + travel * bodies.zone
     ends = [bodies.hold, np.full(len(last), np.inf)] if bodies.hold.any() else [np.full(len(last), np.inf)]
-    empty = np.zeros((len(ends) * LONGEST, len(last)))
+    deflection = bodies.compliance * closing.at(closing.force, travel)
+    memory = [
+        [closing.at(part, travel) for part in parts.swapaxes(0, 1)]
+        for parts in (closing.lags, closing.wholes)
+    ]
+    lag, whole = np.array(memory).reshape(2, len(bodies.moduli), len(last))
     size = int(last.max()) + 1
-    radius, time = (np.concatenate((part[:size], empty)) for part in (closing.radius, closing.time))
-    radius[last, scenes], time[last, scenes] = edge, bodies.turn
+    rows = np.zeros((3 + len(lag), size + len(ends) * LONGEST, len(last)))
+    rows[:2, :size] = closing.columns[[3, 0], :size]
+    rows[2, :size] = bodies.compliance * closing.force[:size]
+    rows[3:, :size] = closing.lags[:size].swapaxes(0, 1)
+    rows[:, last, scenes] = edge, bodies.turn, deflection, *lag
     kinks = np.array([np.minimum(row, last) for row in (*closing.grid.breaks, last)])
-    held = Held(bodies, first, second, start, radius, time, last, kinks)
+    held = Held(bodies, first, second, start, rows, whole, last, kinks)
     for until in ends:
         held = _gone_on(held, closing, until, resolution)
-    size = int(held.last.max()) + 1
-    held = replace(held, radius=radius[:size], time=time[:size])
+    held = replace(held, rows=rows[:, : int(held.last.max()) + 1])
     return held, held.when
 
 
@@ -214,15 +259,27 @@ def _gone_on(held: Held, closing: March, until: Array, resolution: int) -> Held:
         some = filled(np.flatnonzero((closing.ending == ENDED) & falls & (step > 0.0)))
         if len(some):
             few = held.of_some(some, bodies.of_some(some))
-            found, count = _closing_on(few, step[some], until[some], resolution)
-            rows, top = last[some] + np.arange(LONGEST)[:, None], last.copy()
-            held.radius[rows, some], held.time[rows, some] = found
+            found, whole, count = _closing_on(few, step[some], until[some], resolution)
+            rows, top, wholes = last[some] + np.arange(LONGEST)[:, None], last.copy(), held.whole.copy()
+            held.rows[:, rows, some] = found
             top[some] += count
-            held = replace(held, last=top)
+            wholes[:, some] = whole
+            held = replace(held, last=top, whole=wholes)
             closing.ending[some[count < 0]] = FAILED
     if np.isfinite(until).all():
-        held = held.onward(held.edge, bodies.turn + until, held.when < bodies.turn + until)
+        held = _held_until(held, until)
     return replace(held, kinks=np.concatenate((held.kinks, held.last[None])))
+
+
+def _held_until(held: Held, until: Array) -> Held:
+    """With a row at the end of a hold, up to which the edge rests."""
+    edge, since = held.edge, held.when - held.bodies.turn
+    leg = held.second.after(since, 0.0 * since)
+    b, left = leg.branches - held.lag, np.maximum(until - since, 0.0)
+    beside = held.whole - edge * b
+    D, faded, b = AtRest(leg, edge, b, beside)(left)
+    row = np.array([edge, held.bodies.turn + until, leg.depth - D, *(leg(left)[2] - b)])
+    return held.onward(row, beside * faded + edge * b, left > 0.0)
 
 
 def _first_step(held: Held) -> Array:
@@ -237,19 +294,66 @@ class AfterTurn:
 
     def __init__(self, held: Held, elapsed: Array) -> None:
         self.held, self.elapsed, self.now = held, elapsed, held.bodies.turn + elapsed
+        self.stage, self.branches = held.second.at(elapsed)
+        if held.bodies.compliance.any():
+            self.lag, self.whole, self.own = self._remembered()
+
+    def _remembered(self) -> tuple[Array, Array, Array]:
+        """Branch forces without the new row: what a spring takes, the whole contact; and what it counts."""
+        held, bodies = self.held, self.held.bodies
+        places, last = held.last - np.arange(3)[::-1, None], np.arange(len(held.last))
+        radius, then, taken = held.rows[:3, places, last]
+        length = np.maximum(self.now - held.when, NO_TIME * bodies.times.min(axis=0))
+        known, nodes = places >= held.kinks[-1], np.concatenate((then, (held.when + length)[None]))
+        known = np.concatenate((known, known[-1:]))
+        at = held.when + length * LAYERED[:, None]
+        weights, slopes = np.ones((2, 4, *at.shape)) * [[[[1.0]]], [[[0.0]]]]
+        for i in range(4):
+            for j in range(4):
+                if i != j:
+                    apart = np.where(known[j], nodes[i] - nodes[j], 1.0)
+                    weights[i] *= np.where(known[j], (at - nodes[j]) / apart, 1.0)
+                    slopes[i] += np.where(known[j], 1.0 / (at - nodes[j]), 0.0)
+        parts = np.where(known[:, None], weights * slopes * length, 0.0)
+        parts[:, :-1] *= SHARES[:-COUNT, None]
+        parts[:, -1] = np.where(known, (np.arange(4) == 3)[:, None] - weights[:, -1], 0.0)
+        faded = fading(held.when + length - at, bodies.times)
+        left = np.exp(-length / bodies.times)
+        driving = radius * (held.stage(then)[0] - taken) - bodies.volume(radius)
+        old, new = parts[:3], parts[3]
+        gained = (old * taken[:, None]).sum(axis=0), (old * driving[:, None]).sum(axis=0), new
+        lag, whole, own = (bodies.moduli * (faded * one[:, None]).sum(axis=0) for one in gained)
+        return lag + held.lag * left, whole + held.whole * left, own
+
+    def row(self, radius: Array) -> tuple[Array, Array]:
+        """The row (3 + n, B), and integrals of the branch forces over the contact (n, B)."""
+        bodies, none = self.held.bodies, 0.0 * self.branches
+        if not bodies.compliance.any():
+            return np.array([radius, self.now, 0.0 * radius, *none]), none
+        V, S = bodies.volume(radius), bodies.relaxed + self.own.sum(axis=0)
+        soft = 2.0 * bodies.compliance
+        D = (self.stage + soft * (S * V - self.whole.sum(axis=0))) / (1.0 + soft * S * radius)
+        u = self.stage - D
+        return np.array([radius, self.now, u, *(self.lag + self.own * u)]), self.whole + self.own * (
+            radius * D - V
+        )
 
     def __call__(self, radius: Array) -> Array:
         held, bodies = self.held, self.held.bodies
-        held = held.onward(np.maximum(radius, held.edge), self.now, np.isfinite(radius))
+        row, whole = self.row(np.maximum(radius, held.edge))
+        held, D, b = (
+            held.onward(row, whole, np.isfinite(radius)),
+            self.stage - row[2],
+            self.branches - row[3:],
+        )
         points = quadrature(FINER, True)
         forms, G = points.forms(bodies, radius)
-        D, b = held.second.at(self.elapsed)
         left = held.branches(radius - bodies.zone * (1.0 - points.v), self.now).sum(axis=0)
         q = bodies.relaxed * (D - G) + b.sum(axis=0) + left
         return (q * (forms[1] - D * forms[0])).sum(axis=0) / (-(math.pi**2) * bodies.closing) - 1.0
 
 
-def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple[Array, Whole]:
+def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple[Array, Array, Whole]:
     """Rows from the last on of edges that go on closing; the last, where they rest or time is over, or -1.
 
     The fall of the speed from row to row tells when an edge will rest, and the next row is no farther than
@@ -260,7 +364,8 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
     local = held.last_rows(WINDOW)
     edge, rounding = local.edge, ROUNDING * local.edge / zone
     error = AfterTurn(local, local.when - local.bodies.turn)(edge)  # of the place of the last
-    rows, first = np.zeros((2, LONGEST, len(step))), step
+    rows, first = np.zeros((len(held.rows), LONGEST, len(step))), step
+    wholes = 0.0 * held.whole
     since, speed, fall, slope = np.zeros((4, len(step)))
     for _ in range(LONGEST):
         y, elapsed = (local.edge - edge) / zone, local.when - local.bodies.turn
@@ -283,9 +388,11 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
         left = np.where(fall > 0.0, np.maximum(now / fall - 0.5 * step, 0.0), np.inf)
         over &= rises
         summit = rises & np.isinf(until) & np.isfinite(left) & (fall * left * left < 2.0 * AT_REST)
-        local = local.onward(edge + place * zone, local.bodies.turn + (elapsed + step), rises)
+        local = local.onward(*residual.row(edge + place * zone), rises)
         place = place + 0.5 * fall * left * left
-        local = local.onward(edge + place * zone, local.bodies.turn + (elapsed + step + left), summit)
+        if summit.any():
+            later = AfterTurn(local, elapsed + step + np.where(summit, left, 0.0))
+            local = local.onward(*later.row(edge + place * zone), summit)
         still = ~rises & (np.where(since > 0.0, speed * step, step / first * AT_REST / 1e-3) < AT_REST)
         ended = summit | still | over | (local.last > WINDOW + LONGEST - 4)
         speed, since = np.where(rises, now, speed), np.where(rises, step, since)
@@ -293,7 +400,7 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
         if ended.any():
             out = scenes[ended]
             window = slice(WINDOW, WINDOW + LONGEST), ended
-            rows[:, :, out] = local.radius[window], local.time[window]
+            rows[:, :, out], wholes[:, out] = local.rows[:, *window], local.whole[:, ended]
             rest[out] = np.where(summit | still | over, local.last - WINDOW, -1)[ended]
             some = filled(np.flatnonzero(~ended))
             scenes = scenes[some]
@@ -304,4 +411,4 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
             local = local.of_some(some, local.bodies.of_some(some))
         if not len(scenes):
             break
-    return rows, rest
+    return rows, wholes, rest

@@ -26,6 +26,8 @@ _BREAKS = 1.0 - np.array([1.0, *LAYERS[::-1], 0.0])
 SWEPT = (_BREAKS[:-1, None] + np.diff(_BREAKS)[:, None] * POINTS).ravel()
 SHARES = (np.diff(_BREAKS)[:, None] * WEIGHTS).ravel()
 """Points and weights of what a step sweeps, on [0, 1]: a layer relaxes behind an edge that closes."""
+LAYERED = np.append(SWEPT[:-COUNT], 1.0 - LAYERS[0])
+"""The same, but for the layer next to the end its beginning alone: values are straight over it."""
 SERIES, PLACES, NODES = 12, 10, 6
 """Terms of the kernel in zone over radius, in the places in the zone, and of a stress behind the edge."""
 NEGLIGIBLE = 1e-8
