@@ -60,8 +60,8 @@ def test_every_run_of_the_grid_is_that_of_its_values(found):
 
 def test_scenes_that_the_batch_solver_does_not_take_the_reference_solves():
     scene = cc.builtin("elastic-relaxed")
-    held = replace(scene, loading=replace(scene.loading, machine=cc.Machine(10.0)))
-    assert cc.explore(held, VARIED[:1], values=2).plan.solver == "reference"
+    rated = replace(scene, adhesion=replace(scene.adhesion, rate=cc.PowerRate(1.0, 0.5)))
+    assert cc.explore(rated, VARIED[:1], values=2).plan.solver == "reference"
 
 
 def test_curves_come_back_to_sixteen_bits_and_keep_their_ends(found):
