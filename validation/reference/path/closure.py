@@ -31,7 +31,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.numerics import bracketed, chebyshev, chebyshev_series, gauss, powers
+from validation.reference.path.numerics import (
+    NEGLIGIBLE,
+    ROUNDING,
+    bracketed,
+    chebyshev,
+    chebyshev_series,
+    gauss,
+    powers,
+)
 
 Array = NDArray[np.float64]
 
@@ -46,16 +54,16 @@ _GRADED = 2e-3 * 4.0 ** np.arange(4)
 """Breaks near the ends of a zone: a layer that relaxes behind a slow edge is an exponential of any thickness,
 which five points follow to 1e-6 over a ratio of 4 (of 10: 1e-4)."""
 BASE = np.unique(np.concatenate(([0.0, 0.5, 1.0], _GRADED, 1.0 - _GRADED)))
-AXIS, WIDENING = 1e-9, 3.0
-"""Least distance of a break from the axis, in radii, and ratio of the distances of the next ones."""
+WIDENING = 3.0
+"""Ratio of the distances of breaks from the axis."""
 TERMS, TERMS_A_FACTOR = 6, 4.0
 """Terms of the series of the kernel."""
 _RING = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
 
-_EVEN = np.linspace(0.0, 1.0, 5)
+EVEN = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-3
 """Shortest zone that is followed, in zones at rest: the edge pulls a thirtieth as much."""
-LONGEST = 1.0 - 1e-9
+LONGEST = 1.0 - NEGLIGIBLE
 """Longest, in contact radii: it fills the contact."""
 
 
@@ -99,7 +107,7 @@ class Closure:
 
 def closure(radius: float, zone: float, breaks: Array) -> Closure:
     """The closure at a radius, by Gauss in panels between breaks, no wider than they are off the axis."""
-    start = max(radius - zone, AXIS * radius)
+    start = max(radius - zone, NEGLIGIBLE * radius)
     levels = np.arange(1, int(math.log(radius / start) / math.log(WIDENING)) + 1)
     graded = start * (WIDENING**levels - 1.0)
     breaks = np.union1d(breaks, graded[graded < zone]) if len(levels) else breaks
@@ -150,7 +158,7 @@ def zone_length(
         widest = 2.0 * math.asin(math.sqrt(0.5 * zone / radius))
         near = edges[(edges > -zone) & (edges < 0.0)]
         angles = 2.0 * np.arcsin(np.sqrt(0.5 * (zone + near) / (radius + near)))
-        angle, weight = points(np.unique(np.concatenate((widest * _EVEN, angles))))
+        angle, weight = points(np.unique(np.concatenate((widest * EVEN, angles))))
         behind = 2.0 * (radius - zone) * np.sin(0.5 * angle) ** 2 / np.cos(angle) - zone
         tension = -float(weight @ stress(np.minimum(behind, 0.0)))
         return (tension - 4.0 * cohesive * zone) / root
@@ -169,7 +177,7 @@ def zone_length(
             break
         step = value * (after - x) / (value - f)
         x, f, after = after, value, after - step
-        if abs(step) < 1e-13 * x:
+        if abs(step) < ROUNDING * x:
             return x * x
     if lack(low) <= 0.0:
         return low * low

@@ -38,7 +38,7 @@ from validation.reference.path.equilibrium import (
     start_state,
     touching_radius,
 )
-from validation.reference.path.numerics import DEGREE, bracketed
+from validation.reference.path.numerics import DEGREE, NEGLIGIBLE, ROUNDING, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
 from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State, faded
@@ -50,20 +50,12 @@ Level = Callable[[float, float, float], float]
 
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
-SEEN_TIME = 1e-9
-"""Least first step, in the scale of time, where no branch holds anything that would relax sooner."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
-LOST_FORCE = 1e-12
-"""Force without adhesion, in the largest, at which contact is lost."""
-LEAST_CHANGE = 1e-9
-"""Penetration after the first step of a new contact, in the largest: what it adds is not known better."""
 FIRST_RADIUS = 1e-2
 """Least radius of the first step of a new contact, in the scale of the radius."""
 SMALL_PART = 0.1
 """Scales of radius and penetration, in the largest of the run."""
-RESIDUAL = 1e-12
-"""At a root. What rounding leaves of short zones is the same at each end of a step: asked for is more."""
 SOLVED = 100.0
 """Rounding of what is solved for an image, in units of the last place and the ratio of image and surface."""
 REJECTED = 2.5
@@ -209,7 +201,7 @@ class Continuation:
         Where a load is given, that of the largest borne. The image of a thin layer is that many times its
         surface, and as many times what is solved for it rounds.
         """
-        force, noise = abs(self.state.force), 10.0 * RESIDUAL
+        force, noise = abs(self.state.force), 10.0 * ROUNDING
         if self.law.adhesion is None and self.leg.free and force > 0.0:
             noise = max(noise, math.ulp(1.0) * self.borne / force)
         if self.body.image.is_layer and self.state.radius > 0.0:
@@ -267,7 +259,7 @@ class Continuation:
             self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
             self._restart()
             return
-        leg, deepest = self.leg, LEAST_CHANGE * self.depth / SMALL_PART
+        leg, deepest = self.leg, NEGLIGIBLE * self.depth / SMALL_PART
         a = min(max(touching_radius(self.body, deepest, self.law.rim), FIRST_RADIUS * self.L_run), self.L_run)
         load = pressed_depth(self.body, a)
         if leg.control == "force":
@@ -294,7 +286,7 @@ class Continuation:
         if h is None:
             quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
-            least = 0.0 if self.state.held.any() else SEEN_TIME
+            least = 0.0 if self.state.held.any() else NEGLIGIBLE
             h = max(h, least if self.leg.timed else 1e-4)
         self.h, self.travelled = h, 0.0
         self.state = faded(self.state, self.body, zone, self.tolerance)
@@ -327,7 +319,7 @@ class Continuation:
         """Whether a contact without adhesion has come to a force that is nothing."""
         forces = self.rows.table[-2:, 3]
         falling = len(forces) > 1 and forces[1] < forces[0]
-        return falling and self.law.adhesion is None and forces[1] <= LOST_FORCE * self.largest_force
+        return falling and self.law.adhesion is None and forces[1] <= ROUNDING * self.largest_force
 
     @property
     def least_radius(self) -> float:
@@ -343,7 +335,7 @@ class Continuation:
     def _vanishing(self) -> float:
         """Radius of an elastic contact whose force is lost in the rounding of the largest."""
         body, radius = self.body, self.L_run / SMALL_PART
-        least = 2.0 * body.rheology.relaxed * LOST_FORCE * pressed_force(body, radius)
+        least = 2.0 * body.rheology.relaxed * ROUNDING * pressed_force(body, radius)
         return max(pressed_radius(body, least, self.law.rim), STILL * self.L_run)
 
     # a step ---
@@ -451,7 +443,7 @@ class Continuation:
 
         size = 1e-3 * (p if p > 0.0 else self.h * self.T)
         rise = self._secants(function, max(p, 0.0), size, Fixed.RADIUS)
-        if rise is None or rise > self.leg.end - self.state.parameter + 1e-12 * self.leg.end:
+        if rise is None or rise > self.leg.end - self.state.parameter + ROUNDING * self.leg.end:
             return None
         if not new and abs(rise - p) > 10.0 * plan.h * self.T:
             return None
@@ -515,7 +507,7 @@ class Continuation:
         p = end
         for _ in range(2):  # the second is the step that ends there
             trial, low, p = self.trial(0.0, self._chord(p, 0.0)), 0.0, end
-            while p - low > max(1e-13 * self.T, 2.0 * math.ulp(p)):
+            while p - low > max(ROUNDING * self.T, 2.0 * math.ulp(p)):
                 middle = 0.5 * (low + p)
                 rests = self.arrive(trial, middle).pull(self.noise) == 0.0
                 low, p = (middle, p) if rests else (low, middle)
@@ -533,7 +525,7 @@ class Continuation:
     def _secants(self, function: Callable[[float], float], x: float, size: float, of: Fixed) -> float | None:
         """Root by secants; where rounding stops them, the best point if it is one."""
         f, of_load = function(x), of is Fixed.RADIUS
-        enough = RESIDUAL if of_load else self.noise
+        enough = ROUNDING if of_load else self.noise
         rounding = 4.0 * math.ulp(self.state.parameter) if of_load and not self.law.rated else 0.0
         if abs(f) < enough:
             return x
@@ -576,7 +568,7 @@ class Continuation:
 
         if excess(correction.arrival)[0] < 0.0:
             return correction
-        at = bracketed(along, 1e-9, 1.0, 1e-13) if along(1e-9) < 0.0 < along(1.0) else 1.0
+        at = bracketed(along, NEGLIGIBLE, 1.0, ROUNDING) if along(NEGLIGIBLE) < 0.0 < along(1.0) else 1.0
         end = correction.arrival.part(at)
         plan.event = excess(end)[1]
         return replace(correction, arrival=end, s=at * correction.s)
@@ -650,7 +642,7 @@ class Continuation:
     def _finish(self, plan: Plan, correction: Correction) -> None:
         """Take a step, and what its event asks for next."""
         self._accept(correction.arrival, correction.s)
-        if self.state.parameter >= self.leg.end * (1.0 - 1e-14) and plan.event is not Ending.LEVEL:
+        if self.state.parameter >= self.leg.end * (1.0 - ROUNDING) and plan.event is not Ending.LEVEL:
             plan.event = Ending.END  # an event that rounds onto it
         match plan.event:
             case Ending.TURN:  # the scales grow anew from there
@@ -750,7 +742,7 @@ class Continuation:
         for travel in travels[way * (travels - first) > 0.0].tolist():
             value = residual(travel)
             if before[1] * way < 0.0 <= value * way:
-                at = bracketed(residual, before[0], travel, 1e-14 * a)
+                at = bracketed(residual, before[0], travel)
                 residual(at)
                 self._accept(ends[at], abs(at) / self.L)
                 self._restart()

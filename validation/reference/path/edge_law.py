@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass
 
 from contact_scene import Adhesion
+from validation.reference.path.numerics import ROUNDING
 from validation.reference.rated_edge import opening_speed
 
 
@@ -52,7 +53,7 @@ class EdgeLaw:
 
     def at_rim(self, radius: float) -> bool:
         """Whether the edge is that of the indenter."""
-        return radius >= self.rim * (1.0 - 1e-12)
+        return radius >= self.rim * (1.0 - ROUNDING)
 
     def rests(self, radius: float) -> bool:
         """Whether an edge at that radius may rest at a range of loads."""

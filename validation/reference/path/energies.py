@@ -23,16 +23,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.closure import EVEN, points
 from validation.reference.path.edge_law import EdgeLaw
+from validation.reference.path.fields import NODES, WEIGHTS
 from validation.reference.path.memory import COLLOCATION, FAST, through_nodes
-from validation.reference.path.numerics import derivative, gauss, horner, powers
+from validation.reference.path.numerics import derivative, horner, powers
 from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
-_POINTS, _WEIGHTS = gauss(8)
-_QUARTERS = np.linspace(0.0, 1.0, 5)
 
 TIME, DEPTH, RADIUS, FORCE, STORED, TIP, SEPARATION, WORK, STRESS = range(9)
 """Columns of a row. Tip energy, separation energy and work are sums since the start, stress is ``q(a)``."""
@@ -65,11 +65,8 @@ def _coupled(body: IndentedBody, state: State) -> tuple[float, Array]:
 def stored_when_free(body: IndentedBody, state: State) -> float:
     """``U`` right after all contact is lost: the whole contact released at once."""
     edges = state.edges_between(-state.radius, 0.0)
-    breaks = np.unique(np.concatenate((-state.radius * _QUARTERS, edges)))
-    width = np.diff(breaks)[:, None]
-    x = (breaks[:-1, None] + width * _POINTS).ravel()
+    x, weights = points(np.union1d(-state.radius * EVEN, edges))
     units = body.rheology.release(*state.in_contact(body, x))
-    weights = (width * _WEIGHTS).ravel()
     moments = (body.image.functions(state.radius + x).T * weights) @ units
     released = replace(
         state,
@@ -186,11 +183,11 @@ def _separation_at_speed(arrival: Arrival) -> float:
     """``-int w dA`` over a step of an opening edge with a rate law."""
     trial, clock = arrival.trial, arrival.motion.clock
     way = trial.segment.way
-    travel, time = horner(derivative(way), _POINTS), horner(derivative(clock), _POINTS)
-    radius = trial.state.radius + horner(way, _POINTS)
+    travel, time = horner(derivative(way), NODES), horner(derivative(clock), NODES)
+    radius = trial.state.radius + horner(way, NODES)
     speeds = np.divide(-travel, time, out=np.full_like(time, math.inf), where=time > 0.0)
     taken = [trial.law.taken_up(v, False, arrival.integral) for v in speeds.tolist()]
-    return -float((_WEIGHTS * taken) @ (2.0 * math.pi * radius * travel))
+    return -float((WEIGHTS * taken) @ (2.0 * math.pi * radius * travel))
 
 
 def _smooth(first: Array, last: Array, slopes: Array, before: tuple[float, Array] | None) -> Array:

@@ -23,15 +23,13 @@ from contact_scene.scene import zone_too_long
 from validation.reference.path.closure import BASE, LONGEST, closure, zone_length
 from validation.reference.path.fields import untouched
 from validation.reference.path.layer import image
-from validation.reference.path.numerics import bracketed, dip
+from validation.reference.path.numerics import NEGLIGIBLE, bracketed, dip
 from validation.reference.path.rheology import IndentedBody, rheology
 from validation.reference.path.state import State
 from validation.reference.sneddon import transform
 
 Array = NDArray[np.float64]
 
-LEAST_ZONE = 1e-9
-"""Least process zone in contact radii: the rounding of a radius is then 1e-7 of a zone."""
 SHORTEST = 1e-60
 """Least radius at which a contact shorter than its zone is looked for: the least length a scene may hold."""
 RATIO = 1.03
@@ -130,11 +128,11 @@ def elastic_start(scene: Scene, body: IndentedBody) -> State | None:
         if short is None:
             return None
         raise zone_too_long(zone, short)
-    if zone < LEAST_ZONE * radius:
+    if zone < NEGLIGIBLE * radius:
         raise SceneError(
             "adhesion.zone",
             f"the process zone {zone:.4g} is lost in the rounding of the contact radius {radius:.4g}",
-            f"a zone of at least {LEAST_ZONE:g} of the contact radius",
+            f"a zone of at least {NEGLIGIBLE:g} of the contact radius",
         )
     if zone_at(radius) >= LONGEST * radius and adhesion.stress is not None:
         raise zone_too_long(zone_at(radius), radius)

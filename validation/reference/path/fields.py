@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path.memory import Motion
-from validation.reference.path.numerics import derivative, gauss, horner, inverse, powers
+from validation.reference.path.numerics import derivative, gauss, horner, inverse, on_parabola, powers
 from validation.reference.path.rheology import Rheology
 
 Array = NDArray[np.float64]
@@ -92,9 +92,8 @@ class Passages:
 def along(parabola: Array, x: Array) -> tuple[Array, Array]:
     """``g`` at radii (m,) on parabolas (m, 3), and the size of ``dx/dg`` there."""
     start, whole, linear = parabola.T
-    share = np.minimum(np.maximum((x - start) / whole, 0.0), 1.0)
-    root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
-    return 2.0 * share / np.maximum(linear + root, 1e-300), np.abs(whole) * root
+    g, slope = on_parabola(linear, np.minimum(np.maximum((x - start) / whole, 0.0), 1.0))
+    return g, np.abs(whole) * slope
 
 
 def untouched(radius: float, held: Array, shape: Array) -> Passages:

@@ -20,6 +20,10 @@ DEGREE = 4
 """Of the path in its arclength. Degree 3 takes a tenth more steps; 5 and more up to three times as many,
 because the polynomial then reaches back over changes of the step by orders of magnitude."""
 ORDERS = np.arange(DEGREE + 1)
+ROUNDING = 1e-12
+"""Relative difference of two numbers that may be rounding, of which a run adds up thousands."""
+NEGLIGIBLE = 1e-9
+"""Part of a whole that changes nothing that is asked for, and is not yet lost in rounding."""
 
 
 def gauss(count: int) -> tuple[Array, Array]:
@@ -62,6 +66,12 @@ def powers(u: Array, degree: int) -> Array:
     return np.multiply.accumulate(table, axis=0, out=table).T
 
 
+def on_parabola(linear: Array, share: Array) -> tuple[Array, Array]:
+    """``g`` at which ``c g + (1 - c) g^2`` has come to a share of its whole, and its slope there."""
+    root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
+    return 2.0 * share / np.maximum(linear + root, sys.float_info.min), root
+
+
 def inverse(way: Array, rise: Array) -> Array:
     """``u`` (m,) at which a monotone polynomial without constant term has come to ``rise`` (m,).
 
@@ -74,8 +84,7 @@ def inverse(way: Array, rise: Array) -> Array:
     orders = np.arange(len(way))
     share = np.minimum(np.maximum(rise / whole, 0.0), 1.0)
     linear = min(max(1.0 + 0.5 * float(way[1] - way @ orders) / whole, 0.0), 2.0)
-    root = np.sqrt(np.maximum(linear * linear + 4.0 * (1.0 - linear) * share, 0.0))
-    u = 2.0 * share / np.maximum(linear + root, 1e-300)
+    u = on_parabola(np.array(linear), share)[0]
     both = np.zeros((len(way), 2))
     both[:, 0], both[:-1, 1] = way, (orders * way)[1:]
     for _ in range(8):

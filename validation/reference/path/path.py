@@ -17,13 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene.loading import Control
-from validation.reference.path.numerics import DEGREE, ORDERS, bracketed
+from validation.reference.path.numerics import DEGREE, NEGLIGIBLE, ORDERS, bracketed
 
 Array = NDArray[np.float64]
-
-
-AT_ONCE = 1e-9
-"""Of a leg: what sets the indenter going later finds it at rest."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +47,7 @@ class Leg:
     @property
     def presses(self) -> bool:
         """Whether an indenter that is at the surface, and free of load, is pressed on from the start."""
-        soon = self.start + AT_ONCE * (self.end - self.start)
+        soon = self.start + NEGLIGIBLE * (self.end - self.start)
         return self.control == "force" or self.value(soon) > 0.0
 
 

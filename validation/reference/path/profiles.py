@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Indenter, SurfaceProfile
-from validation.reference.path.numerics import gauss, powers
+from validation.reference.path.fields import NODES, TO_POWERS, WEIGHTS
+from validation.reference.path.numerics import ROUNDING
 from validation.reference.path.rheology import IndentedBody, total
 from validation.reference.path.state import State
 
@@ -27,13 +28,9 @@ POINTS = 160
 """Points on either side of the edge."""
 AXIS = 1e-6
 """Radius, in contact radii, that stands for the axis: the pressure at the tip of a cone is infinite."""
-LEAST = 1e-12
-"""Least width of a panel, in radii."""
 _GRADED = 0.4 ** np.arange(1, 24)
 """Distances of breaks from the edge, the axis and knots of the profile, beyond which it goes as a root."""
-NODES, WEIGHTS = gauss(6)
 _ORDERS = np.arange(len(NODES))
-_TO_POWERS = np.linalg.inv(powers(NODES, len(NODES) - 1))
 
 
 def profile(body: IndentedBody, indenter: Indenter, state: State) -> SurfaceProfile:
@@ -104,7 +101,7 @@ def gap(body: IndentedBody, state: State, radius: Array) -> Array:
 def _panels(field: Callable[[Array], Array], breaks: Array) -> Array:
     """Coefficients (6, l) of the polynomials in the panels between breaks, of the share of the panel."""
     at = breaks[:-1, None] + np.diff(breaks)[:, None] * NODES
-    return np.asarray(_TO_POWERS @ field(at.ravel()).reshape(at.shape).T)
+    return np.asarray(TO_POWERS @ field(at.ravel()).reshape(at.shape).T)
 
 
 def _values(coefficients: Array, share: Array) -> Array:
@@ -122,6 +119,6 @@ def _breaks(body: IndentedBody, state: State, low: float, high: float) -> Array:
     edges = state.radius + state.edges_between(low - state.radius, high - state.radius)
     near = marks + (high - low) * np.append(_GRADED, -_GRADED)
     breaks = np.unique(np.concatenate((near.ravel(), marks.ravel(), edges)))
-    breaks = breaks[(breaks > low + LEAST * high) & (breaks < high * (1.0 - LEAST))]
-    apart = np.diff(breaks, prepend=low) > LEAST * high
+    breaks = breaks[(breaks > low + ROUNDING * high) & (breaks < high * (1.0 - ROUNDING))]
+    apart = np.diff(breaks, prepend=low) > ROUNDING * high
     return np.concatenate(([low], breaks[apart], [high]))

@@ -38,6 +38,7 @@ from contact_scene.run_control import (
 from validation.reference.path.continuation import SAME_FOLD, SMALL_PART, Continuation, Ending, Level
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import FARTHER, elastic_start, farthest_reach, indented, scales
+from validation.reference.path.numerics import ROUNDING
 from validation.reference.path.path import Leg
 from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
@@ -46,10 +47,6 @@ from validation.reference.path.trial import Arrival
 
 Array = NDArray[np.float64]
 NO_STABLE_CONTACT = "no stable contact is left"
-SHORTEST = 16.0
-"""Leg, in units of the last place of its end, below which it is lost in rounding."""
-AT_LOAD = 1e-12
-"""Difference from the load that a leg begins with, relative to it, which is rounding and no jump."""
 
 
 def level(trigger: Trigger | None, state: State) -> Level | None:
@@ -63,7 +60,7 @@ def level(trigger: Trigger | None, state: State) -> Level | None:
 def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
     """The jump of the load with which a load step begins, if it does."""
     have, first = segment.present(penetration, force), segment.value(segment.start)
-    if abs(first - have) <= AT_LOAD * max(abs(have), abs(first)):
+    if abs(first - have) <= ROUNDING * max(abs(have), abs(first)):
         return None
 
     def value(share: float) -> float:
@@ -95,7 +92,7 @@ def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
         value = segment.value
         if segment.linear and rate is None and last > first + 1:
             value = rounded(value, np.array(marks[first : last + 1]), np.array(rates[first:last]))
-        if end - begin >= SHORTEST * math.ulp(end):
+        if end - begin > ROUNDING * end:
             yield Leg(segment.control, value, begin, end, True, rate, segment.compliance)
 
 

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from contact_scene import COLUMNS, OutcomeKind, RunMonitor, Scene, Trace
 from contact_scene.run_control import MAX_STEPS, moments, single_threaded, whole_number
 from contact_scene.value_checks import number
+from validation.reference.path.numerics import NEGLIGIBLE
 from validation.reference.path.run import PathRun
 
 Array = NDArray[np.float64]
@@ -36,8 +37,6 @@ DEFAULT_TOLERANCE = 1e-5
 """Misprediction of a step, in a tenth of the largest radius or in the time since the leg began."""
 COARSER = 10.0
 """Tolerance of the second run, in that of the first."""
-NO_TENSION = 1e-9
-"""Tension, relative to the largest force, that is the rounding of a contact without adhesion when it ends."""
 LEAST_LOOP = 1e-3
 """Work of a loop that almost closes, in the work done to and fro, to which errors are still relative."""
 CHUNK = 64
@@ -170,7 +169,7 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
         loop = abs(float(fine["external_work"][-1]))
         errors["loop_energy"] = _work_apart(fine, coarse) / max(loop, LEAST_LOOP * turnover)
     tension = [max(float(-run["force"].min()), 0.0) for run in (fine, coarse)]
-    if tension[0] > NO_TENSION * float(np.abs(fine["force"]).max()):
+    if tension[0] > NEGLIGIBLE * float(np.abs(fine["force"]).max()):
         errors["pull_off_force"] = max(abs(tension[0] - tension[1]) / tension[0], mean)
     if detached:
         ends = [_end_of_contact(run) for run in (fine, coarse)]

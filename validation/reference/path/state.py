@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from validation.reference.path.closure import BASE
 from validation.reference.path.fields import NODES, TO_POWERS, Passages, along
-from validation.reference.path.numerics import powers
+from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, powers
 from validation.reference.path.rheology import IndentedBody, total
 
 Array = NDArray[np.float64]
@@ -93,7 +93,8 @@ class State:
         inner = self.edges_between(low, high)
         knots = knots - self.radius
         inner = np.union1d(inner, knots) if len(knots) else inner
-        inner = inner[(inner - low > 1e-9 * (high - low)) & (high - inner > 1e-9 * (high - low))]
+        least = NEGLIGIBLE * (high - low)
+        inner = inner[(inner - low > least) & (high - inner > least)]
         cuts = np.concatenate(([low], inner, [high]))
         return cuts if travel > 0.0 else cuts[::-1]
 
@@ -103,7 +104,7 @@ class State:
         ahead = self.edges_between(travel, travel + zone) - travel
         breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(travel, zone)))
         breaks = np.sort(breaks[(breaks >= 0.0) & (breaks <= zone)])
-        apart = breaks[1:] - breaks[:-1] > 1e-12 * zone
+        apart = breaks[1:] - breaks[:-1] > ROUNDING * zone
         breaks = breaks[np.append(True, apart)]
         breaks[-1] = zone
         return breaks
@@ -124,7 +125,7 @@ def faded(state: State, body: IndentedBody, zone: float, tolerance: float) -> St
     if state.radius == 0.0 or len(state.surface.held) < 2:
         return state
     size, relaxed = zone or 0.1 * state.radius, body.rheology.relaxed
-    phi, G, carried = state.carried(body, size * np.array([-1.0, -1e-12, 1e-12, 1.0]))
+    phi, G, carried = state.carried(body, size * np.array([-1.0, -ROUNDING, ROUNDING, 1.0]))
     field = np.abs(total(carried) + np.array([relaxed, relaxed, -1.0, -1.0]) * (phi @ state.depths - G))
     allowed = FADED * tolerance * size / state.radius * np.array([field[2:].max(), field[:2].max()])
     surface = state.surface

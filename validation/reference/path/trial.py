@@ -26,7 +26,7 @@ from validation.reference.path.memory import (
     Motion,
     collocation,
 )
-from validation.reference.path.numerics import ORDERS, inverse, powers
+from validation.reference.path.numerics import ORDERS, ROUNDING, inverse, powers
 from validation.reference.path.path import Leg, PathSegment
 from validation.reference.path.rheology import IndentedBody, total
 from validation.reference.path.state import GRADING, State
@@ -237,7 +237,7 @@ class Trial:
             zone = self.zone_at_stress(motion)
             if not math.isfinite(zone):
                 return False
-            if self.closure is None or abs(zone - self.zone) > 1e-13 * zone:
+            if self.closure is None or abs(zone - self.zone) > ROUNDING * zone:
                 self._close(zone)
         return self.closed and self.within_reach
 
