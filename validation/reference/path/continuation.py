@@ -286,8 +286,6 @@ class Continuation:
         if h is None:
             quick = min(1.0, self.body.rheology.shortest / self.T) if self.leg.timed else 1.0
             h = FIRST_STEP * min(1.0, quick, zone / self.L if zone else 1.0)
-            least = 0.0 if self.state.held.any() else NEGLIGIBLE
-            h = max(h, least if self.leg.timed else 1e-4)
         self.h, self.travelled = h, 0.0
         self.state = faded(self.state, self.body, zone, self.tolerance)
 
@@ -415,7 +413,7 @@ class Continuation:
             rung = min(rung, math.floor(math.log(share, RUNG)) if share > 0.0 else UNSEEN)
         self.h = plan.h * RUNG ** min(rung, LEAST_CUT)
         self.rows.order, self.slopes = min(len(self.rows), order), {}
-        if self.h < SMALLEST_STEP or self.fails > 40:
+        if self.h < SMALLEST_STEP:
             self.fails = 0
             for _ in range(2 if self.moving else 0):  # it may have come back to a corner that it had passed
                 if self._runs_away(self.tolerance * self.state.radius):
@@ -526,7 +524,6 @@ class Continuation:
         """Root by secants; where rounding stops them, the best point if it is one."""
         f, of_load = function(x), of is Fixed.RADIUS
         enough = ROUNDING if of_load else self.noise
-        rounding = 4.0 * math.ulp(self.state.parameter) if of_load and not self.law.rated else 0.0
         if abs(f) < enough:
             return x
         slope, best = self.slopes.get(of), (abs(f), x)
@@ -543,7 +540,7 @@ class Continuation:
             slope, best = (value - f) / (after - x), min(best, (abs(value), after))
             x, f = after, value
             after = x - f / slope
-            if abs(f) < enough or abs(after - x) < max(NARROW * self.tolerance * abs(x), rounding):
+            if abs(f) < enough or abs(after - x) < NARROW * self.tolerance * abs(x):
                 self.slopes[of] = slope
                 return x
         return best[1] if best[0] < 10.0 * self.noise else None
@@ -624,9 +621,7 @@ class Continuation:
         runs = abs(slope) * reach * self.L > self.still
         for kind, level in levels:
             if kind is Ending.END or (runs and (kind is not Ending.FOLD or self._folds(slope))):
-                at = path.passage(*SIGHTS[kind], level, reach)
-                if kind is not Ending.TURN or path.place(min(at, reach))[0] > 0.0:
-                    found.append((at, kind, level))
+                found.append((path.passage(*SIGHTS[kind], level, reach), kind, level))
         return min(found)
 
     def _folds(self, way: float) -> bool:
@@ -634,15 +629,15 @@ class Continuation:
         return self.law.folds or way > 0.0
 
     def _settled(self, path: Predictor, at: float) -> bool:
-        """Whether the place of a fold foreseen no longer changes, or is too near in time to be told."""
-        near, vertex = float(path.place(at)[0]) * self.T, float(path.place(at)[1]) * self.L
+        """Whether the place of a fold foreseen no longer changes."""
+        vertex = float(path.place(at)[1]) * self.L
         change, self.vertex = abs(vertex - self.vertex), vertex
-        return change < SAME_FOLD * self.tolerance * self.L or near < 8.0 * math.ulp(self.state.parameter)
+        return change < SAME_FOLD * self.tolerance * self.L
 
     def _finish(self, plan: Plan, correction: Correction) -> None:
         """Take a step, and what its event asks for next."""
         self._accept(correction.arrival, correction.s)
-        if self.state.parameter >= self.leg.end * (1.0 - ROUNDING) and plan.event is not Ending.LEVEL:
+        if self.state.parameter >= self.leg.end and plan.event is not Ending.LEVEL:
             plan.event = Ending.END  # an event that rounds onto it
         match plan.event:
             case Ending.TURN:  # the scales grow anew from there

@@ -25,12 +25,14 @@ from numpy.typing import NDArray
 
 import contact_scene
 from validation.reference.elastic_layer import transfer
-from validation.reference.path.numerics import NEGLIGIBLE, chebyshev, chebyshev_series, gauss
+from validation.reference.path.numerics import chebyshev, chebyshev_series, gauss
 
 Array = NDArray[np.float64]
 
 LONGEST_WAVE = 20.0
 """Argument beyond which ``1 - K`` is left out: it falls as ``t^2 exp(-2 t)``."""
+NEGLIGIBLE = 1e-10
+"""Part of ``q`` by which ``M q`` changes where a function or a polynomial is left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +63,7 @@ HALF_SPACE = Image(math.inf, np.zeros((1, 1)), np.zeros((0, 0)))
 
 
 def image(layer: contact_scene.Layer, poisson_ratio: float, reach: float) -> Image:
-    """That of a layer, for radii up to ``reach``; functions that change ``M q`` by nothing are left out."""
+    """That of a layer, for radii up to ``reach``."""
     h = layer.thickness
     order = 12 + math.ceil(8.0 * reach / h)
     knots, series = chebyshev_series(order)

@@ -81,11 +81,11 @@ class State:
         return branches, phi @ self.depths - G
 
     def edges_between(self, low: float, high: float) -> Array:
-        """Edges of the table strictly between two distances from the edge, each once."""
+        """Edges of the table strictly between two distances from the edge."""
         edges = self.surface.edges
         first, last = edges.searchsorted(low, side="right"), edges.searchsorted(high, side="left")
         edges = edges[first:last]
-        return edges[np.append(True, edges[1:] > edges[:-1])] if len(edges) else edges
+        return edges
 
     def cuts(self, travel: float, knots: Array) -> Array:
         """Distances on the way, in its order, between which profile and fields passed are smooth."""
@@ -102,22 +102,17 @@ class State:
         """Breaks of the closure after some travel, from the inner end of the zone."""
         behind = self.edges_between(travel - zone, travel) - (travel - zone)
         ahead = self.edges_between(travel, travel + zone) - travel
-        breaks = np.concatenate((BASE * zone, behind, ahead, self._layers(travel, zone)))
-        breaks = np.sort(breaks[(breaks >= 0.0) & (breaks <= zone)])
-        apart = breaks[1:] - breaks[:-1] > ROUNDING * zone
-        breaks = breaks[np.append(True, apart)]
-        breaks[-1] = zone
-        return breaks
+        breaks = np.concatenate((BASE * zone, behind, ahead, *self._layers(travel, zone)))
+        return np.unique(breaks[(breaks >= 0.0) & (breaks <= zone)])
 
-    def _layers(self, travel: float, zone: float) -> Array:
-        """Where the edge was before, as seen from a zone that passes it, and layers that relax."""
-        both = np.array([-travel, zone - travel])
+    def _layers(self, travel: float, zone: float) -> tuple[Array, ...]:
+        """The layer that relaxes behind the edge, and behind where it was before."""
         thickest = LAYER * zone
         if not 0.0 < self.layer < thickest:
-            return both
+            return ()
         count = math.ceil(math.log(thickest / self.layer) / math.log(GRADING))
         depth = thickest * GRADING ** -np.arange(1.0, count + 1.0)
-        return np.concatenate((both, zone - depth, both[1] - depth))
+        return zone - depth, zone - travel - depth
 
 
 def faded(state: State, body: IndentedBody, zone: float, tolerance: float) -> State:

@@ -26,7 +26,7 @@ from validation.reference.path.memory import (
     Motion,
     collocation,
 )
-from validation.reference.path.numerics import ORDERS, ROUNDING, inverse, powers
+from validation.reference.path.numerics import ORDERS, inverse, powers
 from validation.reference.path.path import Leg, PathSegment
 from validation.reference.path.rheology import IndentedBody, total
 from validation.reference.path.state import GRADING, State
@@ -59,7 +59,7 @@ class Trial:
         self.radius, self.zone = state.radius + self.travel, law.zone
         if law.cohesive:  # a guess
             self.zone = min(state.zone or law.zone, 0.5 * self.radius)
-        if self.radius <= 4.0 * math.ulp(state.radius):
+        if self.radius <= 0.0:
             self.radius, self.travel = 0.0, -state.radius
         self._guess = self.zone
         self.direction = float(np.sign(self.travel))
@@ -237,7 +237,7 @@ class Trial:
             zone = self.zone_at_stress(motion)
             if not math.isfinite(zone):
                 return False
-            if self.closure is None or abs(zone - self.zone) > ROUNDING * zone:
+            if self.closure is None or zone != self.zone:
                 self._close(zone)
         return self.closed and self.within_reach
 
@@ -261,8 +261,6 @@ class Trial:
         """
         rheology, state, a = self.body.rheology, self.state, self.radius
         gained, depths = motion.end
-        if a == 0.0:  # not the rounding of what there was
-            return 0.0 * depths
         gram, shape = self.body.integrals(a)
         branches = self.body.integrals(min(a, state.radius))[0] @ gained
         branches += np.exp(-motion.duration / rheology.times) * self.rest.held
