@@ -24,25 +24,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.equilibrium import (
-    pressed_depth,
-    pressed_force,
-    pressed_radius,
-    start_state,
-    touching_radius,
-)
-from validation.reference.path.numerics import DEGREE, NEGLIGIBLE, ROUNDING, bracketed
+from validation.reference.path.correction import FILLED, SMALL_PART, Correction, Ending, Fixed, Place
+from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
+from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
-from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State, faded
-from validation.reference.path.trial import Arrival, Trial
+from validation.reference.path.trial import Arrival
 
 Array = NDArray[np.float64]
 Level = Callable[[float, float, float], float]
@@ -50,14 +41,8 @@ Level = Callable[[float, float, float], float]
 
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
-STILL = 1e-6
-"""Travel of the edge, in zones, below which it is at rest."""
 FIRST_RADIUS = 1e-2
 """Least radius of the first step of a new contact, in the scale of the radius."""
-SMALL_PART = 0.1
-"""Scales of radius and penetration, in the largest of the run."""
-SOLVED = 100.0
-"""Rounding of what is solved for an image, in units of the last place and the ratio of image and surface."""
 REJECTED = 2.5
 """Error, in tolerances, above which a step is repeated."""
 LEAST_WEIGHT = 0.3
@@ -74,14 +59,6 @@ UNSEEN = -8
 """Next step, in rungs, after one that no correction was found for."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
-NARROW = 1e-4
-"""Change of a root by a secant, relative to it and in tolerances, with which it is found."""
-SECANTS = 12
-"""Most secants: they converge in four, or do not."""
-SEEN = 1e-5
-"""Least difference of two radii, in zones, that tells a slope beside the rounding of the residual."""
-UNFORESEEN = 1e-2
-"""Longest first step after a kink, whichever way the path then goes."""
 MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
 AFTER_TURN = 0.1
@@ -90,26 +67,6 @@ TOWARDS = 0.75
 """Share of the way to an event that a step goes at most if it does not end there."""
 SAME_FOLD = 0.1
 """Change of the place of a fold foreseen, in tolerances, below which it is landed on."""
-FILLED = 1.0 - 1e-5
-"""Zone of fixed stress, in the contact radius, at which the contact ends."""
-LARGEST_JUMP = 1e4
-"""Radius up to which a stable contact is looked for, in that at which one runs away."""
-
-
-class Ending(StrEnum):
-    """What a step came to."""
-
-    NONE = ""
-    REJECTED = "rejected"
-    END = "end of the leg"
-    LEVEL = "level"
-    TURN = "turn"
-    DEPARTURE = "departure"
-    FOLD = "fold"
-    LEAST = "smallest radius"
-    RIM = "rim"
-    CORNER = "corner"
-    LOST = "lost"
 
 
 SIGHTS = {
@@ -121,14 +78,6 @@ SIGHTS = {
     Ending.FOLD: (1, 0, -1.0),
 }
 """Events as functions of the path ahead: derivative, component, and the way it passes a level."""
-
-
-class Fixed(StrEnum):
-    """What a step ends at."""
-
-    RADIUS = "radius"
-    LOAD = "load"
-    REST = "rest"
 
 
 @dataclass
@@ -145,45 +94,19 @@ class Plan:
     event: Ending = Ending.NONE
 
 
-@dataclass(frozen=True)
-class Correction:
-    """A step that satisfies the edge condition, and its arclength."""
-
-    arrival: Arrival
-    s: float
-
-
 @dataclass
-class Continuation:
-    """A run in progress.
+class Continuation(Place):
+    """A run in progress; ``lasted``, ``travelled``: since the leg began and the edge set off."""
 
-    ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration; ``L_run`` the largest of the
-    radius. ``lasted``, ``travelled``: since the leg began and the edge set off. ``slopes``: of the residual
-    over the load parameter and the radius, as last seen; they save evaluations.
-    """
-
-    body: IndentedBody
-    law: EdgeLaw
-    state: State
-    tolerance: float
-    L_run: float
-    depth: float
     accepted: Callable[[Arrival, State, float], None] = lambda *_: None
-    leg: Leg = None  # type: ignore[assignment]
-    rows: Rows = None  # type: ignore[assignment]
-    T: float = 1.0
-    L: float = 1.0
     lasted: float = 0.0
     travelled: float = 0.0
     T_leg: float = 1.0
     T_first: float = 1.0
     h: float = 1.0
     tangent: Array = field(default_factory=lambda: np.array([1.0, 0.0]))
-    slopes: dict[Fixed, float] = field(default_factory=dict)
     fails: int = 0
     tried: tuple[float, float] = (math.nan, math.nan)
-    evaluations: int = 0
-    geometries: int = 0
     steps: int = 0
     rejected: int = 0
     moving: bool = False
@@ -192,45 +115,6 @@ class Continuation:
     stuck_at: int = -1
     level: Level | None = None
     largest_force: float = 0.0
-    borne: float = 0.0
-
-    @property
-    def noise(self) -> float:
-        """Residual below which there is only rounding.
-
-        Where a load is given, that of the largest borne. The image of a thin layer is that many times its
-        surface, and as many times what is solved for it rounds.
-        """
-        force, noise = abs(self.state.force), 10.0 * ROUNDING
-        if self.law.adhesion is None and self.leg.free and force > 0.0:
-            noise = max(noise, math.ulp(1.0) * self.borne / force)
-        if self.body.image.is_layer and self.state.radius > 0.0:
-            image, surface = np.abs(self.state.depths[1:]).max(), self.body.shape(self.state.radius)
-            surface += abs(self.state.depth)
-            edge = self.law.strain(self.state.radius, self.body.rheology.glassy) or surface
-            noise = max(noise, SOLVED * math.ulp(1.0) * image**2 / (surface * edge))
-        return noise
-
-    @property
-    def least_scale(self) -> float:
-        """Scale of the radius where the edge sets off."""
-        return self.law.zone or 1e-2 * self.L_run
-
-    @property
-    def still(self) -> float:
-        """Travel that changes nothing an edge can see."""
-        return STILL * self.least_scale
-
-    def trial(self, travel: float, s: float, order: int = DEGREE) -> Trial:
-        """The step that goes that far."""
-        self.geometries += 1
-        segment = self.rows.segment(s, travel, order)
-        return Trial(self.body, self.law, self.state, self.leg, segment)
-
-    def arrive(self, trial: Trial, rise: float) -> Arrival:
-        """The end of a trial after a rise of the load parameter."""
-        self.evaluations += 1
-        return trial.arrive(rise)
 
     def begin(self, leg: Leg, T_leg: float) -> None:
         """A new leg: a kink of the path."""
@@ -319,23 +203,6 @@ class Continuation:
         falling = len(forces) > 1 and forces[1] < forces[0]
         return falling and self.law.adhesion is None and forces[1] <= ROUNDING * self.largest_force
 
-    @property
-    def least_radius(self) -> float:
-        """Radius below which no contact is followed: one zone, at rest if its stress is fixed.
-
-        Without adhesion a plane tip is let go as a whole; other contacts end in a point. A force only tells a
-        penetration where it is not lost in rounding.
-        """
-        end_in_a_point = self._vanishing if self.leg.control == "force" else 0.0
-        return self.law.zone or self.law.tip or end_in_a_point
-
-    @cached_property
-    def _vanishing(self) -> float:
-        """Radius of an elastic contact whose force is lost in the rounding of the largest."""
-        body, radius = self.body, self.L_run / SMALL_PART
-        least = 2.0 * body.rheology.relaxed * ROUNDING * pressed_force(body, radius)
-        return max(pressed_radius(body, least, self.law.rim), STILL * self.L_run)
-
     # a step ---
 
     def step(self) -> Ending:
@@ -349,6 +216,8 @@ class Continuation:
         if correction is None or not error <= REJECTED:
             return self._reject(plan, order, rung, float(np.nanmin(errors)))
         self.fails = 0
+        if correction.ending is Ending.DEPARTURE or not plan.event:
+            plan.event = correction.ending
         correction = self._to_level(plan, correction)
         self._finish(plan, correction)
         self.rows.order = min(len(self.rows), order)
@@ -371,7 +240,8 @@ class Continuation:
         row = np.array([arrival.rise, arrival.trial.travel, arrival.force, arrival.depth])
         force = max(abs(self.state.force), SMALL_PART * self.largest_force) or 1.0
         scales = np.array([self.T, self.L, force, self.depth])
-        way = correction.s if plan.fixed is Fixed.REST else plan.h
+        rests = plan.fixed is Fixed.REST and not arrival.trial.direction
+        way = correction.s if rests else plan.h
         p, a, F, D = self.rows.mispredicted(way, row, scales).T
         if len(p) == 1:  # nothing to judge by: the first step is small
             return np.where(np.isfinite(F), 0.0, math.inf)
@@ -416,134 +286,19 @@ class Continuation:
         if self.h < SMALLEST_STEP:
             self.fails = 0
             for _ in range(2 if self.moving else 0):  # it may have come back to a corner that it had passed
-                if self._runs_away(self.tolerance * self.state.radius):
+                if self.runs_away(self.direction, self.tolerance * self.state.radius):
                     return Ending.FOLD
                 self.direction = -self.direction
             return Ending.LOST
         return Ending.REJECTED
 
     def _correct(self, plan: Plan) -> Correction | None:
-        return self._at_radius(plan) if plan.fixed is Fixed.RADIUS else self._at_load(plan)
-
-    def _chord(self, p: float, a: float) -> float:
-        """Arclength from the last row of a point that far from it."""
-        return math.hypot(p / self.T, a / self.L)
-
-    def _at_radius(self, plan: Plan) -> Correction | None:
-        """The load parameter at which the edge is at the predicted radius."""
-        p, a, new = plan.z[0] * self.T, plan.z[1] * self.L, len(self.rows) == 1
-        s, ends = self._chord(p, a), {}
-        trial = self.trial(a, s)
-
-        def function(at: float) -> float:
-            ends[at] = self.arrive(trial, at)
-            return ends[at].residual
-
-        size = 1e-3 * (p if p > 0.0 else self.h * self.T)
-        rise = self._secants(function, max(p, 0.0), size, Fixed.RADIUS)
-        if rise is None or rise > self.leg.end - self.state.parameter + ROUNDING * self.leg.end:
-            return None
-        if not new and abs(rise - p) > 10.0 * plan.h * self.T:
-            return None
-        if plan.event is not Ending.FOLD and self._folds(a) and ends[rise].pace < 0.0:
-            return None  # beyond a fold that was not foreseen
-        return Correction(ends[rise], self._chord(rise, a) if new else s)  # at first no load is predicted
-
-    def _at_load(self, plan: Plan) -> Correction | None:
-        """The radius at which the edge is at the predicted load: where it was, if it rests there.
-
-        The residual rises with the radius. At an edge that may rest it jumps: what opening asks for, and what
-        closing does, have zero between them. A resting edge that would move departs where that ends.
-        """
-        p, guess = plan.z[0] * self.T, plan.z[1] * self.L
+        p, a = plan.z[0] * self.T, plan.z[1] * self.L
+        if plan.fixed is Fixed.RADIUS:
+            return self.at_radius(p, a, plan.h, plan.event is Ending.FOLD)
         if plan.event is Ending.END:
             p = self.leg.end - self.state.parameter
-        if p <= 0.0:
-            return None
-        ends: dict[float, Arrival] = {}
-
-        def function(a: float) -> float:
-            if not self.least_radius <= self.state.radius + a <= self.law.rim:
-                return math.nan
-            ends[a] = self.arrive(self.trial(a, self._chord(p, a)), p)
-            return ends[a].residual
-
-        # after a kink no direction is known
-        near = self.L * (10.0 * plan.h if len(self.rows) > 1 else UNFORESEEN)
-        size = max(1e-3 * plan.h, SEEN) * min(self.L, self.law.zone or self.L)
-        rests = self.law.rests(self.state.radius)
-        if rests or self.law.adhesion is None:
-            rested = plan.fixed is Fixed.REST
-            trial = self.trial(0.0, self._chord(p, 0.0))
-            ends[0.0] = self.arrive(trial, p)
-            pulled, speed = ends[0.0].pull(-self.noise if rests and not rested else self.noise), 0.0
-            if pulled > 0.0 and self.law.rated and self.leg.timed:  # it has a speed, seen or not
-                speed = self.law.allowed_speed(ends[0.0].integral)
-                pulled = 0.0 if rested and speed * p < 0.1 * self.still else pulled
-            if pulled == 0.0:
-                if rests and not rested:
-                    plan.event = plan.event or Ending.TURN
-                return Correction(ends[0.0], self._chord(p, 0.0))
-            if rested and not speed and self.arrive(trial, 0.0).pull(self.noise) == 0.0:
-                plan.event = Ending.DEPARTURE
-                return self._departure(p)
-            plan.fixed = Fixed.LOAD
-            if guess * pulled >= 0.0:  # it goes the other way
-                guess = -math.copysign(min(speed * p, near) or size, pulled)
-                size = 0.5 * abs(guess)
-        root = self._secants(function, guess, size, Fixed.LOAD)
-        if root is not None and self.slopes.get(Fixed.LOAD, 0.0) < 0.0:
-            return None  # not stable: the way back to a fold that was passed unseen
-        if root is None:
-            root = self._between(function, {a: end.residual for a, end in ends.items()})
-        if root is None or abs(root - guess) > near:
-            return None
-        return Correction(ends[root], self._chord(p, root))
-
-    def _departure(self, end: float) -> Correction:
-        """The least rise at which a resting edge sets off: by halves, as the pull is zero before."""
-        p = end
-        for _ in range(2):  # the second is the step that ends there
-            trial, low, p = self.trial(0.0, self._chord(p, 0.0)), 0.0, end
-            while p - low > max(ROUNDING * self.T, 2.0 * math.ulp(p)):
-                middle = 0.5 * (low + p)
-                rests = self.arrive(trial, middle).pull(self.noise) == 0.0
-                low, p = (middle, p) if rests else (low, middle)
-        return Correction(trial.arrive(p), self._chord(p, 0.0))
-
-    def _between(self, function: Callable[[float], float], known: dict[float, float]) -> float | None:
-        """A root between two known points, the residual rising; without adhesion it may be a jump."""
-        sides = [(b - a, a, b) for a in known for b in known if a < b and known[a] < 0.0 < known[b]]
-        if not sides:
-            return None
-        _, a, b = min(sides)
-        root = bracketed(function, a, b, NARROW * self.tolerance * max(abs(a), abs(b)))
-        return root if self.law.adhesion is None or abs(function(root)) < 10.0 * self.noise else None
-
-    def _secants(self, function: Callable[[float], float], x: float, size: float, of: Fixed) -> float | None:
-        """Root by secants; where rounding stops them, the best point if it is one."""
-        f, of_load = function(x), of is Fixed.RADIUS
-        enough = ROUNDING if of_load else self.noise
-        if abs(f) < enough:
-            return x
-        slope, best = self.slopes.get(of), (abs(f), x)
-        after = x - f / slope if slope else (x + size if of_load else x - math.copysign(size, f))
-        for _ in range(SECANTS):
-            if after == x:  # no number lies closer
-                return x
-            after = max(after, 0.0) if of_load else after
-            if after == x:  # the root lies before the step
-                break
-            value = function(after)
-            if not math.isfinite(value) or value == f:
-                break
-            slope, best = (value - f) / (after - x), min(best, (abs(value), after))
-            x, f = after, value
-            after = x - f / slope
-            if abs(f) < enough or abs(after - x) < NARROW * self.tolerance * abs(x):
-                self.slopes[of] = slope
-                return x
-        return best[1] if best[0] < 10.0 * self.noise else None
+        return self.at_load(p, a, plan.h, plan.fixed is Fixed.REST) if p > 0.0 else None
 
     # events ---
 
@@ -620,13 +375,9 @@ class Continuation:
         found, slope = [(math.inf, Ending.NONE, 0.0)], float(path.slope(0.0)[1])
         runs = abs(slope) * reach * self.L > self.still
         for kind, level in levels:
-            if kind is Ending.END or (runs and (kind is not Ending.FOLD or self._folds(slope))):
+            if kind is Ending.END or (runs and (kind is not Ending.FOLD or self.folds(slope))):
                 found.append((path.passage(*SIGHTS[kind], level, reach), kind, level))
         return min(found)
-
-    def _folds(self, way: float) -> bool:
-        """Whether an edge that goes that way may run away."""
-        return self.law.folds or way > 0.0
 
     def _settled(self, path: Predictor, at: float) -> bool:
         """Whether the place of a fold foreseen no longer changes."""
@@ -657,7 +408,7 @@ class Continuation:
                     way = np.array([0.0, self.direction])
                     self._restart(way, FIRST_STEP * self.least_scale / self.L)
                 self.moving = True
-                if self._runs_away():
+                if self.runs_away(self.direction):
                     plan.event = Ending.FOLD
             case Ending.CORNER:
                 self._restart(plan.tangent[:2], FIRST_STEP * self.least_scale / self.L)
@@ -677,24 +428,6 @@ class Continuation:
         if trial.direction:
             self.moving, self.direction = True, trial.direction
 
-    def _runs_away(self, known: float = 0.0) -> bool:
-        """Whether an edge that sets off, or has come to a kink, is driven the more the farther it gets.
-
-        ``known``: how well its place is.
-        """
-        values = []
-        for share in (0.01, 0.02):
-            size = max(share * (self.law.zone or self.state.radius), 100.0 * share * known)
-            values.append(self._at_same_load(self.direction * size)[1] * self.direction)
-        return not (values[0] >= 0.0 or values[1] >= values[0])  # none where its zone fills the contact
-
-    def _at_same_load(self, travel: float) -> tuple[Arrival, float]:
-        """An edge put elsewhere, and its residual: none where its zone fills the contact."""
-        trial = self.trial(travel, abs(travel) / self.L, 1)
-        end = self.arrive(trial, 0.0)
-        filled = self.law.cohesive and trial.zone > FILLED * trial.radius
-        return end, math.nan if filled else end.residual
-
     def unstable(self) -> bool:
         """Whether a contact that another control held runs away under this one, where the load drives it."""
         radius = self.state.radius
@@ -703,44 +436,28 @@ class Continuation:
         here = self.trial(0.0, self.h, 1)
         start, soon = (self.arrive(here, rise).residual for rise in (0.0, self.h * self.T))
         self.direction = 1.0 if soon < start else -1.0
-        return self._runs_away()
+        return self.runs_away(self.direction)
 
     def lost(self, at_fold: bool) -> bool:
         """Whether there is no other stable edge at the same load; if there is, the contact goes there."""
         self._restart()
-        zone, a, way, least = self.law.zone, self.state.radius, self.direction, self.least_radius
-        ends = {}
+        a, way = self.state.radius, self.direction
 
         def residual(travel: float) -> float:
-            ends[travel], value = self._at_same_load(travel)
-            return value
+            return self.elsewhere(travel)[1] if a + travel > self.least_radius else math.nan
 
         if at_fold:
-            first = way * max(0.05 * zone, 1e-3 * a)
+            first = way * max(0.05 * self.law.zone, 1e-3 * a)
         else:  # what a row has left of the residual may drive the edge either way
             sides = way * self.still, -way * self.still
-            first = next(
-                (side for side in sides if a + side > least and residual(side) * side < 0.0), sides[0]
-            )
+            first = next((side for side in sides if residual(side) * side < 0.0), sides[0])
             way = math.copysign(1.0, first)
-        before = first, residual(first) if a + first > least else math.nan
-        if before[1] * way > 0.0:
-            if self.stuck_at == self.steps:
-                return True
-            self.stuck_at = self.steps
-            return False
-        travels = (
-            (least - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5
-            if way < 0.0
-            else a * (np.geomspace(1.0, LARGEST_JUMP, 129)[1:] - 1.0)
-        )
-        for travel in travels[way * (travels - first) > 0.0].tolist():
-            value = residual(travel)
-            if before[1] * way < 0.0 <= value * way:
-                at = bracketed(residual, before[0], travel)
-                residual(at)
-                self._accept(ends[at], abs(at) / self.L)
-                self._restart()
-                return False
-            before = travel, value
-        return True
+        value = residual(first)
+        if value * way > 0.0:
+            stuck, self.stuck_at = self.stuck_at == self.steps, self.steps
+            return stuck
+        there = self.next_stable(way, first, value)
+        if there is not None:
+            self._accept(there, abs(there.trial.travel) / self.L)
+            self._restart()
+        return there is None

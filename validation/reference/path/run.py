@@ -35,7 +35,8 @@ from contact_scene.run_control import (
     outcome_of_loss,
     outgrown_outcome,
 )
-from validation.reference.path.continuation import SAME_FOLD, SMALL_PART, Continuation, Ending, Level
+from validation.reference.path.continuation import SAME_FOLD, Continuation, Level
+from validation.reference.path.correction import SMALL_PART, Ending
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import FARTHER, elastic_start, farthest_reach, indented, scales
 from validation.reference.path.numerics import ROUNDING
@@ -184,7 +185,7 @@ class PathRun:
         self.recorder = Recorder(body, law, size, self.tolerance, stops, wanted, self._profile)
         small = SMALL_PART * size.radius, SMALL_PART * size.depth
         self.tracker = Continuation(
-            body, law, state, self.tolerance, *small, self._accepted, largest_force=size.force
+            body, law, state, self.tolerance, *small, accepted=self._accepted, largest_force=size.force
         )
         self.recorder.begin(state)
         return None
