@@ -255,14 +255,17 @@ class Placement:
 class Surfaces:
     """Surfaces at all places, made when they are first asked for.
 
-    The meshes have ``place(radius)``, ``scale(place)``, ``mesh(level)``, ``largest``, for a layer
-    ``layer(reach)``, ``layer_below(level, thickness)`` and ``among_fewer(place)``, and places that have a
-    ``level``. The one at the axis is scaled by the length that an edge keeps from the ends of the fine strip:
-    the process zone, or less.
+    The meshes have ``place(radius)``, ``scale(place)``, ``mesh(level, looked_into)``, ``parameters(level)``,
+    ``largest``, for a layer ``layer(reach)``, ``layer_below(level, thickness)`` and ``among_fewer(place)``,
+    and places that have a ``level``. The one at the axis is scaled by the length that an edge keeps from the
+    ends of the fine strip: the process zone, or less. ``looked_into``: fields in the body are wanted, too.
     """
 
-    def __init__(self, scene: Scene, meshes: Any, material: Moduli, far_field: bool) -> None:
+    def __init__(
+        self, scene: Scene, meshes: Any, material: Moduli, far_field: bool, looked_into: bool = False
+    ) -> None:
         self._scene, self._meshes, self._far_field = scene, meshes, far_field
+        self._looked_into = looked_into
         self._ratio, self._plane_modulus = material.instantaneous_ratio, material.unit_plane_modulus
         self._levels: dict[int, UnscaledSurface] = {}
         self._placements: OrderedDict[Any, Placement] = OrderedDict()
@@ -359,7 +362,7 @@ class Surfaces:
 
     def _half_space(self, level: int) -> tuple[HalfSpace, int]:
         """The half-space on the mesh of a level, not scaled, and the number of surface nodes that count."""
-        mesh = self._meshes.mesh(level)
+        mesh = self._meshes.mesh(level, self._looked_into)
         space = HalfSpace(mesh, self._far_field)
         # a mesh is scaled down to half at most
         reach = 2.0 * surface_margin(self._stress) * self.largest / self._unit
@@ -369,7 +372,7 @@ class Surfaces:
     def _factorised(self, level: int) -> UnscaledSurface:
         space, count = self._half_space(level)
         root, radii = triangular(space.factorise(self._ratio, count).compliance()[0]), space.radii[:count]
-        fine = self._meshes.mesh(level).parameters
+        fine = self._meshes.parameters(level)
         strip = float(fine.fine_from), float(fine.fine_to)
         unit = dtrtrs(root, np.ones(count), lower=1)[0]
         effective = np.cumsum(unit**2) / (2.0 * self._plane_modulus)

@@ -107,7 +107,7 @@ class Setup:
         self.plane_tip = scene.bare_plane_tip
         self.material = moduli(scene.material)
         self.solid = Components(self.material.surface)
-        self.surfaces = Surfaces(scene, meshes, self.material, options.far_field)
+        self.surfaces = Surfaces(scene, meshes, self.material, options.far_field, looked_into=options.records)
         times, usual = self.solid.modulus.times, _TOLERANCE if self.adhesion else _PRESSED_TOLERANCE
         self.shortest_time, self.has_history = float(times.min(initial=math.inf)), times.size > 0
         self.tolerance = options.tolerance or usual / meshes.divisions**2

@@ -9,7 +9,7 @@ the logarithm of the contact radius over the process zone, their size hardly at 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from meshes.halfspace import cached, half_space
 from meshes.layer import LayerMesh, layer
@@ -56,7 +56,6 @@ class EdgeMeshes:
     grading: float = 0.2
     domain_ratio: float | None = None
     in_cache: bool = True
-    _meshes: dict[int, HalfSpaceMesh] = field(default_factory=dict, init=False, repr=False)
 
     def place(self, radius: float) -> Place:
         """The place nearest to a contact radius."""
@@ -83,8 +82,12 @@ class EdgeMeshes:
         """Places per halving of the radius."""
         return math.ceil(math.log(2.0) * self.centre(level) / _STRIDE)
 
-    def parameters(self, level: int) -> MeshParameters:
-        """Parameters of the mesh of a level, in process zones."""
+    def parameters(self, level: int, looked_into: bool = False) -> MeshParameters:
+        """Parameters of the mesh of a level, in process zones.
+
+        A structured one gives all edges in the strip the same error, to a thousandth of what gmsh's do, and
+        takes a tenth of the time; gmsh's triangles are even where one looks into the body.
+        """
         centre = self.centre(level)
         fine_from, fine_to = centre - STRIP, centre + STRIP
         if level == 0:
@@ -95,15 +98,13 @@ class EdgeMeshes:
         covered = 2.0 ** math.ceil(math.log2(max(_COVERED * self.largest / self.zone, 1.0)))
         domain = max(ratio * centre, covered)
         size = 1.0 / self.divisions
-        family = "gmsh" if size > _GMSH_RESOLVES * centre else "structured"
+        family = "gmsh" if looked_into and size > _GMSH_RESOLVES * centre else "structured"
         return MeshParameters(size, fine_from, fine_to, domain, self.grading, family)
 
-    def mesh(self, level: int) -> HalfSpaceMesh:
-        """The mesh of a level, in process zones; made when it is first asked for."""
-        if level not in self._meshes:
-            parameters = self.parameters(level)
-            self._meshes[level] = cached(parameters) if self.in_cache else half_space(parameters)
-        return self._meshes[level]
+    def mesh(self, level: int, looked_into: bool = False) -> HalfSpaceMesh:
+        """The mesh of a level, in process zones."""
+        asked = self.parameters(level, looked_into)
+        return cached(asked) if self.in_cache else half_space(asked)
 
     def layer(self, reach: float) -> LayerMesh:
         """The mesh of a layer of unit thickness that is loaded up to a radius."""

@@ -4,7 +4,8 @@ Row j runs at the distance d_j from the strip: down from the surface (once it is
 below the strip, and up again to the surface on a quarter circle about the end of the strip. Towards the axis
 the row turns a square corner, so that the row at ``d = fine_from`` lies on the axis. It is a tensor grid,
 distance by position along the row, whose rows get fewer vertices as they get thicker; neighbouring rows are
-joined by triangles. It needs nothing but numpy.
+joined by triangles. It needs nothing but numpy. Below the strip a row has every 2^k-th of its vertices: edges
+that are as many elements apart have the same mesh around them, and the same error.
 
 In a layer the rows end with the one that reaches the base, and turn a square corner beyond the strip as well.
 What is left of the rectangle, towards the axis and beyond, is a grid below the other vertices of the surface.
@@ -12,6 +13,7 @@ What is left of the rectangle, towards the axis and beyond, is a grid below the 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -103,26 +105,19 @@ def _row(plan: Layers, parameters: MeshParameters, level: int, first: int) -> _R
     if level == 0:
         return _Row(np.stack([plan.strip, np.zeros_like(plan.strip)]), first, 0, 0.0)
     size = parameters.size_at(d)
-    arc = _division(0.5 * np.pi * d, size)
-    if level <= plan.axis:  # down, along, along below the strip, round
-        left = 0.0 if level == plan.axis else start - d
-        leg = _division(d, size)
-        down = _straight((left, 0.0), (left, -d), leg)
-        if stop - start > size:
-            along = _straight((left, -d), (start, -d), leg)
-            below = _straight((start, -d), (stop, -d), _division(stop - start, size))
-            pieces = [down, along, below, _quarter(stop, d, arc)]
-        else:  # the part below the strip is too short for elements of its own
-            along = _straight((left, -d), (stop, -d), _division(stop - left, size))
-            pieces = [down, along, _quarter(stop, d, arc)]
+    if stop > 1.5 * size:  # down, along, along below the strip, round
+        left, leg, pieces = max(start - d, 0.0), 0, []
+        if level <= plan.axis:
+            leg = _division(d, size)
+            pieces.append(_straight((left, 0.0), (left, -d), leg))
+        below = stop - start > size  # else it is too short for elements of its own
+        end = start if below else stop
+        if end > left:
+            pieces.append(_straight((left, -d), (end, -d), _division(end - left, size)))
+        if below:
+            pieces.append(_below(plan.strip, d, size))
+        pieces.append(_quarter(stop, d, _division(0.5 * np.pi * d, size)))
         return _Row(_chain(pieces), first, leg, d)
-    if stop > 1.5 * size:
-        return _Row(
-            _chain([_straight((0.0, -d), (stop, -d), _division(stop, size)), _quarter(stop, d, arc)]),
-            first,
-            0,
-            d,
-        )
     # far away even the part below strip and axis is too short
     length = stop + 0.5 * np.pi * d
     along = np.linspace(0.0, length, _division(length, size) + 1)
@@ -130,6 +125,13 @@ def _row(plan: Layers, parameters: MeshParameters, level: int, first: int) -> _R
     points = np.stack([np.minimum(along, stop) + d * np.sin(angle), -d * np.cos(angle)])
     points[:, -1] = stop + d, 0.0
     return _Row(points, first, 0, d)
+
+
+def _below(strip: Array, depth: float, size: float) -> Array:
+    """A row of every vertex of the strip, every second, fourth or eighth ..., and its last."""
+    every = 2 ** max(0, round(math.log2(SPACING * size / (strip[1] - strip[0]))))
+    radii = strip[: -(every // 2) - 1 : every]
+    return np.stack([np.append(radii, strip[-1]), np.full(radii.size + 1, -depth)])
 
 
 def _division(length: float, size: float) -> int:
