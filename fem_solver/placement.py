@@ -31,7 +31,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.linalg.blas import dtrmv
 from scipy.linalg.lapack import dpotrf, dtrtrs
 
-from contact_scene import Scene
+from contact_scene import Indenter, Scene
 from fem_solver.closure import ZoneShift
 from fem_solver.edge_path import SURFACE_MARGIN, EdgeGeometry, surface_margin
 from fem_solver.halfspace import HalfSpace
@@ -192,10 +192,11 @@ class Placement:
     rim: float
     stays: bool
     plane_tip: float
+    indenter: Indenter
 
     def depth(self, radius: float) -> float:
         """Penetration at which elastic contact without adhesion ends at a radius."""
-        return float(self._depth_over_square(radius**2))
+        return float(self._depth_over(self._shape(radius)))
 
     def site(self, s: float) -> float:
         """Where components at an edge position sit.
@@ -211,15 +212,21 @@ class Placement:
         """That of each component; shape (n,)."""
         return self.profile / self.unit
 
+    def _shape(self, radius: Any) -> Any:
+        """What grows with the radius as depths do, of a paraboloid in proportion, of others at the tip."""
+        largest = float(self.positions[self.geometry.last + 1])
+        highest = float(self.indenter.height(largest)) or 1.0
+        return (radius / largest) ** 2 + self.indenter.height(radius) / highest
+
     @cached_property
-    def _depth_over_square(self) -> PchipInterpolator:
-        """Through the components, over the square of the radius, in which that of a paraboloid is linear."""
-        count = self.geometry.last + 2
-        squares, depths = self.positions[:count] ** 2, self.depths[:count]
-        tip = int(np.searchsorted(squares, self.plane_tip**2, side="right"))
-        if 0 < tip < count and squares[tip - 1] < self.plane_tip**2:  # which lies between two components
-            squares, depths = np.insert(squares, tip, self.plane_tip**2), np.insert(depths, tip, 0.0)
-        return PchipInterpolator(squares, depths)
+    def _depth_over(self) -> PchipInterpolator:
+        """Through the components, over that."""
+        radii = self.positions[: self.geometry.last + 2]
+        depths = self.depths[: radii.size]
+        tip = int(np.searchsorted(radii, self.plane_tip, side="right"))
+        if 0 < tip < radii.size and radii[tip - 1] < self.plane_tip:  # which lies between two components
+            radii, depths = np.insert(radii, tip, self.plane_tip), np.insert(depths, tip, 0.0)
+        return PchipInterpolator(self._shape(radii), depths)
 
     @cached_property
     def wide(self) -> NDArray[np.bool_]:
@@ -335,6 +342,7 @@ class Surfaces:
             rim=self.rim,
             stays=self._meshes.place(SURFACE_MARGIN * self.largest).level == 0,
             plane_tip=self._scene.bare_plane_tip,
+            indenter=self._scene.indenter,
         )
 
     def _level(self, level: int) -> UnscaledSurface:
