@@ -1,11 +1,12 @@
 """Node-release closure on an elastic body: energy release, exact integrals, no ripple from node to node."""
 
+import math
 from functools import cache
 
 import numpy as np
 import pytest
 
-from contact_scene import Adhesion, FlatPunch, Loading, Material, Scene, Sphere
+from contact_scene import Adhesion, Cone, FlatPunch, ForceRamp, Loading, Material, Scene, Sphere
 from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
 from fem_solver.edge import AdhesiveEdge
@@ -15,6 +16,7 @@ from fem_solver.placement import Surfaces
 from fem_solver.state import nodal_forces, undeformed
 from meshes import EdgeMeshes
 from validation.reference.finite_zone import FiniteZone
+from validation.solvers.finite_elements import FiniteElements
 
 ZONE = 0.02
 SOLID = Material(2.6, 0.3)
@@ -114,3 +116,13 @@ def test_search_reports_where_the_edge_ran_off():
     assert strong.seek(contact, s, s - 1.0, s + 1.0) == EdgePosition(EdgeMotion.ADVANCING, s + 1.0)
     _, pulled = problem(4, -0.05)
     assert AdhesiveEdge(geometry, 1e-6).start(pulled).motion is EdgeMotion.RECEDING
+
+
+def test_contact_at_a_tip_is_as_deep_as_a_cone_has_it_within_the_first_element():
+    """Love's cone: ``D = (pi/2) a cot(angle)``, while the force grows from nothing."""
+    cone, loading = Cone(60.0), Loading("jump-in", 0.0, (ForceRamp(1.0, 1.0),))
+    scene, early = Scene(Material(0.75, 0.5), cone, loading), (1e-8, 1e-7, 1e-6, 1e-5)
+    trace = FiniteElements().solve(scene, 4, stop_times=early)
+    rows = np.searchsorted(trace.time, early)
+    slope = 0.5 * math.pi / math.tan(math.radians(cone.half_angle))
+    np.testing.assert_allclose(trace.penetration[rows], slope * trace.contact_radius[rows], rtol=0.06)
