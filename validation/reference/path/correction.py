@@ -31,7 +31,9 @@ from validation.reference.path.trial import Arrival, Trial
 Array = NDArray[np.float64]
 
 SMALL_PART = 0.1
-"""Scales of radius and penetration, in the largest of the run."""
+"""Of a whole, what is small beside it: scales of a run in the largest radius and penetration; what a short
+step adds to errors of a hold; the step after a turn in the one before; how far a fold that is landed on still
+moves, in tolerances."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 SOLVED = 100.0
@@ -42,8 +44,8 @@ SECANTS = 12
 """Most secants: they converge in four, or do not."""
 SEEN = 1e-5
 """Least difference of two radii, in zones, that tells a slope beside the rounding of the residual."""
-UNFORESEEN = 1e-2
-"""Longest first step after a kink, whichever way the path then goes."""
+NEARBY = 1e-2
+"""Part of a zone or of the scale of the radius in which an edge is looked for that no row has foreseen."""
 FILLED = 1.0 - 1e-5
 """Zone of fixed stress, in the contact radius, at which the contact ends."""
 LARGEST_JUMP = 1e4
@@ -142,7 +144,7 @@ class Place:
     @property
     def least_scale(self) -> float:
         """Scale of the radius where the edge sets off."""
-        return self.law.zone or 1e-2 * self.L_run
+        return self.law.zone or NEARBY * self.L_run
 
     @property
     def still(self) -> float:
@@ -188,8 +190,6 @@ class Place:
         left = self.leg.end - self.state.parameter
         if rise is None or rise > left + ROUNDING * self.leg.end:
             return None
-        if not new and abs(rise - p) > 10.0 * h * self.T:
-            return None
         if not to_fold and self.folds(a) and ends[rise].pace < 0.0:
             return None
         return Correction(ends[rise], self.chord(rise, a) if new else s)  # at first no load is predicted
@@ -201,7 +201,7 @@ class Place:
 
         A resting edge (``rested``) that would move departs where its rest ends.
         """
-        near = self.L * (10.0 * h if len(self.rows) > 1 else UNFORESEEN)
+        near = self.L * (10.0 * h if len(self.rows) > 1 else NEARBY)
         size = max(1e-3 * h, SEEN) * min(self.L, self.law.zone or self.L)
         ends: dict[float, Arrival] = {}
 
@@ -218,7 +218,6 @@ class Place:
             pulled, speed = ends[0.0].pull(-self.noise if rests and not rested else self.noise), 0.0
             if pulled > 0.0 and self.law.rated and self.leg.timed:  # it has a speed, seen or not
                 speed = self.law.allowed_speed(ends[0.0].integral)
-                pulled = 0.0 if rested and speed * p < 0.1 * self.still else pulled
             if pulled == 0.0:
                 stops = Ending.TURN if rests and not rested else Ending.NONE
                 return Correction(ends[0.0], self.chord(p, 0.0), stops)
@@ -254,15 +253,15 @@ class Place:
             return None
         _, a, b = min(sides)
         root = bracketed(function, a, b, NARROW * self.tolerance * max(abs(a), abs(b)))
-        return root if self.law.adhesion is None or abs(function(root)) < 10.0 * self.noise else None
+        return root if self.law.adhesion is None or abs(function(root)) < self.noise else None
 
     def _secants(self, function: Callable[[float], float], x: float, size: float, of: Fixed) -> float | None:
         """Root by secants; where rounding stops them, the best point if it is one.
 
         What rounding leaves of short zones is the same at each end of a step: of a load more is asked for.
         """
-        f, of_load = function(x), of is Fixed.RADIUS
-        enough = ROUNDING if of_load else self.noise
+        f, of_load, noise = function(x), of is Fixed.RADIUS, self.noise
+        enough = ROUNDING if of_load else noise
         if abs(f) < enough:
             return x
         slope, best = self.slopes.get(of), (abs(f), x)
@@ -271,8 +270,6 @@ class Place:
             if after == x:  # no number lies closer
                 return x
             after = max(after, 0.0) if of_load else after
-            if after == x:  # the root lies before the step
-                break
             value = function(after)
             if not math.isfinite(value) or value == f:
                 break
@@ -282,7 +279,7 @@ class Place:
             if abs(f) < enough or abs(after - x) < NARROW * self.tolerance * abs(x):
                 self.slopes[of] = slope
                 return x
-        return best[1] if best[0] < 10.0 * self.noise else None
+        return best[1] if best[0] < noise else None
 
     # at the same load ---
 
@@ -294,15 +291,9 @@ class Place:
         return end, math.nan if filled else end.residual
 
     def runs_away(self, way: float, known: float = 0.0) -> bool:
-        """Whether an edge that sets off is driven the more the farther it gets.
-
-        ``known``: how well its place is.
-        """
-        values = []
-        for share in (0.01, 0.02):
-            size = max(share * (self.law.zone or self.state.radius), 100.0 * share * known)
-            values.append(self.elsewhere(way * size)[1] * way)
-        return not (values[0] >= 0.0 or values[1] >= values[0])  # none where its zone fills the contact
+        """Whether an edge that sets off is driven on; ``known``: how well its place is."""
+        size = max(NEARBY * (self.law.zone or self.state.radius), known)
+        return not self.elsewhere(way * size)[1] * way >= 0.0  # none where its zone fills the contact
 
     def next_stable(self, way: float, first: float, value: float) -> Arrival | None:
         """The next stable edge on a way, beyond a travel at which the residual is known."""
