@@ -28,9 +28,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.correction import FILLED, NEARBY, SMALL_PART, Correction, Ending, Fixed, Place
+from validation.reference.path.closure import LONGEST
+from validation.reference.path.correction import NEARBY, Correction, Ending, Fixed, Place
 from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
-from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, bracketed
+from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
 from validation.reference.path.state import State, faded
 from validation.reference.path.trial import Arrival
@@ -48,8 +49,6 @@ LEAST_WEIGHT = 0.3
 RUNGS = 4
 """Changes of the step up to twice its length, the most; the lower of two is taken, so that rounding chooses
 none. A step that is repeated is shorter by half of them at least, by twice as many if nothing was found."""
-SMALLEST_STEP = 1e-10
-"""Below it the edge condition has no root to be found here: see what became of the contact."""
 MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
 TOWARDS = 0.75
@@ -141,7 +140,7 @@ class Continuation(Place):
         if change > load:
             p = bracketed(lambda at: leg.value(leg.start + at) - start - load, 0.0, whole)
         elastic = min(self.T_leg, self.body.rheology.shortest)
-        self.T_first, self.L = max(2.0 * p, elastic, 1e-300) if leg.timed else SMALL_PART, a
+        self.T_first, self.L = max(2.0 * p, elastic) if leg.timed else SMALL_PART, a
         self.T, self.lasted = self.T_first, 0.0
         way = np.array([p / self.T, a / self.L])
         self._restart(way / np.hypot(*way), float(np.hypot(*way)))
@@ -270,7 +269,7 @@ class Continuation(Place):
             rung = min(rung, math.floor(RUNGS * math.log2(share)) if share > 0.0 else -2 * RUNGS)
         self.h = plan.h * 2.0 ** (min(rung, -RUNGS // 2) / RUNGS)
         self.rows.order, self.slopes = min(len(self.rows), order), {}
-        if self.h < SMALLEST_STEP:
+        if self.h < ROUNDING:
             self.fails = 0
             for _ in range(2 if self.moving else 0):  # it may have come back to a corner that it had passed
                 if self.runs_away(self.direction, self.tolerance * self.state.radius):
@@ -299,7 +298,7 @@ class Continuation(Place):
                 found.append((level(arrival.depth, arrival.force, trial.radius), Ending.LEVEL))
             if self.law.cohesive:
                 zone = trial.zone_at_stress(arrival.motion)
-                found.append((zone / trial.radius - FILLED, Ending.LEAST))
+                found.append((zone / trial.radius - LONGEST, Ending.LEAST))
             return max(found)
 
         def along(u: float) -> float:
@@ -434,7 +433,7 @@ class Continuation(Place):
             return self.elsewhere(travel)[1] if a + travel > self.least_radius else math.nan
 
         if at_fold:
-            first = way * max(0.05 * self.law.zone, 1e-3 * a)
+            first = way * NEARBY * (self.law.zone or a)
         else:  # what a row has left of the residual may drive the edge either way
             sides = way * self.still, -way * self.still
             first = next((side for side in sides if residual(side) * side < 0.0), sides[0])

@@ -20,9 +20,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.reference.path.closure import LONGEST
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import pressed_force, pressed_radius
-from validation.reference.path.numerics import DEGREE, ROUNDING, bracketed
+from validation.reference.path.numerics import DEGREE, ROUNDING, SLOPE, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Rows
 from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
@@ -30,10 +31,6 @@ from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 
-SMALL_PART = 0.1
-"""Of a whole, what is small beside it: scales of a run in the largest radius and penetration; what a short
-step adds to errors of a hold; the step after a turn in the one before; how far a fold that is landed on still
-moves, in tolerances."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 SOLVED = 100.0
@@ -46,8 +43,6 @@ SEEN = 1e-5
 """Least difference of two radii, in zones, that tells a slope beside the rounding of the residual."""
 NEARBY = 1e-2
 """Part of a zone or of the scale of the radius in which an edge is looked for that no row has foreseen."""
-FILLED = 1.0 - 1e-5
-"""Zone of fixed stress, in the contact radius, at which the contact ends."""
 LARGEST_JUMP = 1e4
 """Radius up to which a stable contact is looked for, in that at which one runs away."""
 
@@ -131,7 +126,7 @@ class Place:
         Where a load is given, that of the largest borne. The image of a thin layer is that many times its
         surface, and as many times what is solved for it rounds.
         """
-        force, noise = abs(self.state.force), 10.0 * ROUNDING
+        force, noise = abs(self.state.force), ROUNDING
         if self.law.adhesion is None and self.leg.free and force > 0.0:
             noise = max(noise, math.ulp(1.0) * self.borne / force)
         if self.body.image.is_layer and self.state.radius > 0.0:
@@ -186,7 +181,7 @@ class Place:
             ends[at] = self.arrive(trial, at)
             return ends[at].residual
 
-        rise = self._secants(function, max(p, 0.0), 1e-3 * (p if p > 0.0 else h * self.T), Fixed.RADIUS)
+        rise = self._secants(function, max(p, 0.0), SLOPE * (p if p > 0.0 else h * self.T), Fixed.RADIUS)
         left = self.leg.end - self.state.parameter
         if rise is None or rise > left + ROUNDING * self.leg.end:
             return None
@@ -201,8 +196,8 @@ class Place:
 
         A resting edge (``rested``) that would move departs where its rest ends.
         """
-        near = self.L * (10.0 * h if len(self.rows) > 1 else NEARBY)
-        size = max(1e-3 * h, SEEN) * min(self.L, self.law.zone or self.L)
+        near = self.L * (h / SMALL_PART if len(self.rows) > 1 else NEARBY)
+        size = max(SLOPE * h, SEEN) * min(self.L, self.law.zone or self.L)
         ends: dict[float, Arrival] = {}
 
         def function(a: float) -> float:
@@ -287,7 +282,7 @@ class Place:
         """The edge put elsewhere, and its residual: none where its zone fills the contact."""
         trial = self.trial(travel, abs(travel) / self.L, 1)
         end = self.arrive(trial, 0.0)
-        filled = self.law.cohesive and trial.zone > FILLED * trial.radius
+        filled = self.law.cohesive and trial.zone >= LONGEST * trial.radius
         return end, math.nan if filled else end.residual
 
     def runs_away(self, way: float, known: float = 0.0) -> bool:
@@ -299,7 +294,7 @@ class Place:
         """The next stable edge on a way, beyond a travel at which the residual is known."""
         a, before = self.state.radius, (first, value)
         travels = (
-            (self.least_radius - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5
+            (self.least_radius - a) * np.linspace(0.0, 1.0, 17)[1:]
             if way < 0.0
             else a * (np.geomspace(1.0, LARGEST_JUMP, 129)[1:] - 1.0)
         )

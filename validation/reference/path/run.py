@@ -35,9 +35,10 @@ from contact_scene.run_control import (
     outgrown_outcome,
 )
 from validation.reference.path.continuation import Continuation, Level
-from validation.reference.path.correction import SMALL_PART, Ending
+from validation.reference.path.correction import Ending
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import FARTHER, elastic_start, farthest_reach, indented, scales
+from validation.reference.path.numerics import SMALL_PART
 from validation.reference.path.path import Leg, jump, timed_legs
 from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
