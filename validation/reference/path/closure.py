@@ -51,7 +51,8 @@ _REST = ((1.0 - POINTS[:, None] ** np.arange(1, COUNT + 1)) / np.arange(1, COUNT
     powers(POINTS, COUNT - 1)
 )
 _RUNNING = np.vstack((_REST, WEIGHTS)).T
-_GRADED = 2e-3 * 4.0 ** np.arange(4)
+GRADING = 4.0
+_GRADED = 2e-3 * GRADING ** np.arange(4)
 """Breaks near the ends of a zone: a layer that relaxes behind a slow edge is an exponential of any thickness,
 which five points follow to 1e-6 over a ratio of 4 (of 10: 1e-4)."""
 BASE = np.unique(np.concatenate(([0.0, 0.5, 1.0], _GRADED, 1.0 - _GRADED)))

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from validation.reference.path.closure import LONGEST
 from validation.reference.path.correction import NEARBY, Correction, Ending, Fixed, Place
 from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
-from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, bracketed
+from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SLOPE, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
 from validation.reference.path.state import State, faded
 from validation.reference.path.trial import Arrival
@@ -49,8 +49,6 @@ LEAST_WEIGHT = 0.3
 RUNGS = 4
 """Changes of the step up to twice its length, the most; the lower of two is taken, so that rounding chooses
 none. A step that is repeated is shorter by half of them at least, by twice as many if nothing was found."""
-MOVING = 3e-3
-"""Share of the radius in the direction of the path from which on a step ends at a radius."""
 TOWARDS = 0.75
 """Share of the way to an event that a step goes at most if it does not end there."""
 
@@ -338,7 +336,7 @@ class Continuation(Place):
             there[0] = level
         elif kind in (Ending.LEAST, Ending.RIM, Ending.CORNER):
             there[1] = level
-        moves = abs(tangent[1]) > MOVING and abs(there[1]) * self.L > self.still
+        moves = abs(tangent[1]) > SLOPE and abs(there[1]) * self.L > self.still
         fixed = Fixed.RADIUS if moves and kind not in (Ending.END, Ending.TURN) else Fixed.LOAD
         return Plan(at, there, tangent, Fixed.REST if rests else fixed, kind)
 

@@ -265,6 +265,8 @@ class Place:
             if after == x:  # no number lies closer
                 return x
             after = max(after, 0.0) if of_load else after
+            if after == x:  # the root lies before the step
+                break
             value = function(after)
             if not math.isfinite(value) or value == f:
                 break

@@ -111,7 +111,7 @@ def elastic_start(scene: Scene, body: IndentedBody) -> State | None:
     if math.isinf(rim):  # beyond the last root the release rate rises with the radius
         ledge = scene.indenter.radii[-1] if isinstance(scene.indenter, TabulatedProfile) else 0.0
         reach = body.image.reach - zone
-        highest = min(max(2.0 * touching_radius(body, depth, rim), 4.0 * zone, ledge), reach)
+        highest = min(max(2.0 * touching_radius(body, depth, rim), 2.0 * zone, ledge), reach)
         while highest < reach and residual(highest) <= max(residual(0.5 * highest), 0.0):
             highest = min(2.0 * highest, reach)
         if scene.body is not None and residual(highest) <= 0.0:

@@ -97,7 +97,7 @@ def inverse(way: Array, rise: Array) -> Array:
         value, slope = (powers(u, len(way) - 1) @ both).T
         step = (value - rise) / np.where(slope == 0.0, whole, slope)
         u = np.minimum(np.maximum(u - step, 0.0), 1.0)
-        if np.abs(step).max() < 1e-8:  # quadratic: one more would be below rounding
+        if np.abs(step).max() < NEGLIGIBLE:  # quadratic: one more would be below rounding
             break
     return u
 

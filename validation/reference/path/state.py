@@ -18,14 +18,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.closure import BASE
+from validation.reference.path.closure import BASE, GRADING
 from validation.reference.path.fields import NODES, TO_POWERS, Passages, along
 from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, powers
 from validation.reference.path.rheology import IndentedBody, total
 
 Array = NDArray[np.float64]
-GRADING = 8.0
-"""Ratio of the distances from the edge of breaks and cuts that see a layer relax."""
 FADED = 1e-2
 """Change, in tolerances and the field at the edge, below which two entries are joined: times their width, in
 zones or as seen from the edge, for it is integrals over the fields that count. And times zone over radius: it

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path import fields
-from validation.reference.path.closure import BASE, Closure, closure, zone_length
+from validation.reference.path.closure import BASE, GRADING, Closure, closure, zone_length
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.fields import Passed, Passing, Points
 from validation.reference.path.memory import (
@@ -29,7 +29,7 @@ from validation.reference.path.memory import (
 from validation.reference.path.numerics import ORDERS, SLOPE, inverse, powers
 from validation.reference.path.path import Leg, PathSegment
 from validation.reference.path.rheology import IndentedBody, total
-from validation.reference.path.state import GRADING, State
+from validation.reference.path.state import State
 
 Array = NDArray[np.float64]
 
