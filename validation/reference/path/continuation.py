@@ -49,6 +49,10 @@ LEAST_WEIGHT = 0.3
 RUNGS = 4
 """Changes of the step up to twice its length, the most; the lower of two is taken, so that rounding chooses
 none. A step that is repeated is shorter by half of them at least, by twice as many if nothing was found."""
+SMALLEST_STEP = 1e-10
+"""Below it the edge condition has no root to be found here: see what became of the contact."""
+MOVING = 3e-3
+"""Share of the radius in the direction of the path from which on a step ends at a radius."""
 TOWARDS = 0.75
 """Share of the way to an event that a step goes at most if it does not end there."""
 
@@ -267,7 +271,7 @@ class Continuation(Place):
             rung = min(rung, math.floor(RUNGS * math.log2(share)) if share > 0.0 else -2 * RUNGS)
         self.h = plan.h * 2.0 ** (min(rung, -RUNGS // 2) / RUNGS)
         self.rows.order, self.slopes = min(len(self.rows), order), {}
-        if self.h < ROUNDING:
+        if self.h < SMALLEST_STEP:
             self.fails = 0
             for _ in range(2 if self.moving else 0):  # it may have come back to a corner that it had passed
                 if self.runs_away(self.direction, self.tolerance * self.state.radius):
@@ -336,7 +340,7 @@ class Continuation(Place):
             there[0] = level
         elif kind in (Ending.LEAST, Ending.RIM, Ending.CORNER):
             there[1] = level
-        moves = abs(tangent[1]) > SLOPE and abs(there[1]) * self.L > self.still
+        moves = abs(tangent[1]) > MOVING and abs(there[1]) * self.L > self.still
         fixed = Fixed.RADIUS if moves and kind not in (Ending.END, Ending.TURN) else Fixed.LOAD
         return Plan(at, there, tangent, Fixed.REST if rests else fixed, kind)
 
@@ -431,7 +435,7 @@ class Continuation(Place):
             return self.elsewhere(travel)[1] if a + travel > self.least_radius else math.nan
 
         if at_fold:
-            first = way * NEARBY * (self.law.zone or a)
+            first = way * max(0.05 * self.law.zone, SLOPE * a)
         else:  # what a row has left of the residual may drive the edge either way
             sides = way * self.still, -way * self.still
             first = next((side for side in sides if residual(side) * side < 0.0), sides[0])

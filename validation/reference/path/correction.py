@@ -126,7 +126,7 @@ class Place:
         Where a load is given, that of the largest borne. The image of a thin layer is that many times its
         surface, and as many times what is solved for it rounds.
         """
-        force, noise = abs(self.state.force), ROUNDING
+        force, noise = abs(self.state.force), 10.0 * ROUNDING
         if self.law.adhesion is None and self.leg.free and force > 0.0:
             noise = max(noise, math.ulp(1.0) * self.borne / force)
         if self.body.image.is_layer and self.state.radius > 0.0:
