@@ -435,7 +435,7 @@ class Continuation(Place):
             return self.elsewhere(travel)[1] if a + travel > self.least_radius else math.nan
 
         if at_fold:
-            first = way * max(0.05 * self.law.zone, SLOPE * a)
+            first = way * max(NEARBY * self.law.zone, SLOPE * a)
         else:  # what a row has left of the residual may drive the edge either way
             sides = way * self.still, -way * self.still
             first = next((side for side in sides if residual(side) * side < 0.0), sides[0])
