@@ -248,7 +248,7 @@ class Place:
             return None
         _, a, b = min(sides)
         root = bracketed(function, a, b, NARROW * self.tolerance * max(abs(a), abs(b)))
-        return root if self.law.adhesion is None or abs(function(root)) < self.noise else None
+        return root if self.law.adhesion is None or abs(function(root)) < 10.0 * self.noise else None
 
     def _secants(self, function: Callable[[float], float], x: float, size: float, of: Fixed) -> float | None:
         """Root by secants; where rounding stops them, the best point if it is one.
@@ -276,7 +276,7 @@ class Place:
             if abs(f) < enough or abs(after - x) < NARROW * self.tolerance * abs(x):
                 self.slopes[of] = slope
                 return x
-        return best[1] if best[0] < noise else None
+        return best[1] if best[0] < 10.0 * noise else None
 
     # at the same load ---
 
