@@ -12,7 +12,20 @@ from hypothesis import strategies as st
 
 from benchmarks.batch import FAMILIES, Family, difference
 from benchmarks.small_scale import RUNS, Point
-from contact_scene import Adhesion, Branch, Hold, Layer, Machine, Material, PowerRate, Ramp, TabulatedProfile
+from contact_scene import (
+    Adhesion,
+    Branch,
+    Hold,
+    Layer,
+    Loading,
+    Machine,
+    Material,
+    PowerRate,
+    Ramp,
+    Scene,
+    Sphere,
+    TabulatedProfile,
+)
 from validation.cases import load
 from validation.reference import batch
 from validation.reference.batch import grid, solver
@@ -131,6 +144,18 @@ def test_a_cycle_on_a_spring_that_is_too_soft_has_no_answer():
     assert batch.solve([scene])[0].reason == REASONS[SOFT]
     [answer] = batch.solve([replace(scene, loading=replace(scene.loading, machine=Machine(0.1)))])
     assert answer.answered
+
+
+def test_a_spring_after_a_turn_keeps_a_short_branch():
+    """Of which a point in time may be that of a row to rounding; the edge was taken to rest, 1.5e-2 off."""
+    scene = Scene(
+        Material(1e6, 0.45, (Branch(1e6, 1e-3), Branch(4e6, 60.0))),
+        Sphere(3e-3),
+        Loading("jump-in", 1e-5, (Ramp(1e-4, 2e-7), Hold(300.0), Ramp(-3e-3, 2e-7)), machine=Machine(5e4)),
+        Adhesion(0.05, 2e-6),
+    )
+    [answer] = batch.solve([scene])
+    assert answer.contact_radius.max() == pytest.approx(by_reference(scene).contact_radius.max(), rel=1e-6)
 
 
 def test_a_spring_as_stiff_as_none_is_none():

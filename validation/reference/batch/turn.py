@@ -308,13 +308,19 @@ class AfterTurn:
         known = np.concatenate((known, known[-1:]))
         at = held.when + length * LAYERED[:, None]
         weights, slopes = np.ones((2, 4, *at.shape)) * [[[[1.0]]], [[[0.0]]]]
+
+        def apart(i: int, j: int) -> Array:
+            return np.where(known[j], nodes[i] - nodes[j], 1.0)
+
         for i in range(4):
             for j in range(4):
                 if i != j:
-                    apart = np.where(known[j], nodes[i] - nodes[j], 1.0)
-                    weights[i] *= np.where(known[j], (at - nodes[j]) / apart, 1.0)
-                    slopes[i] += np.where(known[j], 1.0 / (at - nodes[j]), 0.0)
-        parts = np.where(known[:, None], weights * slopes * length, 0.0)
+                    weights[i] *= np.where(known[j], (at - nodes[j]) / apart(i, j), 1.0)
+                    rest = np.where(known[j], 1.0 / apart(i, j), 0.0) * np.ones(at.shape)
+                    for k in {0, 1, 2, 3} - {i, j}:
+                        rest *= np.where(known[k], (at - nodes[k]) / apart(i, k), 1.0)
+                    slopes[i] += rest
+        parts = np.where(known[:, None], slopes * length, 0.0)
         parts[:, :-1] *= SHARES[:-COUNT, None]
         parts[:, -1] = np.where(known, (np.arange(4) == 3)[:, None] - weights[:, -1], 0.0)
         faded = fading(held.when + length - at, bodies.times)
