@@ -21,8 +21,8 @@ zone, hardly turns within it."""
 _NARROW_STRIDE = 2.0**-12
 """First stride of a search, in node spacings, after one that has ended in a receding edge: next to the last
 root the interval between two roots is narrower than the usual stride."""
-_LEAST_PRESSED = -1.0 + 1e-3
-"""Least edge position without adhesion: of contact in a point, a thousandth of the first node's radius."""
+_LEAST_PRESSED = -1.0 + 1e-6
+"""Least edge position without adhesion: of contact in a point, a millionth of the first node's radius."""
 
 
 class AdhesiveEdge:

@@ -261,6 +261,8 @@ class Trial:
         """
         rheology, state, a = self.body.rheology, self.state, self.radius
         gained, depths = motion.end
+        if a == 0.0:  # not the rounding of what there was
+            return 0.0 * depths
         gram, shape = self.body.integrals(a)
         branches = self.body.integrals(min(a, state.radius))[0] @ gained
         branches += np.exp(-motion.duration / rheology.times) * self.rest.held
