@@ -8,6 +8,7 @@ meets, where ``I`` rises through ``dg``. Beyond the last root the contact is uns
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from scipy.optimize import brentq
 
@@ -23,6 +24,16 @@ _NARROW_STRIDE = 2.0**-12
 root the interval between two roots is narrower than the usual stride."""
 _LEAST_PRESSED = -1.0 + 1e-6
 """Least edge position without adhesion: of contact in a point, a millionth of the first node's radius."""
+
+
+def root_between(function: Callable[[float], float], ends: dict[float, float], xtol: float = 2e-12) -> float:
+    """The root between two places, given with the values there."""
+    # SciPy's wrapper of a function refers to itself: what it holds would wait for the garbage collection
+    held = [lambda at: ends[at] if at in ends else function(at)]
+    try:
+        return float(brentq(lambda at: held[0](at), min(ends), max(ends), xtol=xtol))
+    finally:
+        held.clear()
 
 
 class AdhesiveEdge:
@@ -100,12 +111,7 @@ class AdhesiveEdge:
 
     def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:
         """The root between two positions, given with their excess."""
-        # SciPy's wrapper of a function refers to itself: what it holds would wait for the garbage collection
-        held = [lambda s: ends[s] if s in ends else self._excess(problem, s)]
-        try:
-            return float(brentq(lambda s: held[0](s), min(ends), max(ends), xtol=_NARROW_STRIDE**2))
-        finally:
-            held.clear()
+        return root_between(lambda s: self._excess(problem, s), ends, _NARROW_STRIDE**2)
 
 
 class PressedEdge(AdhesiveEdge):

@@ -214,9 +214,14 @@ class Placement:
 
     def _shape(self, radius: Any) -> Any:
         """What grows with the radius as depths do, of a paraboloid in proportion, of others at the tip."""
-        largest = float(self.positions[self.geometry.last + 1])
-        highest = float(self.indenter.height(largest)) or 1.0
+        largest, highest = self._largest
         return (radius / largest) ** 2 + self.indenter.height(radius) / highest
+
+    @cached_property
+    def _largest(self) -> tuple[float, float]:
+        """Radius of the last component an edge comes to, and the height there, one if all are zero."""
+        radius = float(self.positions[self.geometry.last + 1])
+        return radius, float(self.indenter.height(radius)) or 1.0
 
     @cached_property
     def _depth_over(self) -> PchipInterpolator:

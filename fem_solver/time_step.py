@@ -14,13 +14,11 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import NoReturn
 
-from scipy.optimize import brentq
-
 from contact_scene import Counters, LoadingCursor, Outcome, OutcomeKind, RunMonitor, Segment, Trigger
 from contact_scene.loading import Control
 from contact_scene.run_control import below_zone_outcome, budget_outcome, outgrown_outcome
 from fem_solver.contact_problem import ContactCandidate
-from fem_solver.edge import energy_spent
+from fem_solver.edge import energy_spent, root_between
 from fem_solver.edge_path import EdgeMotion, extrapolated
 from fem_solver.edge_search import EdgeSearch
 from fem_solver.recorder import SurfaceRecorder, SurfaceState, SurfaceStep, Totals, profile
@@ -512,7 +510,7 @@ def located(
     ends = {0.0: begin, 1.0: excess(at(1.0))}
     if begin * ends[1.0] > 0.0:
         return None
-    return at(brentq(lambda share: ends[share] if share in ends else excess(at(share)), 0.0, 1.0))
+    return at(root_between(lambda share: excess(at(share)), ends))
 
 
 def step_to_level(
