@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from itertools import permutations
 from typing import Literal
 
 import numpy as np
@@ -15,6 +16,7 @@ from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
+Flags = NDArray[np.bool_]
 Kind = Literal["opening", "closing", "turned", "corner"]
 """An edge that opens from rest on what is relaxed, one that closes, one that opens where it closed, and the
 same beside the place from which it closed: a corner of what it left, from which these travels count."""
@@ -62,18 +64,9 @@ class Travel:
 
     @cached_property
     def gained(self) -> tuple[Array, Array]:
-        """Weights of the rows for values at points of the step, and for the parts of their change there.
-
-        The last point begins the layer next to the end, over which values are straight: it is one part.
-        """
-        past, now = self.rows[-2:]
-        at = past + (now - past) * LAYERED
-        weights = lagrange(self.rows + 0.0 * at[:, None], at)
-        apart, length = 1.0 / (at[:, None] - self.rows), now - past
-        parts = weights * (apart.sum(axis=1, keepdims=True) - apart) * length
-        parts[:-1] *= SHARES[:-COUNT, None]
-        parts[-1] = (np.arange(len(self.rows)) == len(self.rows) - 1) - weights[-1]
-        return weights, parts
+        """As of :func:`gained`, shapes (Q, n)."""
+        weights, parts = gained(self.rows, np.full(len(self.rows), True))
+        return weights.T, parts.T
 
 
 class Depths:
@@ -209,6 +202,27 @@ def lagrange(nodes: Array, at: Array) -> Array:
             if i != j:
                 weights[:, i] *= (at - nodes[:, j]) / (nodes[:, i] - nodes[:, j])
     return weights
+
+
+def gained(rows: Array, known: Flags) -> tuple[Array, Array]:
+    """Weights (n, Q, ...) of rows (n, ...) for values at points of the step between the last two, and for the
+    parts of their change there; rows that are not ``known`` count nothing.
+
+    The last point begins the layer next to the end, over which values are straight: it is one part.
+    """
+    past, now = rows[-2:]
+    at = past + np.multiply.outer(LAYERED, now - past)
+    weights, slopes = np.ones((2, len(rows), *at.shape))
+    slopes *= 0.0
+    for i, j in permutations(range(len(rows)), 2):
+        apart = np.where(known[j], rows[i] - rows[j], 1.0)
+        slopes[i] = np.where(known[j], (slopes[i] * (at - rows[j]) + weights[i]) / apart, slopes[i])
+        weights[i] *= np.where(known[j], (at - rows[j]) / apart, 1.0)
+    parts = slopes * (now - past)
+    parts[:, :-1] *= np.expand_dims(SHARES[:-COUNT], tuple(range(1, at.ndim)))
+    parts[:-1, -1], parts[-1, -1] = -weights[:-1, -1], 1.0 - weights[-1, -1]
+    mask = known[:, None]
+    return np.where(mask, weights, 0.0), np.where(mask, parts, 0.0)
 
 
 @lru_cache(maxsize=256)  # a batch of all zones and speeds takes 170

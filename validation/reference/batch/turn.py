@@ -13,11 +13,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.grid import Depths, Travel
+from validation.reference.batch.grid import Depths, Travel, gained
 from validation.reference.batch.machine import AtRest, fading
 from validation.reference.batch.march import CONVERGED, ENDED, FAILED, ROUNDING, March, secants
 from validation.reference.batch.scenes import Bodies, LoadRamp, filled
-from validation.reference.batch.zone import COUNT, LAYERED, SHARES, quadrature
+from validation.reference.batch.zone import LAYERED, quadrature
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -307,28 +307,13 @@ class AfterTurn:
         known, nodes = places >= held.kinks[-1], np.concatenate((then, (held.when + length)[None]))
         known = np.concatenate((known, known[-1:]))
         at = held.when + length * LAYERED[:, None]
-        weights, slopes = np.ones((2, 4, *at.shape)) * [[[[1.0]]], [[[0.0]]]]
-
-        def apart(i: int, j: int) -> Array:
-            return np.where(known[j], nodes[i] - nodes[j], 1.0)
-
-        for i in range(4):
-            for j in range(4):
-                if i != j:
-                    weights[i] *= np.where(known[j], (at - nodes[j]) / apart(i, j), 1.0)
-                    rest = np.where(known[j], 1.0 / apart(i, j), 0.0) * np.ones(at.shape)
-                    for k in {0, 1, 2, 3} - {i, j}:
-                        rest *= np.where(known[k], (at - nodes[k]) / apart(i, k), 1.0)
-                    slopes[i] += rest
-        parts = np.where(known[:, None], slopes * length, 0.0)
-        parts[:, :-1] *= SHARES[:-COUNT, None]
-        parts[:, -1] = np.where(known, (np.arange(4) == 3)[:, None] - weights[:, -1], 0.0)
+        parts = gained(nodes, known)[1]
         faded = fading(held.when + length - at, bodies.times)
         left = np.exp(-length / bodies.times)
         driving = radius * (held.stage(then)[0] - taken) - bodies.volume(radius)
         old, new = parts[:3], parts[3]
-        gained = (old * taken[:, None]).sum(axis=0), (old * driving[:, None]).sum(axis=0), new
-        lag, whole, own = (bodies.moduli * (faded * one[:, None]).sum(axis=0) for one in gained)
+        sums = (old * taken[:, None]).sum(axis=0), (old * driving[:, None]).sum(axis=0), new
+        lag, whole, own = (bodies.moduli * (faded * one[:, None]).sum(axis=0) for one in sums)
         return lag + held.lag * left, whole + held.whole * left, own
 
     def row(self, radius: Array) -> tuple[Array, Array]:
