@@ -28,7 +28,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.correction import FILLED, SMALL_PART, Correction, Ending, Fixed, Place
+from validation.reference.path.correction import FILLED, SMALL_PART, Correction, Corrector, Ending, Fixed
 from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
 from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
@@ -95,7 +95,7 @@ class Plan:
 
 
 @dataclass
-class Continuation(Place):
+class Continuation(Corrector):
     """A run in progress; ``lasted``, ``travelled``: since the leg began and the edge set off."""
 
     accepted: Callable[[Arrival, State, float], None] = lambda *_: None
