@@ -147,7 +147,7 @@ def carry_out(
     keys, missing = missing_runs(plan, store, chosen)
     found, tell = SweepRuns(keys, store), _teller(progress, len(keys), int(missing.sum()))
     if plan.solver == BATCH:
-        missing = _by_batch(plan, found, missing, engine, tell)
+        missing = _by_batch(plan, rows_of(plan, chosen), found, missing, engine, tell)
     tasks = enumerate(task_of(plan, rows) for rows in compress(rows_of(plan, chosen), missing))
     for _, result in completed_tasks(tasks, engine, int(missing.sum())):
         run = run_of(result)
@@ -178,6 +178,7 @@ def _teller(progress: Progress | None, runs: int, missing: int) -> Callable[[int
 
 def _by_batch(
     plan: SweepPlan,
+    every: Iterator[tuple[Row, ...]],
     found: SweepRuns,
     missing: Flags,
     engine: Engine,
@@ -188,7 +189,7 @@ def _by_batch(
     Batches are the same whatever is stored: they are stored whole, so that an interrupted sweep solves no
     scene in other company, and gives the same bits.
     """
-    rows, numbers, left = compress(plan.rows(), missing), np.flatnonzero(missing), missing.copy()
+    rows, numbers, left = compress(every, missing), np.flatnonzero(missing), missing.copy()
     batches = np.split(numbers, np.flatnonzero(np.diff(numbers // TOGETHER)) + 1)
     tasks = enumerate(batch_task(plan, [*islice(rows, len(some))]) for some in batches if len(some))
     for place, result in completed_tasks(tasks, engine, len(batches)):
