@@ -8,6 +8,7 @@ import pytest
 from support.pages import code_cells
 
 from benchmarks import small_scale
+from validation.reference.elastic_layer import ElasticLayer
 from validation.reference.jkr import JKR
 
 
@@ -40,6 +41,22 @@ def test_the_border_at_the_threshold_radius_is_at_one(page, cone):
 def test_frozen_forces(page, cone, limit):
     _, (force,) = page["pull_offs"](0.1, 1.0, 1e-4, [1e6], cone)
     assert force == pytest.approx(limit, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_the_border_of_a_punch_and_of_layers(page):
+    """What the page says of them; the frozen forces are the closed forms of the work over ``k`` (zone: a hundredth of the radius)."""
+    exec(code_cells("small-scale")[-1], page)
+    for name, (before, _, at, _, behind) in page["border"].items():
+        assert abs(before) < 0.025
+        assert 0.5 < at < 0.7
+        assert 0.75 < behind < (0.8 if name == "flat punch" else 0.96)
+    assert page["frozen"]["flat punch"] == pytest.approx(0.03**-0.5, rel=5e-3)
+    for name, case in list(page["cases"].items())[1:]:
+        scene, _, unit = page["resting"](0.03, **case)
+        layer = ElasticLayer(scene.body, 0.5, scene.indenter)
+        closed = -layer.pull_off(scene.adhesion.work / 0.03, "force").force / unit
+        assert page["frozen"][name] == pytest.approx(closed, rel=5e-3)
 
 
 @pytest.fixture(scope="module")
