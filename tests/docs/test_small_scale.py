@@ -45,7 +45,7 @@ def test_frozen_forces(page, cone, limit):
 
 @pytest.mark.slow
 def test_the_border_of_a_punch_and_of_layers(page):
-    """What the page says of them; the frozen forces are the closed forms of the work over ``k`` (zone: a hundredth of the radius)."""
+    """What the page says of them; frozen forces are closed forms of the work over ``k``, but for the zone."""
     exec(code_cells("small-scale")[-1], page)
     for name, (before, _, at, _, behind) in page["border"].items():
         assert abs(before) < 0.025
