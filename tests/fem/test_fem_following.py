@@ -17,6 +17,7 @@ import fem_solver
 from contact_scene import (
     Adhesion,
     Branch,
+    Cone,
     Force,
     Loading,
     Material,
@@ -30,9 +31,10 @@ from fem_solver.closure import ZoneShift
 from fem_solver.components import Components
 from fem_solver.contact_problem import ContactProblem
 from fem_solver.edge_path import EdgePolynomial, extrapolated
-from fem_solver.moduli import Prony, phi
+from fem_solver.moduli import Prony, moduli, phi
 from fem_solver.nodes import NodeBorders, NodeParts, NodePassage, PartlyReleased
-from fem_solver.state import ComponentState
+from fem_solver.placement import Surfaces
+from fem_solver.state import ComponentState, transferred, undeformed
 from meshes import EdgeMeshes
 from validation.cases import load
 from validation.measure.observables import observe
@@ -329,6 +331,22 @@ def test_the_edge_is_found_where_the_contact_radius_is_a_million_zones(zone):
     rest = radius**2 - np.sqrt(2.0 * np.pi * WORK * radius / modulus)
     assert rest == pytest.approx(0.01, rel=0.1 * COARSE)
     assert trace.counters.linear_solves < 50
+
+
+def test_what_a_cone_has_borne_is_known_by_its_depth_where_the_mesh_moves_on():
+    """Wide elements have the depth of a tip a hundredth off; by radius fine ones would keep that."""
+    material, zone = Material(1.0, 0.5, (Branch(4.0, 1.0),)), 1e-3
+    scene = Scene(material, Cone(70.0), Loading("jump-in", 0.1), Adhesion(WORK, zone))
+    surfaces = Surfaces(scene, FiniteElements().mesh(scene, 5), moduli(material), True)
+    wide, fine = (surfaces.around(zones * zone) for zones in (100.0, 10.0))
+    held = 0.1 * wide.unit - wide.profile
+    edge = wide.geometry.position(100.0 * zone)
+    borne = replace(undeformed(wide, 1), components=held, branches=4.0 * held[None], penetration=0.1)
+    borne = replace(borne, edge=edge, radius=wide.geometry.radius(edge))
+    moved = transferred(borne, wide, fine, Components(moduli(material).surface))
+    nodes = slice(int(fine.lowest), fine.geometry.last)
+    expected = 4.0 * moved.components[nodes] / fine.unit[nodes]
+    assert_allclose(moved.branches[0, nodes] / fine.unit[nodes], expected, rtol=1e-9)
 
 
 @cache
