@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from contact_scene import Branch, Material
-from validation.reference.path.closure import closure
+from validation.reference.path.closure import LONGEST, closure, zone_length
 from validation.reference.path.fields import Points
 from validation.reference.path.memory import PATH_AT_NODES, ConstantRate, collocation
 from validation.reference.path.numerics import bracketed, dip, inverse
@@ -157,3 +157,21 @@ def test_a_bracketed_root() -> None:
 def test_no_points_are_points():
     """A zone of fixed stress may lie within what the edge has not passed (``instruments:633``)."""
     assert Points(np.zeros((0, 9)), np.zeros((0, 3)), np.zeros(0), np.zeros((0, 2))).course.shape == (0, 27)
+
+
+@pytest.mark.parametrize("radius", [1e-9, 0.0331, 0.7, 41.0])
+def test_a_zone_that_fills_the_contact_is_told_by_its_length(radius: float) -> None:
+    """To the last bit: else an edge about to be lost is a stable one (``instruments:21030``)."""
+    radii = radius * np.linspace(1.0, 1.1, 100)
+    zones = [
+        zone_length(lambda x: np.full_like(x, -1e6), np.zeros(0), a, 1.0, 0.1 * a, 0.5 * a) for a in radii
+    ]
+    assert (zones >= LONGEST * radii).all()
+
+
+def test_the_loss_of_a_contact_that_ends_in_a_point_is_no_better_than_its_curves() -> None:
+    """Two runs may agree by accident in the time (``plain:218``)."""
+    fall, alike = np.linspace(1.0, 0.0, 101), ("time", "penetration", "contact_radius", "external_work")
+    fine = dict.fromkeys(alike, fall) | {"time": 1.0 - fall, "force": fall}
+    coarse = fine | {"force": np.where(fall > 0.7, 1.001, 1.0) * fall}
+    assert estimated_errors(fine, coarse, True)["detachment_time"] > 1e-4

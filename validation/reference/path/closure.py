@@ -182,5 +182,5 @@ def zone_length(
     if lack(low) <= 0.0:
         return low * low
     if lack(high) >= 0.0:
-        return high * high
+        return LONGEST * radius
     return bracketed(lack, low, high) ** 2

@@ -5,8 +5,9 @@ Signs and units are the scene's: penetration and pressure positive downwards and
 **Error estimates** are what a run differs by from a second one at ten times the tolerance. The second run is
 the worse of the two, about by the ratio of the tolerances: the difference is its error, and so bounds that of
 the first. Scalars of two runs can agree by accident; curves cannot. The pull-off is therefore held to be no
-better than the curves are in the mean, and the loss of contact, at a limit point where the time is
-stationary, no better than the force is at half the rows. A curve ends no better than when contact is lost.
+better than the curves are in the mean, nor is the loss of a contact that ends in a point. At a limit point
+the time is stationary: there it is no better than the force is at half the rows. A curve ends no better than
+when contact is lost.
 
 A curve that falls through a limit point has an infinite slope there, and the difference of two such curves at
 equal times is no error. So curves are compared by their distance in a plane where time and value both count
@@ -173,13 +174,13 @@ def estimated_errors(fine: Columns, coarse: Columns, detached: bool = False) -> 
         errors["pull_off_force"] = max(abs(tension[0] - tension[1]) / tension[0], mean)
     if detached:
         ends = [_end_of_contact(run) for run in (fine, coarse)]
+        stationary = fine["contact_radius"][ends[0]] > 0.0
+        least = float(np.median(apart["force"])) if stationary else mean
         for name in ("time", "penetration"):
             values = [float(run[name][end]) for run, end in zip((fine, coarse), ends, strict=True)]
             largest = float(np.abs(fine[name]).max())
             if largest > 0.0:
-                errors[f"detachment_{name}"] = max(
-                    abs(values[0] - values[1]) / largest, float(np.median(apart["force"]))
-                )
+                errors[f"detachment_{name}"] = max(abs(values[0] - values[1]) / largest, least)
     for name, each in apart.items():
         errors[name] = max(float(each.max()), errors.get("detachment_time", 0.0))
     return errors
