@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from validation.reference.path.closure import LONGEST
 from validation.reference.path.correction import NEARBY, Correction, Corrector, Ending, Fixed
-from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
+from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state
 from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SLOPE, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
 from validation.reference.path.state import State, faded
@@ -121,7 +121,7 @@ class Continuation(Corrector):
             self.h = 1.0
 
     def _touch(self) -> None:
-        """The first step of a new contact, as if it were elastic: to a small part of the largest penetration.
+        """The first step of a new contact, as if it were elastic: to a small part of the largest force.
 
         Until the shortest relaxation time only the load changes with time. A plane tip is in contact as a
         whole.
@@ -131,8 +131,7 @@ class Continuation(Corrector):
             self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
             self._restart()
             return
-        leg, deepest = self.leg, NEGLIGIBLE * self.depth / SMALL_PART
-        a = min(max(touching_radius(self.body, deepest, self.law.rim), NEARBY * self.L_run), self.L_run)
+        leg, a = self.leg, self.bearing(NEGLIGIBLE)
         load = pressed_depth(self.body, a)
         if leg.control == "force":
             load = 2.0 * self.body.rheology.glassy * pressed_force(self.body, a)

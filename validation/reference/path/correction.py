@@ -152,15 +152,17 @@ class Corrector:
         Without adhesion a plane tip is let go as a whole; other contacts end in a point. A force only tells a
         penetration where it is not lost in rounding.
         """
-        end_in_a_point = self._vanishing if self.leg.control == "force" else 0.0
-        return self.law.zone or self.law.tip or end_in_a_point
+        return self.law.zone or self.law.tip or (self._vanishing if self.leg.control == "force" else 0.0)
 
     @cached_property
     def _vanishing(self) -> float:
-        """Radius of an elastic contact whose force is lost in the rounding of the largest."""
-        body, radius = self.body, self.L_run / SMALL_PART
-        least = 2.0 * body.rheology.relaxed * ROUNDING * pressed_force(body, radius)
-        return max(pressed_radius(body, least, self.law.rim), STILL * self.L_run)
+        return self.bearing(ROUNDING)
+
+    def bearing(self, part: float) -> float:
+        """Radius of an elastic contact that bears that part of the largest force."""
+        body = self.body
+        largest = 2.0 * body.rheology.relaxed * pressed_force(body, self.L_run / SMALL_PART)
+        return pressed_radius(body, part * largest, self.law.rim)
 
     def folds(self, way: float) -> bool:
         """Whether an edge that goes that way may run away."""
