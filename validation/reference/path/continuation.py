@@ -403,8 +403,8 @@ class Continuation(Corrector):
                 self._restart()
 
     def _way(self, arrival: Arrival) -> float:
-        """Arclength of a step."""
-        return self.chord(arrival.rise, arrival.trial.travel)
+        """Arclength of a step, without the rounding of what was solved, which doubled steps amplify."""
+        return float(np.float32(self.chord(arrival.rise, arrival.trial.travel)))
 
     def _accept(self, arrival: Arrival) -> None:
         """Commit a step."""
