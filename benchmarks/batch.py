@@ -20,6 +20,7 @@ import tracemalloc
 from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import tomli_w
@@ -49,7 +50,8 @@ RATIO = 10.0
 @dataclass(frozen=True)
 class Family:
     """Random scenes: powers of ten of zone over radius, speed in radii a relaxation time, work, and
-    stiffness of a spring over that of the contact."""
+    stiffness of a spring over that of the contact. ``scattered``: times of branches anywhere in ``decades``,
+    their moduli in two; speeds and holds in as many more."""
 
     branches: int = 1
     zones: tuple[float, float] = (-1.19, -1.19)
@@ -61,12 +63,18 @@ class Family:
     closing: float | None = None
     dwell: bool = False
     spring: tuple[float, float] | None = None
+    scattered: bool = False
 
     def scene(self, rng: np.random.Generator) -> Scene:
         """One of them: a retraction from a relaxed start, or a cycle from jump-in."""
         times = 10.0 ** (self.decades * np.linspace(-0.5, 0.5, self.branches))
         shares = rng.uniform(0.2, 1.0, self.branches) if self.any_indenter else np.ones(self.branches)
         moduli = (RATIO - 1.0) * shares / max(self.branches, 1)
+        spread = 0.0
+        if self.scattered:
+            spread = 0.5 * self.decades
+            times = 10.0 ** rng.uniform(-spread, spread, self.branches)
+            moduli = 10.0 ** rng.uniform(-1.0, 1.0, self.branches)
         branches = tuple(Branch(float(E), float(t)) for E, t in zip(0.75 * moduli, times, strict=True))
         indenter: Indenter = Sphere(1.0)
         depth = float(rng.uniform(0.01, 0.05))
@@ -74,7 +82,8 @@ class Family:
             exponent = float(rng.uniform(1.0, 6.0))
             indenter = PowerLaw(exponent, 0.5 * depth / WIDTH**exponent)
         work, zone, speed = (
-            10.0 ** float(rng.uniform(*span)) for span in (self.works, self.zones, self.speeds)
+            10.0 ** float(rng.uniform(*span))
+            for span in (self.works, self.zones, (self.speeds[0] - spread, self.speeds[1] + spread))
         )
         rate = speed * WIDTH * 0.05
         away = Ramp(-20.0, rate * (float(rng.uniform(0.2, 5.0)) if self.any_indenter else 1.0))
@@ -83,7 +92,7 @@ class Family:
             loading = Loading("jump-in", 0.0, (Ramp(depth, rate), away))
         if self.dwell:
             level = 10.0 ** float(rng.uniform(-4.5, -3.0)) if rng.random() < 0.5 else None
-            hold = Hold(10.0 ** float(rng.uniform(-2.0, 1.5)))
+            hold = Hold(10.0 ** float(rng.uniform(-2.0 - spread, 1.5 + spread)))
             loading = Loading("jump-in", 0.0, (Ramp(depth, rate, until_force=level), hold, away))
         adhesion = Adhesion(work, zone * WIDTH, self.closing and self.closing * work)
         if self.spring is not None:
@@ -92,6 +101,15 @@ class Family:
         return Scene(Material(0.75, 0.5, branches), indenter, loading, adhesion)
 
 
+SCATTERED: dict[str, Any] = {
+    "branches": 3,
+    "decades": 6.0,
+    "scattered": True,
+    "any_indenter": True,
+    "closing": 0.5,
+    "zones": (-4.0, -1.0),
+    "speeds": (-1.0, 1.0),
+}
 FAMILIES = {
     "retractions, one branch": Family(),
     "retractions, any indenter, zones 1e-1 to 1e-6": Family(
@@ -127,6 +145,8 @@ FAMILIES = {
         spring=(-0.5, 2.0),
     ),
     "cycles, zone 1e-5 of the radius": Family(cycle=True, zones=(-5.0, -5.0), speeds=(-1.0, 3.0)),
+    "retractions on a spring, branches anywhere in six decades": Family(spring=(-2.0, 2.0), **SCATTERED),
+    "cycles with a dwell, branches anywhere in six decades": Family(cycle=True, dwell=True, **SCATTERED),
 }
 
 

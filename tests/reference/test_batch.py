@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.batch import FAMILIES, Family, difference
+from benchmarks.batch import FAMILIES, SCATTERED, Family, difference
 from benchmarks.small_scale import RUNS, Point
+from benchmarks.strategies import in_units
 from contact_scene import (
     Adhesion,
     Branch,
@@ -20,6 +21,7 @@ from contact_scene import (
     Loading,
     Machine,
     Material,
+    PowerLaw,
     PowerRate,
     Ramp,
     Scene,
@@ -81,6 +83,26 @@ def cycles(**family):
     )
 
 
+def scattered(**family):
+    """One to four branches anywhere in six decades, in SI units; speeds and holds over as many."""
+    kind = SCATTERED | {"zones": (-6.0, -1.0)} | family
+    return st.builds(
+        lambda seed, branches, closing: in_units(
+            drawn(1, seed, **kind | {"branches": branches, "closing": closing})[0], 1e3, 1e-6, 1e-2
+        )[0],
+        st.integers(0, 2**32 - 1),
+        st.integers(1, 4),
+        st.sampled_from([None, 0.5, 0.1]),
+    )
+
+
+SCATTERED_SCENES = st.one_of(
+    scattered(),
+    scattered(spring=(-2.0, 2.0)),
+    scattered(cycle=True),
+    scattered(cycle=True, dwell=True, zones=(-4.0, -1.0)),
+    scattered(cycle=True, dwell=True, zones=(-4.0, -1.0), spring=(-0.3, 2.0)),
+)
 CYCLES, DWELLS = cycles(zones=(-3.0, -1.7)), cycles(zones=(-3.0, -1.2), dwell=True)
 SPRUNG_CYCLES = st.one_of(
     cycles(zones=(-3.0, -1.7), spring=(-1.0, 2.0)), cycles(zones=(-3.0, -1.7), spring=(-1.0, 2.0), dwell=True)
@@ -90,12 +112,12 @@ SLOW_TURNS = st.builds(
 )
 
 
-def assert_as_by_the_reference(scene, *reasons):
-    """Pull-off within the estimate, or what the reference leaves by default, and 1e-4 whatever it says; no
+def assert_as_by_the_reference(scene, *reasons, most=1e-4):
+    """Pull-off within the estimate, or what the reference leaves by default, and ``most`` at all; no
     answer for one of these reasons alone."""
     [answer] = batch.solve([scene])
     if answer.answered:
-        assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, 1e-4)
+        assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, most)
     else:
         assert any(reason in answer.reason for reason in reasons)
 
@@ -105,6 +127,13 @@ def assert_as_by_the_reference(scene, *reasons):
 def test_random_scenes_are_answered_as_by_the_reference(scene):
     """Retractions from a relaxed start, of any indenter and up to four branches."""
     assert_as_by_the_reference(scene, "zones")
+
+
+@given(scene=SCATTERED_SCENES)
+@settings(max_examples=8)
+def test_branches_scattered_over_six_decades_are_answered_as_by_the_reference(scene):
+    """Of which the shortest may relax in a millionth of a hold, or the longest not at all."""
+    assert_as_by_the_reference(scene, "zones", "differ", "found", "softer", "not reached", most=1e-3)
 
 
 @given(scene=SPRUNG_CYCLES)
@@ -199,6 +228,41 @@ def test_an_edge_closes_on_while_the_load_is_held(name):
     held = (answer.time >= begin * (1.0 + 1e-12)) & (answer.time <= begin + hold.duration)
     assert held.any()
     assert answer.penetration[held] == pytest.approx(first.to, rel=1e-12)
+
+
+def held(times, moduli, speeds, hold, zone, **machine):
+    """A cycle with a hold of a sphere of a contact of 0.2, with hysteresis."""
+    branches = tuple(Branch(0.75 * E, time) for E, time in zip(moduli, times, strict=True))
+    steps = Ramp(0.035, speeds[0]), Hold(hold), Ramp(-20.0, speeds[1])
+    work = 9e-4
+    loading = Loading("jump-in", 0.0, steps, **machine)
+    return Scene(Material(0.75, 0.5, branches), Sphere(1.0), loading, Adhesion(work, zone, 0.1 * work))
+
+
+def test_an_edge_closes_on_after_a_hold_up_to_whose_end_it_closed():
+    """Rounding gave the end of the hold two rows, and the edge was taken to rest: force 2e-3 off."""
+    scene = held((0.0055, 0.26), (5.1, 0.15), (2.1e-3, 3.3e-3), 1.9156022693518513, 4.06e-5)
+    [answer], trace = batch.solve([scene]), by_reference(scene, Options(resolution=32))
+    assert answer.contact_radius.max() == pytest.approx(trace.contact_radius.max(), rel=2e-5)
+    assert answer.pull_off_force == pytest.approx(-trace.force.min(), rel=1e-5)
+
+
+def test_a_contact_shorter_than_its_zone_costs_no_other():
+    """The modes of a hold on a spring at no radius were an error of the whole batch."""
+    other = held((5.0,), (1.0,), (2e-3, 6e-3), 1.8, 0.01, machine=Machine(10.0))
+    none = replace(other, indenter=PowerLaw(1.02, 0.1), adhesion=Adhesion(8e-5, 0.0136, 4e-5))
+    lost, answer = batch.solve([none, other])
+    assert lost.reason == REASONS[FAILED]
+    assert same(answer, batch.solve([other])[0])
+    assert batch.solve([none])[0].reason == REASONS[FAILED]
+
+
+def test_a_hold_may_be_long():
+    """Eight decades of the first step of an edge that closes on: there was room for 140 steps alone."""
+    scene = held((0.34,), (3.0,), (0.26, 0.26), 300.0, 4e-6)
+    answers = [batch.solve([scene], n)[0] for n in (16, 48)]
+    assert all(answer.answered for answer in answers)
+    assert difference(scene, answers[0], 32) < 1e-5
 
 
 def test_a_hold_of_what_is_relaxed_only_takes_time():

@@ -295,9 +295,14 @@ class Retraction:
 def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     """Answers of scenes; their errors are the change from half as many rows, and a point of Gauss less."""
     start = start_radius(bodies)
+    solutions = [Solution(REASONS[FAILED])] * len(start)
+    touching = np.flatnonzero(np.isfinite(start))
+    if not len(touching):
+        return solutions
+    touching = filled(touching)
+    bodies, start = bodies.of_some(touching), start[touching]
     pair = (resolution, COUNT), (resolution // 2, COUNT - 1)
     fine, coarse = (Retraction.of(bodies, start, *each, cycle) for each in pair)
-    solutions = [Solution(REASONS[FAILED])] * len(start)
     sizes = np.floor(np.log2(np.array([fine.radius, start]) / bodies.zone))
     for size, least in np.unique(sizes[:, np.isfinite(sizes).all(axis=0)], axis=1).T.tolist():
         chosen = filled(np.flatnonzero((sizes == [[size], [least]]).all(axis=0)))
@@ -306,6 +311,6 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
         runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
         before = fine.before(chosen, runs[0][3])
         found = answers([run[:3] for run in runs], fine.when[chosen], coarse.when[chosen], before)
-        for i, answer in zip(chosen.tolist(), found, strict=True):
+        for i, answer in zip(touching[chosen].tolist(), found, strict=True):
             solutions[i] = answer
     return solutions

@@ -7,6 +7,7 @@ rules its steps: at rest the radius does not tell it.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -23,8 +24,9 @@ Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
-LONGEST, STEADY, WINDOW = 140, 0.02, 60
-"""Steps in time of an edge that goes on closing after the turn, the first of them, and rows in its zone."""
+LONGEST, STEADY, WINDOW, ROOM = 16, 0.02, 60, 64
+"""Steps in time of an edge that goes on closing after the turn, times the resolution (fourteen decades); the
+first of them; rows in its zone; rows for which there is room at first."""
 CREPT = 0.2, 0.4, 0.6, 0.8, 1.0
 """Shares of these steps at which there are rows of the answer."""
 NEARER, AT_REST = 0.6, 1e-5
@@ -98,12 +100,18 @@ class Held:
         return Held(bodies, first, second, start, rows, whole, self.last[chosen], self.kinks[:, chosen])
 
     def last_rows(self, count: int) -> Held:
-        """With that many rows before the last, and room for others."""
-        scenes, room = np.arange(len(self.last)), np.zeros((len(self.rows), LONGEST, len(self.last)))
+        """With that many rows before the last."""
+        scenes = np.arange(len(self.last))
         old = np.maximum(self.last - count + np.arange(count + 1)[:, None], 0)
-        rows = np.concatenate((self.rows[:, old, scenes], room), axis=1)
         kinks = np.clip(self.kinks - self.last + count, 0, count)
-        return replace(self, rows=rows, last=np.full(len(scenes), count), kinks=kinks)
+        return replace(self, rows=self.rows[:, old, scenes], last=np.full(len(scenes), count), kinks=kinks)
+
+    def with_room(self, most: int) -> Held:
+        """With room for rows up to that one."""
+        if most < self.rows.shape[1]:
+            return self
+        room = np.zeros((len(self.rows), max(ROOM, most + 1 - self.rows.shape[1]), len(self.last)))
+        return replace(self, rows=np.concatenate((self.rows, room), axis=1))
 
     def stage(self, t: Array) -> tuple[Array, Array]:
         """Where the stage is at times (m, B), and the branch forces (n, m, B) that it would cause."""
@@ -237,48 +245,49 @@ def turned(
     ]
     lag, whole = np.array(memory).reshape(2, len(bodies.moduli), len(last))
     size = int(last.max()) + 1
-    rows = np.zeros((3 + len(lag), size + len(ends) * LONGEST, len(last)))
-    rows[:2, :size] = closing.columns[[3, 0], :size]
-    rows[2, :size] = bodies.compliance * closing.force[:size]
-    rows[3:, :size] = closing.lags[:size].swapaxes(0, 1)
+    rows = np.empty((3 + len(lag), size, len(last)))
+    rows[:2] = closing.columns[[3, 0], :size]
+    rows[2] = bodies.compliance * closing.force[:size]
+    rows[3:] = closing.lags[:size].swapaxes(0, 1)
     rows[:, last, scenes] = edge, bodies.turn, deflection, *lag
     kinks = np.array([np.minimum(row, last) for row in (*closing.grid.breaks, last)])
     held = Held(bodies, first, second, start, rows, whole, last, kinks)
     for until in ends:
         held = _gone_on(held, closing, until, resolution)
-    held = replace(held, rows=rows[:, : int(held.last.max()) + 1])
+    held = replace(held, rows=held.rows[:, : int(held.last.max()) + 1])
     return held, held.when
 
 
 def _gone_on(held: Held, closing: March, until: Array, resolution: int) -> Held:
     """With rows up to where an edge rests, or to a time since the turn of the load, which has a row then."""
     last, bodies, since = held.last, held.bodies, held.when - held.bodies.turn
+    held = held.with_room(int(last.max()) + 1)
     if len(bodies.moduli):
         step = np.minimum(_first_step(held), until - since)
         falls = AfterTurn(held, since + step)(held.edge) < AfterTurn(held, since)(held.edge)
         some = filled(np.flatnonzero((closing.ending == ENDED) & falls & (step > 0.0)))
         if len(some):
-            few = held.of_some(some, bodies.of_some(some))
-            found, whole, count = _closing_on(few, step[some], until[some], resolution)
-            rows, top, wholes = last[some] + np.arange(LONGEST)[:, None], last.copy(), held.whole.copy()
-            held.rows[:, rows, some] = found
-            top[some] += count
-            wholes[:, some] = whole
+            closing.ending[some] = FAILED
+            few, top, wholes = held.of_some(some, bodies.of_some(some)), last.copy(), held.whole.copy()
+            for those, found, whole in _closing_on(few, step[some], until[some], resolution):
+                out, count = some[those], found.shape[1] - 1
+                held = held.with_room(int(last[out].max()) + count + 1)
+                held.rows[:, last[out] + np.arange(count + 1)[:, None], out] = found
+                top[out], wholes[:, out], closing.ending[out] = last[out] + count, whole, ENDED
             held = replace(held, last=top, whole=wholes)
-            closing.ending[some[count < 0]] = FAILED
     if np.isfinite(until).all():
-        held = _held_until(held, until)
+        held = _held_until(held.with_room(int(held.last.max()) + 1), until)
     return replace(held, kinks=np.concatenate((held.kinks, held.last[None])))
 
 
 def _held_until(held: Held, until: Array) -> Held:
     """With a row at the end of a hold, up to which the edge rests."""
     edge, since = held.edge, held.when - held.bodies.turn
-    leg = held.second.after(since, 0.0 * since)
-    b, left = leg.branches - held.lag, np.maximum(until - since, 0.0)
+    leg, end = held.second.after(since, 0.0 * since), held.bodies.turn + until
+    b, left = leg.branches - held.lag, np.maximum(end - held.when, 0.0)
     beside = held.whole - edge * b
     D, faded, b = AtRest(leg, edge, b, beside)(left)
-    row = np.array([edge, held.bodies.turn + until, leg.depth - D, *(leg(left)[2] - b)])
+    row = np.array([edge, end, leg.depth - D, *(leg(left)[2] - b)])
     return held.onward(row, beside * faded + edge * b, left > 0.0)
 
 
@@ -344,25 +353,27 @@ class AfterTurn:
         return (q * (forms[1] - D * forms[0])).sum(axis=0) / (-(math.pi**2) * bodies.closing) - 1.0
 
 
-def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple[Array, Array, Whole]:
-    """Rows from the last on of edges that go on closing; the last, where they rest or time is over, or -1.
+def _closing_on(
+    held: Held, step: Array, until: Array, resolution: int
+) -> Iterator[tuple[Whole, Array, Array]]:
+    """Edges that go on closing and rest, or whose time is over; their rows from the last on; and the wholes.
 
     The fall of the speed from row to row tells when an edge will rest, and the next row is no farther than
     ``NEARER`` of the way. Where the edge would have come back there is no row: it opens, which no closure of
     an edge that closes tells; a nearer one is tried.
     """
-    scenes, zone, rest = np.arange(len(step)), held.bodies.zone, np.full(len(step), -1)
-    local = held.last_rows(WINDOW)
+    scenes, zone = np.arange(len(step)), held.bodies.zone
+    local = held.last_rows(WINDOW).with_room(WINDOW + 1)
     edge, rounding = local.edge, ROUNDING * local.edge / zone
     error = AfterTurn(local, local.when - local.bodies.turn)(edge)  # of the place of the last
-    rows, first = np.zeros((len(held.rows), LONGEST, len(step))), step
-    wholes = 0.0 * held.whole
+    first = step
     since, speed, fall, slope = np.zeros((4, len(step)))
-    for _ in range(LONGEST):
+    for _ in range(LONGEST * resolution):
+        local = local.with_room(int(local.last.max()) + 3)
         y, elapsed = (local.edge - edge) / zone, local.when - local.bodies.turn
         over = elapsed + step >= until
         step = np.where(over, until - elapsed, step)
-        residual = AfterTurn(local, elapsed + step)
+        residual = AfterTurn(local, np.where(over, until, elapsed + step))
 
         def at(y: Array, residual: AfterTurn = residual, edge: Array = edge, error: Array = error) -> Array:
             return residual(edge + y * residual.held.bodies.zone) - error
@@ -385,14 +396,13 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
             later = AfterTurn(local, elapsed + step + np.where(summit, left, 0.0))
             local = local.onward(*later.row(edge + place * zone), summit)
         still = ~rises & (np.where(since > 0.0, speed * step, step / first * AT_REST / 1e-3) < AT_REST)
-        ended = summit | still | over | (local.last > WINDOW + LONGEST - 4)
+        ended = summit | still | over
         speed, since = np.where(rises, now, speed), np.where(rises, step, since)
         step = np.where(rises, np.minimum(step * (1.0 + 2.0 / resolution), NEARER * left), 0.25 * step)
         if ended.any():
-            out = scenes[ended]
-            window = slice(WINDOW, WINDOW + LONGEST), ended
-            rows[:, :, out], wholes[:, out] = local.rows[:, *window], local.whole[:, ended]
-            rest[out] = np.where(summit | still | over, local.last - WINDOW, -1)[ended]
+            for last in np.unique(local.last[ended]):
+                those = ended & (local.last == last)
+                yield scenes[those], local.rows[:, WINDOW : last + 1, those], local.whole[:, those]
             some = filled(np.flatnonzero(~ended))
             scenes = scenes[some]
             edge, zone, rounding, error, since, speed, fall, slope, step, first, until = (
@@ -402,4 +412,3 @@ def _closing_on(held: Held, step: Array, until: Array, resolution: int) -> tuple
             local = local.of_some(some, local.bodies.of_some(some))
         if not len(scenes):
             break
-    return rows, wholes, rest
