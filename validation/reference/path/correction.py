@@ -81,7 +81,7 @@ class Correction:
 
 @dataclass
 class Corrector:
-    """A row of the path, and the leg that leads on from it.
+    """What solves the edge condition from the last row of the path, on the leg that leads on from it.
 
     ``T``, ``L``, ``depth``: scales of load parameter, radius and penetration; ``L_run`` the largest of the
     radius. ``slopes``: of the residual over the load parameter and the radius, as last seen; they save
