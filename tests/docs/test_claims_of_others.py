@@ -12,6 +12,8 @@ from support.pages import code_cells
 import crosscontact as cc
 from validation.reference.batch import solve
 
+pytestmark = pytest.mark.slow  # the cells of the page
+
 
 @pytest.fixture(scope="module")
 def page():
@@ -47,7 +49,6 @@ def cycle(page, k, share, speed):
     return solve([scene])[0].pull_off_force * k / (1.5 * math.pi * work)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("k", [0.1, 0.01])
 def test_the_falling_side_does_not_know_the_zone(page, k):
     tangent = math.sqrt(k)

@@ -123,16 +123,8 @@ def test_readme_fits_a_screen_and_its_table_is_that_of_the_saved_report():
     assert "| `fem` |" in text
 
 
-@pytest.mark.parametrize(
-    "page",
-    [
-        pytest.param(
-            path, marks=[] if path.name == "fit.md" else [pytest.mark.slow]
-        )  # which no other test runs
-        for path in EXECUTED
-    ],
-    ids=_name,
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("page", EXECUTED, ids=_name)
 def test_examples_run(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("pyvista.OFF_SCREEN", True)
