@@ -146,7 +146,6 @@ FAMILIES = {
     ),
     "cycles, zone 1e-5 of the radius": Family(cycle=True, zones=(-5.0, -5.0), speeds=(-1.0, 3.0)),
     "retractions on a spring, branches anywhere in six decades": Family(spring=(-2.0, 2.0), **SCATTERED),
-    "cycles with a dwell, branches anywhere in six decades": Family(cycle=True, dwell=True, **SCATTERED),
 }
 
 

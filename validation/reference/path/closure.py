@@ -34,7 +34,6 @@ from numpy.typing import NDArray
 from validation.reference.path.numerics import (
     NEGLIGIBLE,
     ROUNDING,
-    SLOPE,
     bracketed,
     chebyshev,
     chebyshev_series,
@@ -51,8 +50,7 @@ _REST = ((1.0 - POINTS[:, None] ** np.arange(1, COUNT + 1)) / np.arange(1, COUNT
     powers(POINTS, COUNT - 1)
 )
 _RUNNING = np.vstack((_REST, WEIGHTS)).T
-GRADING = 4.0
-_GRADED = 2e-3 * GRADING ** np.arange(4)
+_GRADED = 2e-3 * 4.0 ** np.arange(4)
 """Breaks near the ends of a zone: a layer that relaxes behind a slow edge is an exponential of any thickness,
 which five points follow to 1e-6 over a ratio of 4 (of 10: 1e-4)."""
 BASE = np.unique(np.concatenate(([0.0, 0.5, 1.0], _GRADED, 1.0 - _GRADED)))
@@ -60,7 +58,7 @@ WIDENING = 3.0
 """Ratio of the distances of breaks from the axis."""
 TERMS, TERMS_A_FACTOR = 6, 4.0
 """Terms of the series of the kernel."""
-_RING = chebyshev_series(12)[0]
+_RING = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
 
 EVEN = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-3
@@ -170,7 +168,7 @@ def zone_length(
     f = lack(x)
     if not math.isfinite(f):
         return math.nan
-    after = x * (1.0 + SLOPE)
+    after = x * (1.0 + 1e-4)
     for _ in range(8):
         if not low < after < high:
             break

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from validation.reference.path.closure import EVEN, points
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.fields import NODES, WEIGHTS
-from validation.reference.path.memory import COLLOCATION, through_nodes
+from validation.reference.path.memory import COLLOCATION, FAST, through_nodes
 from validation.reference.path.numerics import derivative, horner, powers
 from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
@@ -122,6 +122,11 @@ def course(arrival: Arrival, after: State, first: Array, before: tuple[float, Ar
     if arrival.rise == 0.0:  # at a fixed load: no way of equilibria
         ends[:] = end - first[_SMOOTH]
         before = None
+    elif trial.direction and arrival.duration > FAST * body.rheology.shortest:
+        parabola = _parabola(first[_SMOOTH], end, before and (before[0], before[1][_SMOOTH]))
+        layer = np.abs(ends - parabola) > np.abs(parabola).sum(axis=0)  # one that the step does not follow
+        layer[:, 2:] = False
+        ends = np.where(layer, parabola, ends)
     smooth = _smooth(first[_SMOOTH], end, ends, before and (before[0], before[1][_SMOOTH]))
     coefficients[: len(smooth), _SMOOTH] = smooth
     if not rated:
@@ -136,6 +141,13 @@ def course(arrival: Arrival, after: State, first: Array, before: tuple[float, Ar
     coefficients[0, WORK] = first[WORK]
     coefficients[1 : len(power) + 1, WORK] = power / np.arange(1, len(power) + 1)
     return Course(coefficients, u, stress)
+
+
+def _parabola(first: Array, end: Array, before: tuple[float, Array] | None) -> Array:
+    """Slopes (2, m) at both ends of the parabola through them and a row before; of the chord without one."""
+    chord = end - first
+    bend = 0.0 * chord if before is None else (chord - (before[1] - first) / before[0]) / (1.0 - before[0])
+    return np.array([chord - bend, chord + bend])
 
 
 def _slopes(
