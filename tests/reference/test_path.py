@@ -17,6 +17,7 @@ from contact_scene import (
     Loading,
     Material,
     OutcomeKind,
+    PowerLaw,
     Ramp,
     Scene,
     Table,
@@ -349,3 +350,17 @@ def test_the_largest_tension_lies_on_the_path(name: str) -> None:
     """Without a memory the force at an edge in equilibrium does not depend on how the edge got there."""
     coarse, fine = (solve(load(name).scene, Options(tolerance=asked)).force.min() for asked in (1e-4, 1e-5))
     assert coarse == pytest.approx(fine, rel=1e-9)
+
+
+def test_a_slow_retraction_after_a_dwell_takes_no_more_steps_than_others():
+    """Of three branches over four decades: with coarser rules of the step the steps ran out, without an end."""
+    branches = tuple(Branch(E, t) for E, t in ((3.8048, 0.57018), (1.1507, 0.0023665), (0.24846, 7.0464)))
+    steps = Ramp(0.043595, 1.5254e-5), Hold(300.2), Ramp(-20.0, 6.3061e-5)
+    adhesion = Adhesion(5.0119e-4, 3.6318e-3, 2.5059e-4)
+    scene = Scene(
+        Material(0.75, 0.5, branches), PowerLaw(3.5475, 6.5764), Loading("jump-in", 0.0, steps), adhesion
+    )
+    trace = solve(scene, Options(max_steps=1200))
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.counters.steps + trace.counters.rejected_steps < 600
+    assert -trace.force.min() == pytest.approx(3.934033e-3, rel=1e-5)
