@@ -353,7 +353,7 @@ def test_the_largest_tension_lies_on_the_path(name: str) -> None:
 
 
 def test_a_slow_retraction_after_a_dwell_takes_no_more_steps_than_others():
-    """Of three branches over four decades: with coarser rules of the step the steps ran out, without an end."""
+    """Three branches over four decades: with coarser rules of the step the steps ran out before its end."""
     branches = tuple(Branch(E, t) for E, t in ((3.8048, 0.57018), (1.1507, 0.0023665), (0.24846, 7.0464)))
     steps = Ramp(0.043595, 1.5254e-5), Hold(300.2), Ramp(-20.0, 6.3061e-5)
     adhesion = Adhesion(5.0119e-4, 3.6318e-3, 2.5059e-4)
