@@ -157,18 +157,18 @@ def start(force):
 
 
 @pytest.mark.parametrize(
-    ("statement", "evidence", "verdict"),
+    ("statement", "evidence", "given", "verdict"),
     [
-        (cycles.intermediate_cycles_lose_and_hold, springs(lambda v: 4.0 if 1e-3 < v < 0.1 else 1.0), HOLDS),
-        (cycles.intermediate_cycles_lose_and_hold, springs(lambda v: 1.0 + 0.03 * v), FAILS),
-        (cycles.limits_share_the_pull_off_force, springs(lambda v: 1.0), HOLDS),
-        (cycles.limits_share_the_pull_off_force, springs(lambda v: 2.0 if v > 1.0 else 1.0), FAILS),
-        (retractions.starts_without_load, start(0.0), HOLDS),
-        (retractions.starts_without_load, start(1e-6), IN_PART),
+        (cycles.intermediate_cycles_lose_and_hold, springs, lambda v: 4.0 if 1e-3 < v < 0.1 else 1.0, HOLDS),
+        (cycles.intermediate_cycles_lose_and_hold, springs, lambda v: 1.0 + 0.03 * v, FAILS),
+        (cycles.limits_share_the_pull_off_force, springs, lambda v: 1.0, HOLDS),
+        (cycles.limits_share_the_pull_off_force, springs, lambda v: 2.0 if v > 1.0 else 1.0, FAILS),
+        (retractions.starts_without_load, start, 0.0, HOLDS),
+        (retractions.starts_without_load, start, 1e-6, IN_PART),
     ],
 )
-def test_both_verdicts(statement: Claim, evidence, verdict):
-    assert statement.finding(evidence).verdict is verdict
+def test_both_verdicts(statement: Claim, evidence, given, verdict):
+    assert statement.finding(evidence(given)).verdict is verdict
 
 
 def test_a_partial_run_is_no_evidence():

@@ -91,13 +91,9 @@ def cycle_errors(speed, divisions=2, tolerance=1e-3):
     return np.array([a / b - 1.0 for a, b in zip(found, CHECKS[speed], strict=True)])
 
 
-@pytest.mark.parametrize(
-    "speed", [0.02, *(pytest.param(speed, marks=pytest.mark.slow) for speed in (0.002, 0.1))]
-)
-def test_cycles_at_two_elements_per_process_zone(speed):
-    errors = cycle_errors(speed)
-    assert np.abs(errors).max() < 1e-2
-    trace = cycle(speed)
+def test_a_cycle_at_two_elements_per_process_zone():
+    assert np.abs(cycle_errors(0.02)).max() < 1e-2
+    trace = cycle(0.02)
     assert is_finite(trace)
     assert len(trace.time) > 100
     assert np.all(np.diff(trace.time) >= 0.0)
@@ -120,14 +116,6 @@ def test_branch_integral_of_a_sharp_edge_slow_against_the_branch(target):
     assert np.all(np.diff(trace.extra["branch_dissipation"]) >= 0.0)
 
 
-def test_cycles_converge_at_second_order():
-    # the singular edge cancels in the closure; curvature in space and time remains, refined together
-    errors = [cycle_errors(0.002, n, None)[2] for n in (2, 4)]
-    order = np.log2(abs(errors[0] / errors[1]))
-    assert 1.5 < order < 2.6
-    assert abs(errors[1]) < 2e-3
-
-
 @pytest.mark.exhaustive
 @pytest.mark.parametrize("speed", CHECKS)
 def test_cycles_at_default_and_twice_the_resolution(speed):
@@ -139,6 +127,7 @@ def test_cycles_at_default_and_twice_the_resolution(speed):
 
 @pytest.mark.slow
 def test_order_of_convergence_over_three_doublings():
+    """The singular edge cancels in the closure; curvature in space and time remains, refined together."""
     errors = np.abs([cycle_errors(0.002, n, None)[2] for n in (2, 4, 8)])
     orders = np.log2(errors[:-1] / errors[1:])
     assert np.all((orders > 1.5) & (orders < 2.6))

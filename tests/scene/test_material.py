@@ -56,6 +56,7 @@ MATERIALS = {
     "times 1e-15 apart": nearly_equal(4 * np.finfo(float).eps),
     "tiny weights": material([1e-3, 1e-8, 1e-16, 1e-25, 3.0], [1e-4, 1e-2, 1.0, 30.0, 1e4]),
     "weight below sight": material([9.0, 1e-200], [1.0, 3.0]),
+    "one weight below sight": material([1e-20], [3.0]),
     "small weight on a retardation time": material([9.0, 1e-9], [1.0, 10.0]),
     "times from 1e-58 to 1e58": material([1.0, 2.0, 3.0], [1e-58, 1.0, 1e58]),
     "modulus 1e50": material([9e50, 4e50], [1e-3, 1e3], relaxed=1e50),

@@ -47,7 +47,7 @@ JUST_IN = {
 }
 REFUSED = {
     "cycles": (scene(cs.Oscillate(1e-3, 1.0, 1e12), work=0), "loading.steps", "1e+06"),
-    "rows": (scene(rows(60_000), rows(60_000), work=0), "loading.steps", "100000"),
+    "rows": (scene(*(2 * [rows(60_000)]), work=0), "loading.steps", "100000"),
     "contrast": (
         scene(material=cs.Material(1e-13, 0.5, (cs.Branch(1.0, 1.0),))), "material.branches", "1e+12",
     ),
