@@ -165,7 +165,6 @@ def test_viscoelastic_punch_lets_go_between_its_bounds():
 
 CYCLES = [
     ("reference", ONE, SPHERE),
-    ("bem", THREE, SPHERE),
     ("bem", THREE, Cone(80.0)),
     ("reference", THREE, Cone(80.0)),
     ("reference", ONE, TABLE),
@@ -173,7 +172,7 @@ CYCLES = [
 ]
 
 
-@pytest.mark.parametrize(("solver", "material", "indenter"), later(*CYCLES, of=CYCLES[:2]))
+@pytest.mark.parametrize(("solver", "material", "indenter"), later(*CYCLES, of=CYCLES[:1]))
 def test_adhesionless_cycle_is_lee_radoks_and_tings(solver, material, indenter):
     steps = Ramp(0.04, 0.05), Hold(0.2), Ramp(-0.05, 0.08)
     exact = Ting(material, indenter, 0.05, 0.8, 0.08, 0.2)
@@ -195,11 +194,8 @@ def test_adhesionless_cycle_is_lee_radoks_and_tings(solver, material, indenter):
         assert_allclose(radius[middle], exact.contact_radius(time[middle]), atol=1e-5 * radius.max())
 
 
-CREEP = [("reference", SPHERE), ("bem", SPHERE), ("reference", Cone(80.0)), ("reference", TABLE)]
-
-
-@pytest.mark.parametrize(("solver", "indenter"), later(*CREEP, of=CREEP[:2]))
-def test_creep_under_a_given_force_is_the_dual_of_lee_radok(solver, indenter):
+@shapes(SPHERE, Cone(80.0), TABLE, slow=(Cone(80.0), TABLE))
+def test_creep_under_a_given_force_is_the_dual_of_lee_radok(indenter):
     """Growing from a relaxed contact, and put on a relaxed contact or on none at once."""
     preload = float(sneddon.force(indenter, sneddon.contact_radius(indenter, 0.01), 1.0))
     cases = [
@@ -209,13 +205,11 @@ def test_creep_under_a_given_force_is_the_dual_of_lee_radok(solver, indenter):
     ]
     for at, step, law, before in cases:
         asked = scene(step, start="relaxed", at=at, material=THREE, indenter=indenter, adhesion=None)
-        trace = SOLVE[solver](asked, 16 if solver == "reference" else 6)
+        trace = front(asked, 16)
         after = trace.time > 0.0
         expected = law(THREE, indenter, 2 * preload, trace.time[after], before)
-        # A glassy jump itself costs the reference up to 6e-4 of the radius (cone).
-        ramped = 1e-5 if solver == "reference" else 2e-3
-        jumped = 1e-3 if solver == "reference" else 5e-3
-        allowed = ramped if isinstance(step, ForceRamp) else jumped
+        # A glassy jump itself costs up to 6e-4 of the radius (cone).
+        allowed = 1e-5 if isinstance(step, ForceRamp) else 1e-3
         assert_allclose(trace.contact_radius[after], expected, rtol=allowed)
 
 
@@ -251,11 +245,11 @@ def test_fast_retraction_tends_to_the_frozen_limit(solver, indenter, zone):
         assert_allclose(found, line - exact.relaxed.force, rtol=6.0 * zone, atol=1e-12)
 
 
-@pytest.mark.parametrize("glue", [Adhesion(1.0, 0.01), None], ids=["adhesive", "adhesionless"])
 @pytest.mark.parametrize(("solver", "accuracy"), [("reference", 1e-6), ("bem", 1e-3)])
-def test_oscillating_punch_is_one_linear_element(solver, accuracy, glue):
-    """With an adhesion so strong that it holds the edge, and without any."""
+def test_oscillating_punch_is_one_linear_element(solver, accuracy):
+    """With an adhesion so strong that it holds the edge."""
     swing = Oscillate(1e-3, 2.0, 12.0)
+    glue = Adhesion(1.0, 0.01)
     asked = scene(swing, start="relaxed", at=0.01, material=THREE, indenter=PUNCH, adhesion=glue)
     trace = SOLVE[solver](asked, 16 if solver == "reference" else 12)
     assert trace.outcome.kind is OutcomeKind.COMPLETED
@@ -311,12 +305,9 @@ def test_check_values_of_the_cycles(rate):
         assert seen[name] == pytest.approx(value, abs=slack), name
 
 
-@solvers
-def test_fast_retraction_of_the_paper(solver):
+def test_fast_retraction_of_the_paper():
     """Glassy: the edge hardly moves, then runs, and the largest tension lies at the corner between."""
-    asked = scene(Ramp(-0.5, 100.0), start="relaxed", at=0.032)
-    seen = observe(SOLVE[solver](asked, 8 if solver == "reference" else 12))
-    exact = {"reference": (5e-5, 4e-4, 2e-3), "bem": (1e-3, 5e-3, 5e-3)}[solver]
-    found = seen.pull_off_force, seen.pull_off_penetration, seen.pull_off_radius
-    for one, value, accuracy in zip(found, (9.857 * PULL, 0.02556, 0.232), exact, strict=True):
-        assert one == pytest.approx(value, rel=accuracy)
+    seen = observe(front(scene(Ramp(-0.5, 100.0), start="relaxed", at=0.032), 8))
+    assert seen.pull_off_force == pytest.approx(9.857 * PULL, rel=5e-5)
+    assert seen.pull_off_penetration == pytest.approx(0.02556, rel=4e-4)
+    assert seen.pull_off_radius == pytest.approx(0.232, rel=2e-3)

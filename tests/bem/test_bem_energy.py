@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.integrate import cumulative_trapezoid
 from support.bem_runs import STIFFNESS, bem, front, observed_order
 from support.closed_forms import hertz
 from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
@@ -13,54 +12,9 @@ from bem_solver.recorder import RowPath, rest_ends, stored_energy
 from contact_scene import Adhesion, Branch, FlatPunch, Hold, Material, Oscillate, Ramp, Table
 from validation.reference.finite_zone import FiniteZone
 
-RUNS = {
-    "cycle": cycle(0.02),
-    "hold": scene(Ramp(0.03, 0.1), Hold(2.0)),
-    "oscillation": scene(Oscillate(0.005, 1.0, 8.0), at=0.02),
-    "adhesionless": scene(Ramp(0.02, 0.05), Ramp(-0.1, 0.05), adhesion=None),
-}
-runs = pytest.mark.parametrize(
-    "question",
-    [
-        pytest.param(one, id=name, marks=pytest.mark.slow if name == "hold" else ())
-        for name, one in RUNS.items()
-    ],
-)
-
-
-def coarse(question):
-    return bem(question, resolution=6)
-
 
 def area(trace):
     return np.pi * trace.contact_radius**2
-
-
-@runs
-def test_balance(question):
-    """``F dD + dg dA = dU + P_d dt``, row by row."""
-    trace = coarse(question)
-    work = question.adhesion.work if question.adhesion else 0.0
-    external = trace.external_work
-    straight = cumulative_trapezoid(trace.force, trace.penetration, initial=0.0)
-    assert_allclose(external, straight, atol=5e-3 * np.abs(straight).max())
-    left = external + work * (area(trace) - area(trace)[0])
-    right = trace.stored_energy - trace.stored_energy[0] + trace.dissipated_energy
-    assert_allclose(left, right, atol=1e-12 * np.abs(left).max())
-    assert trace.external_work[0] == trace.dissipated_energy[0] == 0.0
-
-
-@runs
-def test_no_energy_is_gained(question):
-    """Stored energy is never negative; neither the loss nor what the branches turn into heat runs back."""
-    trace = coarse(question)
-    scale = trace.stored_energy.max()
-    assert np.all(trace.stored_energy >= -1e-12 * scale)
-    branch = trace.extra["branch_dissipation"]
-    assert branch[0] == 0.0
-    assert np.all(np.diff(branch) >= -1e-5 * branch[-1])
-    contact = trace.contact_radius > 0.0
-    assert np.all(np.diff(trace.dissipated_energy[contact]) >= -1e-3 * scale)
 
 
 def test_energies_are_those_of_front_tracking():
