@@ -163,30 +163,14 @@ def intervals(
 ) -> Iterator[LoadingInterval]:
     """The intervals of a load step that begins at a penetration and a force, its load jump first."""
     before, after = segment.present(penetration, force), segment.value(segment.start)
+    made = partial(LoadingInterval, segment.control, rate=segment.rate, trigger=segment.trigger)
     if after != before:
-        yield LoadingInterval(
-            segment.control,
-            segment.start,
-            segment.start,
-            lambda share: before + share * (after - before),
-            segment.rate,
-            jump=True,
-            after_kink=True,
-            trigger=segment.trigger,
-        )
+        jump = segment.start, segment.start, lambda share: before + share * (after - before)
+        yield made(*jump, jump=True, after_kink=True)
     start, kink = segment.start, True
     for stop in stops_within(segment, requested):
         if stop.time > start:
-            yield LoadingInterval(
-                segment.control,
-                start,
-                stop.time,
-                segment.value,
-                segment.rate,
-                jump=False,
-                after_kink=kink,
-                trigger=segment.trigger,
-            )
+            yield made(start, stop.time, segment.value, jump=False, after_kink=kink)
         start, kink = stop.time, stop.kink
 
 

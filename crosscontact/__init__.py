@@ -30,20 +30,13 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     from contact_scene import *
     from crosscontact.api import SolverComparison, builtin, compare, scenes, solve, solvers
     from crosscontact.exam import export_exam, judge
-    from crosscontact.fitting import (
-        Fit,
-        MeasuredCurve,
-        fit,
-        fit_each,
-        read_curve,
-        read_curves,
-        synthetic,
-        write_curve,
-    )
+    from crosscontact.fitting import Fit, fit, fit_each, read_curve, read_curves, write_curve
     from crosscontact.result import ContactState, Result, load
     from crosscontact.sweeps import explore, sweep
 
     __version__: str
+    from validation.fits.record import MeasuredCurve
+    from validation.fits.synthetic import synthetic
     from validation.solvers import RunOptions, Solver
 
 __all__ = [
@@ -123,18 +116,11 @@ __all__ = [
 _HOMES = {
     "crosscontact.api": ("SolverComparison", "builtin", "compare", "scenes", "solve", "solvers"),
     "crosscontact.exam": ("export_exam", "judge"),
-    "crosscontact.fitting": (
-        "Fit",
-        "MeasuredCurve",
-        "fit",
-        "fit_each",
-        "read_curve",
-        "read_curves",
-        "synthetic",
-        "write_curve",
-    ),
+    "crosscontact.fitting": ("Fit", "fit", "fit_each", "read_curve", "read_curves", "write_curve"),
     "crosscontact.result": ("ContactState", "Result", "load"),
     "crosscontact.sweeps": ("explore", "sweep"),
+    "validation.fits.record": ("MeasuredCurve",),
+    "validation.fits.synthetic": ("synthetic",),
     "validation.solvers": ("RunOptions", "Solver"),
 }
 """Module of each name that is not of ``contact_scene``."""

@@ -25,24 +25,12 @@ from validation.fits.parameters import FitSettings, question
 from validation.fits.readers import Given, write_csv
 from validation.fits.record import MeasuredCurve
 from validation.fits.result import Estimate, FitResult, InterruptedFit
-from validation.fits.synthetic import synthetic
 from validation.report.texts import aligned
 from validation.runs.folder import claim, output_folder
 from validation.runs.store import Store
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = [
-    "Fit",
-    "MeasuredCurve",
-    "fit",
-    "fit_each",
-    "read_curve",
-    "read_curves",
-    "synthetic",
-    "write_curve",
-]
 
 Curve = MeasuredCurve | str | os.PathLike[str]
 """A curve, or the path of a file that holds some."""

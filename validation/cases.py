@@ -23,6 +23,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from contact_scene import Scene, SceneError, read_scene
 from validation.scenes import FOLDER, checks, names
@@ -85,27 +86,12 @@ class Case:
 
 
 def load(name: str) -> Case:
-    """A built-in scene by name, or a user's scene file by path.
-
-    Raises
-    ------
-    SceneError
-        If there is neither, or the file is no valid scene.
-    """
+    """A built-in scene by name, or a user's scene file by path; ``SceneError`` if it is neither."""
     if name in names():
         known = checks(name)
-        return Case(
-            name=name,
-            scene=read_scene(FOLDER / f"{name}.toml"),
-            figure=known["figure"],
-            statement=known["statement"],
-            suites=tuple(known["suites"]),
-            outcome=known["outcome"],
-            expected=tuple(Expected(**entry) for entry in known.get("checks", [])),
-            tolerances=known["tolerances"],
-            profile_times=tuple(known.get("profile_times", ())),
-            too_long_for=tuple(known.get("too_long_for", ())),
-        )
+        expected = tuple(Expected(**entry) for entry in known.pop("checks", []))
+        stated: Any = {key: tuple(one) if isinstance(one, list) else one for key, one in known.items()}
+        return Case(name, read_scene(FOLDER / f"{name}.toml"), expected=expected, **stated)
     path = Path(name)
     if name and (os.path.exists(name) or path.suffix == ".toml" or len(path.parts) > 1):
         return Case(name=path.stem, scene=read_scene(path))

@@ -13,7 +13,7 @@ from contact_scene import OutcomeKind
 from crosscontact.cli import main
 from validation.claims.evidence import Evidence
 from validation.compare.suite import SuiteComparison
-from validation.report import junit
+from validation.report import report
 from validation.report.report import Chapter
 from validation.runs.folder import to_json
 from validation.stability import page
@@ -47,7 +47,7 @@ def test_json_is_strict_and_checks_and_junit_fail_where_a_cell_is_at_fault():
     ]
     assert "10: SILENTLY WRONG" in found[0].note
     assert page.checks(CELLS[:2])[0].passed
-    assert junit.element(Chapter("stability", found)).attrib["failures"] == "3"
+    assert report.element(Chapter("stability", found)).attrib["failures"] == "3"
 
 
 @pytest.mark.parametrize("verdict", FAULTS)

@@ -18,7 +18,7 @@ from validation.compare.suite import SceneComparison, SuiteComparison
 from validation.drawing.figure import INK, SIZE, curve_style, drawing, format_axes
 from validation.measure.difference import Check
 from validation.report import document as doc
-from validation.report import html, junit
+from validation.report import html
 from validation.report import report as folders
 from validation.report.report import Chapter
 from validation.report.tables import costs, environment, of_checks, spent
@@ -130,7 +130,7 @@ def write(
     )
     short = (*summary(compared, failures), *(part for chapter in beside for part in chapter.summary))
     whole = data(compared, others) | dict(beside[0].data if moved is not None else {})
-    cases = junit.text(f"crosscontact {compared.suite}", [*scenes, *beside], compared.wall_seconds)
+    cases = folders.junit(f"crosscontact {compared.suite}", [*scenes, *beside], compared.wall_seconds)
     files = {
         "report.json": to_json(whole),
         "junit.xml": cases,

@@ -253,10 +253,7 @@ class AnswerFolder:
 def read_folder(folder: Path) -> AnswerFolder:
     """Everything in a folder, of whose ``exam.json`` or, without, of the built-in scenes that are answered.
 
-    Raises
-    ------
-    SceneError
-        If it is no folder, its list of scenes cannot be read, or nothing in it is an answer.
+    ``SceneError`` if it is no folder, its list of scenes cannot be read, or nothing in it is an answer.
     """
     if not os.path.isdir(folder):
         raise SceneError("DIR", f"{folder} is no folder", "a folder with answers, see docs/how-to/exam.md")

@@ -17,7 +17,7 @@ from validation.exam.own_answers import reference_runs
 from validation.exam.question import tags
 from validation.measure.difference import Check
 from validation.report import document as doc
-from validation.report import junit, report
+from validation.report import report
 from validation.report.report import Chapter
 from validation.report.tables import environment
 from validation.report.texts import markdown
@@ -300,7 +300,7 @@ def write(judgement: Judgement, folder: Path, wall_seconds: float) -> None:
     ]
     texts = {
         "exam.json": to_json(data(judgement)),
-        "junit.xml": junit.text(TITLE, codes, wall_seconds),
+        "junit.xml": report.junit(TITLE, codes, wall_seconds),
         "exam.md": markdown(page),
     }
     report.write(folder, page, texts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -97,6 +98,7 @@ def answer_all(
 def _text(case: Case, run: Run, trace: Trace, resolution: int | None) -> str:
     """A trace of a solver under a header from which alone it can be computed again, with all digits."""
     method, version = SOLVERS[run.solver], SOLVERS.origin(run.solver)
+    ending: Any = run.outcome if run.outcome in ("completed", "detached") else ""
     header = Header(
         run.solver,
         version=version or provenance.program_version(),
@@ -105,11 +107,7 @@ def _text(case: Case, run: Run, trace: Trace, resolution: int | None) -> str:
         seconds=max(run.wall_seconds, 1e-6),
         scene=case.name,
         transition=method.transition(resolution),
-        outcome="completed"
-        if run.outcome == "completed"
-        else "detached"
-        if run.outcome == "detached"
-        else "",
+        outcome=ending,
         problem=expanded(case.scene),
     )
     return table_text({name: getattr(trace, name) for name in method.columns}, header.lines())
@@ -118,12 +116,8 @@ def _text(case: Case, run: Run, trace: Trace, resolution: int | None) -> str:
 def reproduce(path: Path) -> tuple[str, int]:
     """Compute a trace of a registered solver again, from nothing but its header.
 
-    Returns how the rows differ, in words (empty where every bit is the same), and their number.
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be read, or its header lacks the scene or a resolution.
+    Returns how the rows differ, in words (nothing where every bit is the same), and how many there are.
+    ``SceneError`` if the file cannot be read, or its header lacks what it takes.
     """
     answer, file = read_answer(path, str(path)), str(path)
     header = answer.header

@@ -61,23 +61,11 @@ def from_two_runs(
     ratio: float = 2.0,
     loading: Loading | None = None,
 ) -> dict[str, float]:
-    """Errors of a run from its difference from a coarser or finer one of the same solver.
+    """Relative errors of a run from its difference from a coarser or finer one of the same solver.
 
-    Parameters
-    ----------
-    run, other : Trace
-    measured, otherwise : mapping of str to float or None
-        Scalars of either run by name.
-    ratio : float
-        Step and element sizes of the second run over those of the first; not 1.
-    loading : Loading, optional
-        Divides the run into windows, for the errors relative to the excursions of the curves.
-
-    Returns
-    -------
-    dict of str to float
-        Relative errors of the first run by observable, of its curves by column, and of their movement by
-        column with ``MOVEMENT``.
+    By observable, of its curves by column, of their movement by column with ``MOVEMENT``. ``measured`` and
+    ``otherwise`` are the scalars of either run; ``ratio``, not 1, is that of step and element sizes of the
+    second run to those of the first. The loading divides the run into windows.
     """
     spans, factor = _spans(loading, run), SAFETY / abs(ratio - 1.0)
     apart = {column: curves.distance(other, run, column, spans) for column in (*curves.CURVES, "penetration")}

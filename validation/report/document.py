@@ -105,25 +105,11 @@ class DataTable:
 
 @dataclass(frozen=True)
 class Figure:
-    """One picture.
+    """One picture: an ``<svg>`` element whose colours are CSS variables, or a PNG or GIF file.
 
-    Parameters
-    ----------
-    name : str
-        Unique within the document; the ids inside an SVG picture are made from it.
-    caption : str
-    picture : str or bytes
-        An ``<svg>`` element whose colours are CSS variables, or a PNG or GIF file; empty: none.
-    wide : bool
-        As wide as the page.
-    missing : str
-        Why there is no picture.
-    files : mapping of str to bytes
-        Copies by file name, written to ``figures/`` beside the document; Markdown shows the first.
-    link : LinkCell, optional
-        Where a click on the picture leads; it stands below the picture instead of the caption.
-    verdict : VerdictCell, optional
-        Stands in the corner of the picture.
+    From its ``name``, unique in the document, ids inside an SVG picture are made; ``missing`` says why there
+    is no picture. Copies, ``files`` by their names, go to ``figures/`` beside the document; Markdown shows
+    the first. A ``link`` stands below the picture instead of the caption, a ``verdict`` in its corner.
     """
 
     name: str

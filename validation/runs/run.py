@@ -127,8 +127,7 @@ def run_or_raise(
     *,
     monitor: cs.RunMonitor | None = None,
     stop_times: Collection[float] = (),
-    max_steps: int | None = None,
-    step_tolerance: float | None = None,
+    **options: Any,
 ) -> Run:
     """Run one solver; the ends of cycles are stepped onto, so that losses per cycle are exact to the step.
 
@@ -137,7 +136,7 @@ def run_or_raise(
     with the share of the loading that is done, 0 to 1. With ``estimate`` errors are estimated (see
     ``error_estimate``), by a coarser run, half as long again, where the solver does not do it. ``monitor``
     is asked between two steps whether the run is to continue; an error estimate that it stops is left out.
-    ``stop_times`` are stepped onto as well. ``max_steps`` bounds accepted and rejected steps together.
+    ``stop_times`` are stepped onto as well; further ``options`` are those of the solver (``RunOptions``).
     Raises ``SceneError`` if the solver does not take the scene or an option, :class:`NotFiniteError` if the
     answer is not finite.
     """
@@ -147,13 +146,12 @@ def run_or_raise(
     trace = method.solve(
         scene,
         resolution,
-        step_tolerance=step_tolerance,
         stop_times=(*cycle_times(scene.loading), *stop_times),
         profile_times=case.profile_times,
-        max_steps=max_steps,
         progress=progress,
         monitor=monitor,
         estimate_errors=estimate,
+        **options,
     )
     wall, cpu = time.perf_counter() - begin, time.process_time() - spent
     broken = [name for name, column in trace.columns().items() if not np.isfinite(column).all()]
@@ -313,16 +311,11 @@ def _run(stated: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Run
     }
     if not all(np.isfinite(column).all() for column in columns.values()):
         raise ValueError("a number is not finite")
+    rows: dict[str, Any] = {name: columns[name] for name in cs.COLUMNS}
     end = float(columns["time"][-1]) if columns["time"].size else 0.0
     trace = cs.Trace(
         of["solver"],
-        columns["time"],
-        columns["penetration"],
-        columns["force"],
-        columns["contact_radius"],
-        columns["stored_energy"],
-        columns["external_work"],
-        columns["dissipated_energy"],
+        **rows,
         outcome=cs.Outcome(of["outcome"], of["reason"], end, of["past_extremum"]),
         counters=of["counters"],
         extra={name: column for name, column in columns.items() if name not in cs.COLUMNS},

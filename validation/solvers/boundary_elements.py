@@ -16,18 +16,11 @@ from validation.solvers.base import AT_EXTREMA, RunOptions, Solver
 class BoundaryElements(Solver):
     """Annuli on the surface.
 
-    Parameters
-    ----------
-    annuli, scheme : str
-        As in ``bem_solver.Options``: ``"uniform"`` with ``"backward-euler"`` is the paper's own scheme.
-    step : float, optional
-        Fixed time step of the uniform annuli.
-
-    Notes
-    -----
-    The order of whole runs is 1: static states converge faster, but the annuli that resolve the layer behind
-    an advancing edge do not double with the resolution, and with order 2 the error estimates of whole cycles
-    were below the true error, by up to 1.7 times in the quick suite.
+    ``annuli`` and ``scheme`` as in ``bem_solver.Options``: ``"uniform"`` with ``"backward-euler"`` is the
+    paper's own scheme, whose time step ``step`` may fix. The order of whole runs is 1: static states converge
+    faster, but the annuli that resolve the layer behind an advancing edge do not double with the resolution,
+    and with order 2 the error estimates of whole cycles were below the true error, by up to 1.7 times in the
+    quick suite.
     """
 
     annuli: str = "graded"

@@ -51,15 +51,10 @@ FEW_HALVINGS = 8.0
 class FiniteElements(Solver):
     """Finite elements with node release.
 
-    Parameters
-    ----------
-    grading, domain_ratio : float, optional
-        Growth of the element size with the distance from the edge, by default ``GRADING`` over the root of
-        the elements a zone, and domain radius over the largest contact radius, by default the mesh's own.
-    far_field : bool
-        Prescribe the displacement of the total force on the far boundary, or hold it.
-    cached_mesh : bool
-        Take the mesh from the cache; otherwise build it anew, so that meshing is part of the run time.
+    ``grading`` is the growth of the element size with the distance from the edge, by default ``GRADING`` over
+    the root of the elements a zone; ``domain_ratio`` the domain radius over the largest contact radius, by
+    default the mesh's own. ``far_field``: the displacement of the total force is prescribed on the far
+    boundary, or it is held; without ``cached_mesh`` the mesh is made anew, as part of the run time.
     """
 
     grading: float | None = None

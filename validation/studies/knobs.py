@@ -407,14 +407,9 @@ takes the fast response too stiff by (G(0) - G(∞))/K, two thirds of it if meas
             for label, one in here.items():
                 if one.run is not None and not one.run.finished:
                     yield f"not finished: {where}: {label}: {one.run.ending}"
-            found = here[FULL].differences(self.observed)
-            for name in (*self.observed, *CURVES):
-                if name in found and abs(found[name].error) > _estimates(found[name]):
+            for name, apart in here[FULL].differences(self.observed).items():
+                if abs(apart.error) > (apart.own or 0.0) + (apart.known_to or 0.0):
                     yield f"failed: {where}: {name}: beyond the error estimates"
-
-
-def _estimates(one: Difference) -> float:
-    return (one.own or 0.0) + (one.known_to or 0.0)
 
 
 def _by_value(runs: Sequence[KnobRun]) -> Iterator[tuple[float, dict[str, KnobRun]]]:

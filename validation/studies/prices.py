@@ -90,11 +90,11 @@ def cheapest(
     return min(able, key=lambda entry: entry.seconds or 0.0, default=None), prices
 
 
-def growth(study: Convergence, work: str, measure: str = MEASURES[0]) -> CostGrowth:
-    """Fitted exponents of one kind of cost."""
+def growth(study: Convergence, work: str) -> CostGrowth:
+    """Fitted exponents of one kind of cost, over resolution and over the RMS error of the force."""
     spent = [cost(run, work) for run in study.runs]
     fineness = [1.0 / run.level.size for run in study.runs]
-    inverse = [1.0 / abs(e) if (e := run.errors.get(measure)) else None for run in study.runs]
+    inverse = [1.0 / abs(e) if (e := run.errors.get(MEASURES[0])) else None for run in study.runs]
     return CostGrowth(study.ladder.scheme, work, fitted_slope(fineness, spent), fitted_slope(inverse, spent))
 
 

@@ -308,21 +308,16 @@ def _map(
     kinds = ["log" if one.logarithmic else "linear" for one in sliders]
     first, label = sliders[0], f"pull-off force ({unit})"
     titles = [f"{one.path} ({one.unit})" if one.unit else one.path for one in sliders]
+    up, kind = (label, "linear") if len(sliders) == 1 else (titles[1], kinds[1])
+    axes = {"x_axis_type": kinds[0], "x_axis_label": titles[0], "y_axis_type": kind, "y_axis_label": up}
+    picture = figure(**axes, **SIZE)
     if len(sliders) == 1:
-        picture = figure(x_axis_type=kinds[0], x_axis_label=titles[0], y_axis_label=label, **SIZE)
         cells = ColumnDataSource(
             {"x": first.values, "force": [math.nan if one is None else one for one in pulled]}
         )
         picture.line("x", "force", source=cells, color=BLUE)
     else:
         second = sliders[1]
-        picture = figure(
-            x_axis_type=kinds[0],
-            y_axis_type=kinds[1],
-            x_axis_label=titles[0],
-            y_axis_label=titles[1],
-            **SIZE,
-        )
         edges = [one.edges for one in (first, second)]
         places = [(j, i) for j in range(len(second.values)) for i in range(len(first.values))]
         sides = {
