@@ -175,7 +175,7 @@ class ContactProblem:
             several, count = len(penetrations), high - low
 
             def each(values: Array) -> Array:
-                return np.tile(values, several) if several > 1 else values
+                return np.concatenate([values] * several, axis=-1) if several > 1 else values
 
             unit, profile = each(here.unit[nodes]), each(here.profile[nodes])
             change = np.repeat(penetrations - state.penetration, count)

@@ -23,6 +23,7 @@ of ``1/E*`` with respect to G and K).
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,7 +40,8 @@ equal numbers."""
 
 def phi(y: Array) -> Array:
     """``(1 - exp(-y))/y`` with ``phi(0) = 1`` and ``phi(inf) = 0``."""
-    return np.divide(-np.expm1(-y), y, out=np.ones(y.shape), where=y > 0.0)
+    y = np.maximum(y, sys.float_info.min)
+    return np.asarray(-np.expm1(-y) / y)
 
 
 def mean_phi(y: Array) -> Array:

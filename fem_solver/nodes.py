@@ -226,8 +226,9 @@ class NodePassage:
 
     def between(self, share: float) -> NodePassage:
         """At a share of the way in penetration from the first of two to the second: all is linear in it."""
-        (v, to_v), (b, to_b) = np.split(self.v, 2), np.split(self.b, 2, axis=1)
-        v, b = v + share * (to_v - v), b + share * (to_b - b)
+        count = len(self.v) // 2
+        v, b = self.v[:count], self.b[:, :count]
+        v, b = v + share * (self.v[count:] - v), b + share * (self.b[:, count:] - b)
         return NodePassage(self.solid, v, b, self.held, False)
 
     def linear(self, dt: Array, reached: Array, indented: Array | None = None) -> None:
