@@ -379,9 +379,6 @@ def _check_decimal_commas(content: str, line: int, file: str) -> None:
     """Refuse a row of numbers with decimal commas: cells parted by another sign, or quoted."""
     cells = [cell for cell in re.split(r'[;\t ]+|","', content.strip('"; ')) if cell]
     commas = [bool(_DECIMAL_COMMA.fullmatch(cell)) for cell in cells]
-    if (
-        len(cells) > 1
-        and any(commas)
-        and all(map(lambda comma, cell: comma or is_number(cell), commas, cells))
-    ):
+    numbers = [comma or is_number(cell) for comma, cell in zip(commas, cells, strict=True)]
+    if len(cells) > 1 and any(commas) and all(numbers):
         raise SceneError(f"line {line}", "numbers have decimal commas", _ANY_SIGN, file)

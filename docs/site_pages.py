@@ -39,9 +39,10 @@ from validation.claims.paper_figures import FIGURES  # noqa: E402
 from validation.compare import page as overview  # noqa: E402
 from validation.compare import scene_page as scene_section  # noqa: E402
 from validation.compare.suite import SceneComparison, SuiteComparison  # noqa: E402
+from validation.report import document as doc  # noqa: E402
 from validation.report import html  # noqa: E402
-from validation.report.document import DataTable, Fold, Part, Section, number, plain  # noqa: E402
 from validation.report.tables import environment, of_checks  # noqa: E402
+from validation.report.texts import markdown  # noqa: E402
 from validation.scenes import names, suite  # noqa: E402
 from validation.solvers import REFERENCE, SOLVERS  # noqa: E402
 
@@ -128,35 +129,26 @@ SCENE_KEYS: dict[str, Iterable[type[Checked]]] = {
 
 def scene_keys() -> str:
     """Tables of all keys of a scene file: what each is, its unit, what is allowed, and its default."""
-    lines = ["# Keys by kind", "", "Written from the declarations of the classes that a scene is made of."]
+    sections = []
     for title, kinds in SCENE_KEYS.items():
-        lines += ["", f"## {title}"]
+        parts: list[doc.Part] = []
         for kind in kinds:
-            about = (inspect.getdoc(kind) or "").split("\n\n")[0].replace("``", "`")
-            name = ["", f"### `{getattr(kind, kind.tag)}`"] if kind.tag else []
-            lines += [
-                *name,
-                "",
-                _cell(about),
-                "",
-                "| key | | unit | allowed | default |",
-                "|---|---|---|---|---|",
-            ]
-            lines += _keys(kind)
-    return "\n".join(lines) + "\n"
+            about = doc.Paragraph((inspect.getdoc(kind) or "").split("\n\n")[0].replace("``", "`"))
+            told = about, doc.DataTable.of(_keys(kind))
+            parts += [doc.Section(f"`{getattr(kind, kind.tag)}`", told)] if kind.tag else told
+        sections.append(doc.Section(title, tuple(parts)))
+    lead = doc.Paragraph("Written from the declarations of the classes that a scene is made of.")
+    return markdown(doc.Document("Keys by kind", (lead,), tuple(sections)))
 
 
-def _keys(kind: type[Checked]) -> Iterator[str]:
+def _keys(kind: type[Checked]) -> Iterator[doc.Record]:
     columns = 2 if issubclass(kind, Tabulated) else 0
     for index, (name, field) in enumerate(fields_of(kind).items()):
         allowed = field.allowed(name) if index >= columns else "a list, in place of the file"
         default = "" if field.default in (None, "", (), REQUIRED) else f"`{field.default!r}`"
         unit = f"`{field.key.unit}`" if field.key.unit else ""
-        yield f"| `{name}` | {_cell(field.key.text)} | {unit} | {_cell(allowed)} | {_cell(default)} |"
-
-
-def _cell(text: str) -> str:
-    return " ".join(text.split()).replace("|", "\\|")
+        told = {"key": f"`{name}`", "": field.key.text, "unit": unit}
+        yield told | {"allowed": allowed, "default": default}
 
 
 def accuracy(report: SuiteComparison) -> str:
@@ -217,8 +209,8 @@ def scene_page(case: Case, scene: SceneComparison | None, note: str) -> str:
     """Statement, parameters, figures, checks with their estimates, and the sources of the check values."""
     lines = [f"# {case.name}", "", f"**{case.scene.title}**", "", case.statement, ""]
     lines += [f"Figure of the paper: {case.figure or 'none'}. Suites: {', '.join(case.suites)}.", ""]
-    parts: list[Part] = [
-        Section("Parameters", (scene_section.parameters(scene or SceneComparison(case, {}, [])),))
+    parts: list[doc.Part] = [
+        doc.Section("Parameters", (scene_section.parameters(scene or SceneComparison(case, {}, [])),))
     ]
     if scene is None:
         first = next(one for one in ("quick", "paper", "full") if case.name in suite(one))
@@ -227,29 +219,23 @@ def scene_page(case: Case, scene: SceneComparison | None, note: str) -> str:
             "",
         ]
     else:
-        folds: list[Part] = []
+        folds: list[doc.Part] = []
         for solver in dict.fromkeys(check.solver for check in scene.checks):
             own = [check for check in scene.checks if check.solver == solver]
             title = f"{SOLVERS[solver].title}: {sum(check.passed for check in own)} of {len(own)} passed"
-            folds.append(Fold(f"{solver}, {title}", (of_checks(own),)))
+            folds.append(doc.Fold(f"{solver}, {title}", (of_checks(own),)))
         failed = [check for check in scene.checks if not check.passed]
-        parts += [scene_section.figures(scene), Section("Runs", (scene_section.runs(scene),))]
-        parts += [Section("Not passed", (of_checks(failed),))] if failed else []
-        parts += [Section("Checks", tuple(folds))]
-    rows = [
-        {
-            "quantity": plain(one.observable) + ("" if one.at_time is None else f" at t = {one.at_time:g}"),
-            "value": number(one.value)
-            if one.value is not None
-            else f"≤ {number(one.at_most)}"
-            if one.at_most is not None
-            else f"≥ {number(one.at_least)}",
-            "unit": one.unit or "scene units",
-            "source": one.source,
-        }
-        for one in case.expected
-    ]
-    parts += [Section("Where the check values come from", (DataTable.of(rows),))] if rows else []
+        parts += [scene_section.figures(scene), doc.Section("Runs", (scene_section.runs(scene),))]
+        parts += [doc.Section("Not passed", (of_checks(failed),))] if failed else []
+        parts += [doc.Section("Checks", tuple(folds))]
+    rows, limits = list[doc.Record](), {"value": "", "at_most": "≤ ", "at_least": "≥ "}
+    for one in case.expected:
+        kind = next(name for name in limits if getattr(one, name) is not None)
+        when = "" if one.at_time is None else f" at t = {one.at_time:g}"
+        stated = {"quantity": doc.plain(one.observable) + when}
+        stated["value"] = limits[kind] + doc.number(getattr(one, kind))
+        rows.append(stated | {"unit": one.unit or "scene units", "source": one.source})
+    parts += [doc.Section("Where the check values come from", (doc.DataTable.of(rows),))] if rows else []
     return "\n".join([*lines, raw(parts), note if scene else ""]) + "\n"
 
 
@@ -258,10 +244,10 @@ def statements_page(judged: Sequence[Finding]) -> str:
     lines = [f"# {statements.TITLE}", "", statements.EXPLAINED, ""]
     lines += [statements.in_words(judged) if judged else UNJUDGED, ""]
     lines += [f"![{one.caption}](figures/{one.name}.png)\n" for one in FIGURES] if judged else []
-    return "\n".join([*lines, raw([DataTable.of(map(statements.cells, judged))])])
+    return "\n".join([*lines, raw([doc.DataTable.of(map(statements.cells, judged))])])
 
 
-def raw(parts: Sequence[Part]) -> str:
+def raw(parts: Sequence[doc.Part]) -> str:
     """Parts of a report inside a page of the site."""
     shown = re.sub(r"\n\s*\n+", "\n", html.fragment(parts, 2))
     return f"```````{{raw}} html\n{shown}\n```````\n"

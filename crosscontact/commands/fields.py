@@ -17,16 +17,9 @@ from crosscontact.arguments import COUNT, option_type
 from crosscontact.commands import shared
 from crosscontact.commands.shared import flag, say, value
 from validation import cases, solvers
+from validation.fields import moments
 from validation.fields.figures import USUAL, FigureSet
 from validation.fields.files import ParaViewSeries
-from validation.fields.moments import (
-    METHOD,
-    FieldRequest,
-    RecordedFields,
-    balance,
-    check_times,
-    record_fields,
-)
 from validation.fields.quantities import QUANTITIES
 from validation.report.document import counted, plain
 from validation.report.texts import aligned
@@ -89,9 +82,9 @@ def run(options: argparse.Namespace, jobs: int) -> int:
     if not (times or options.pull_off or options.every or chooses):
         allowed = "--at T [T ...], --pull-off, --every N, --strip, --animate, or several"
         raise SceneError("fields", "no moment asked for", allowed)
-    check_times(times, case.scene.loading)  # before anything is made
-    shared.check_taken(options.scene, case.scene, (METHOD,), options.resolution)
-    request = FieldRequest(
+    moments.check_times(times, case.scene.loading)  # before anything is made
+    shared.check_taken(options.scene, case.scene, (moments.METHOD,), options.resolution)
+    request = moments.FieldRequest(
         tuple(times), options.pull_off, options.every, None if figures is None else figures.rows
     )
     if options.out is not None:
@@ -113,18 +106,18 @@ def _figures(options: argparse.Namespace) -> FigureSet | None:
 def _into(
     folder: Path,
     case: cases.Case,
-    request: FieldRequest,
+    request: moments.FieldRequest,
     figures: FigureSet | None,
     options: argparse.Namespace,
 ) -> int:
     scene, stop = case.scene, GracefulStop()
-    claim(folder, "a run", scene_question(("", scene), solver=METHOD.name), fresh=options.fresh)
+    claim(folder, "a run", scene_question(("", scene), solver=moments.METHOD.name), fresh=options.fresh)
     shared.warn(solvers.scene_warnings(scene))
     try:
         with interrupting(), Progress(f"{case.name} fields", "set-up") as progress:
             how = options.resolution, StepProgress(progress, "computing and writing"), options.max_steps
             with stop.handling_signals():
-                recorded = record_fields(scene, request, *how, stop.monitor)
+                recorded = moments.record_fields(scene, request, *how, stop.monitor)
             if stop.requested:
                 raise KeyboardInterrupt
             write_scene(scene, folder / "scene.toml")
@@ -145,7 +138,7 @@ def _into(
 
 
 def _write_moments(
-    recorded: RecordedFields, folder: Path, scene: Scene, progress: Progress, keep: bool
+    recorded: moments.RecordedFields, folder: Path, scene: Scene, progress: Progress, keep: bool
 ) -> tuple[list[str], list[FieldState]]:
     """Compute and write all states; lines for a reader, and the states to be drawn, if they are kept."""
     trace = recorded.recording.trace
@@ -156,7 +149,7 @@ def _write_moments(
     series = ParaViewSeries(folder, scene) if written else None
     for count, state in enumerate(recorded.states(), 1):
         if series is not None and state.row in written:
-            sums = balance(state, trace)
+            sums = moments.balance(state, trace)
             series.add(state, sums)
             error = "-" if sums.error is None else f"{100.0 * sums.error:.3f} %"
             numbers = state.time, state.penetration, state.force, state.contact_radius, sums.stored
@@ -184,7 +177,7 @@ def _write_moments(
     return [*aligned(rows, kinds), spent_on, *(f"written to {file}" for file in lists), size], drawn
 
 
-def _exit_code(recorded: RecordedFields) -> int:
+def _exit_code(recorded: moments.RecordedFields) -> int:
     outcome = recorded.recording.trace.outcome
     if not outcome.finished:
         say(f"not finished: {outcome.kind}: {outcome.reason}{shared.step_hint(outcome.kind)}")

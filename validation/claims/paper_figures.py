@@ -21,19 +21,8 @@ from validation.claims.cycles import REVERSAL
 from validation.claims.evidence import Evidence, MissingRun, cycle, retraction
 from validation.claims.measures import SOFT, STIFF, jkr, sweep_cycles
 from validation.claims.retractions import DEPTHS, MOST, approaching, at_pull_off
+from validation.drawing import figure as fig
 from validation.drawing.curves import of_trace
-from validation.drawing.figure import (
-    BLUE,
-    CLOSED_FORM,
-    DASHES,
-    INK,
-    MARKERS,
-    ORANGE,
-    SERIES,
-    SIZE,
-    drawing,
-    format_axes,
-)
 from validation.measure.events import end_of_approach
 from validation.measure.scaling import unit_sizes
 
@@ -65,16 +54,16 @@ class PaperFigure:
 
 def draw_figure(figure: PaperFigure, evidence: Evidence) -> Figure | None:
     """The figure; ``None`` if a run it shows is missing."""
-    picture, panel = drawing((9.0, 5.2) if figure.wide else SIZE)
+    picture, panel = fig.drawing((9.0, 5.2) if figure.wide else fig.SIZE)
     try:
         figure.draw(panel, evidence)
     except MissingRun:
         return None
     for axes in picture.axes:
-        format_axes(axes, (-2, 4))
+        fig.format_axes(axes, (-2, 4))
         if axes.get_legend_handles_labels()[0]:
             look: dict[str, Any] = {"fontsize": 7, "handlelength": 2.8, "labelspacing": 0.3}
-            legend = axes.legend(frameon=False, labelcolor=INK, **look)
+            legend = axes.legend(frameon=False, labelcolor=fig.INK, **look)
             if axes.child_axes:
                 legend.set_loc("lower right")
     return picture
@@ -90,7 +79,7 @@ def _diagram(across: str, up: str, family: Family) -> Draw:
     name, scenes, values = family
 
     def draw(axes: Axes, evidence: Evidence) -> None:
-        for value, colour, marker in zip(values, SERIES, MARKERS, strict=False):
+        for value, colour, marker in zip(values, fig.SERIES, fig.MARKERS, strict=False):
             trace = evidence.trace(scenes(value))
             curve, turn = of_trace(trace, scenes(value)), end_of_approach(trace)
             x, y = curve.columns[across], curve.columns[up]
@@ -103,7 +92,9 @@ def _diagram(across: str, up: str, family: Family) -> Draw:
             law = jkr(glassy)
             a = np.linspace(law.pull_off_penetration_control().contact_radius, 0.26, 200)
             exact = {"penetration": law.penetration(a), "force": law.force(a) / np.pi, "contact_radius": a}
-            axes.plot(exact[across], exact[up], label=f"JKR, {label}", **CLOSED_FORM | {"linestyle": dash})
+            axes.plot(
+                exact[across], exact[up], label=f"JKR, {label}", **fig.CLOSED_FORM | {"linestyle": dash}
+            )
         axes.axis(limits)
         axes.set(xlabel=NAMES[across], ylabel=NAMES[up])
 
@@ -114,7 +105,7 @@ def _sweep(curves: Curves, line: Mapping[str, Any] | None = None, **settings: An
     """Values over a parameter, several curves told apart by colour, line style and marker."""
 
     def draw(axes: Axes, evidence: Evidence) -> None:
-        looks = zip(curves(evidence).items(), SERIES, DASHES, MARKERS, strict=False)
+        looks = zip(curves(evidence).items(), fig.SERIES, fig.DASHES, fig.MARKERS, strict=False)
         for (label, curve), colour, dash, marker in looks:
             style: dict[str, Any] = {
                 "color": colour,
@@ -141,7 +132,7 @@ def _tensions(across: str, up: str, **settings: Any) -> Draw:
     """Constant tensions to their ends; dashed retractions at constant speed of the same pull-off force."""
 
     def draw(axes: Axes, evidence: Evidence) -> None:
-        for force, colour in zip(sweeps.FORCES, SERIES, strict=False):
+        for force, colour in zip(sweeps.FORCES, fig.SERIES, strict=False):
             held = _columns(evidence, f"force-{force}")
             moved = _columns(evidence, retraction(sweeps.MATCHED[force]))
             look: dict[str, Any] = {"color": colour, "linewidth": 1.2}
@@ -152,7 +143,7 @@ def _tensions(across: str, up: str, **settings: Any) -> Draw:
             } | OPEN
             axes.plot(held[across], held[up], **look, **end)
             axes.plot(moved[across], moved[up], linestyle="--", **look)
-        axes.plot([], [], color=INK, linestyle="--", label="constant speed, same pull-off")
+        axes.plot([], [], color=fig.INK, linestyle="--", label="constant speed, same pull-off")
         axes.set(xlabel=NAMES[across], ylabel=NAMES[up], **settings)
 
     return draw
@@ -164,7 +155,7 @@ def _frequencies(first: float, last: float) -> Draw:
     def draw(axes: Axes, evidence: Evidence) -> None:
         columns = _columns(evidence, "sweep")
         rows = (columns["time"] * CHIRP >= first) & (columns["time"] * CHIRP <= last)
-        axes.plot(columns["penetration"][rows], columns["force"][rows], color=SERIES[0], linewidth=0.9)
+        axes.plot(columns["penetration"][rows], columns["force"][rows], color=fig.SERIES[0], linewidth=0.9)
         axes.set(xlabel=DEPTH, ylabel=FORCE)
 
     return draw
@@ -172,7 +163,7 @@ def _frequencies(first: float, last: float) -> Draw:
 
 def oscillation(axes: Axes, evidence: Evidence) -> None:
     """Retraction with an oscillation: each cycle, the line through its lowest forces, and none."""
-    for w, colour in zip(sweeps.FREQUENCIES[::-1], (BLUE, ORANGE), strict=True):
+    for w, colour in zip(sweeps.FREQUENCIES[::-1], (fig.BLUE, fig.ORANGE), strict=True):
         columns = _columns(evidence, f"oscillation-w{w}")
         depth, force = columns["penetration"], columns["force"]
         axes.plot(depth, force, color=colour, linewidth=0.4, alpha=0.4, rasterized=True)
@@ -185,7 +176,7 @@ def oscillation(axes: Axes, evidence: Evidence) -> None:
         }
         axes.plot(depth[lowest], force[lowest], **look)
     columns = _columns(evidence, "retraction-steady")
-    axes.plot(columns["penetration"], columns["force"], color=INK, linewidth=1.3, label="steady")
+    axes.plot(columns["penetration"], columns["force"], color=fig.INK, linewidth=1.3, label="steady")
     axes.set(xlabel=DEPTH, ylabel=FORCE)
 
 
@@ -205,19 +196,21 @@ def _surfaces(whole: Axes, evidence: Evidence) -> None:
     for axes, profile, letter in zip(panels.flat, evidence.profiles(), "abcdef", strict=False):
         r = profile.radius[profile.radius < 0.5]
         sphere, skin = ("sphere", "surface") if letter == "a" else (None, None)
-        axes.plot(r, 0.5 * r**2 - profile.penetration, color=INK, linestyle="--", linewidth=1.0, label=sphere)
-        axes.plot(r, -profile.displacement[: r.size], color=SERIES[0], linewidth=1.4, label=skin)
+        axes.plot(
+            r, 0.5 * r**2 - profile.penetration, color=fig.INK, linestyle="--", linewidth=1.0, label=sphere
+        )
+        axes.plot(r, -profile.displacement[: r.size], color=fig.SERIES[0], linewidth=1.4, label=skin)
         way = "approach" if profile.time <= REVERSAL else "retraction"
         axes.set_title(f"({letter}) {way}, {DEPTH} = {profile.penetration:.3f}", fontsize=8)
         axes.set(xlim=(0.0, 0.5), ylim=(-0.035, 0.09), xlabel=r"$\tilde{r}$", ylabel=r"$\tilde{u}$")
         axes.label_outer()
         inside = r < 0.995 * profile.contact_radius
         inset = axes.inset_axes((0.2, 0.6, 0.32, 0.36))
-        inset.plot(r[inside], profile.pressure[: r.size][inside] / np.pi, color=SERIES[1], linewidth=1.2)
+        inset.plot(r[inside], profile.pressure[: r.size][inside] / np.pi, color=fig.SERIES[1], linewidth=1.2)
         inset.set_xlabel(r"$\tilde{r}$", fontsize=7, labelpad=0)
         inset.set_ylabel(r"$\tilde{p}$", fontsize=7, labelpad=0)
         inset.tick_params(labelsize=6)
-        inset.axhline(0.0, color=INK, linewidth=0.5)
+        inset.axhline(0.0, color=fig.INK, linewidth=0.5)
 
 
 def _losses(runs: Evidence) -> Mapping[str, Mapping[float, float]]:
@@ -241,8 +234,8 @@ _BY_DEPTH, _BY_FORCE = ("penetration", "force"), ("force", "contact_radius")
 _CYCLES: Family = (SPEED, cycle, (2e-5, 2e-3, 6e-3, 2e-2, 0.1, 10.0))
 _RETRACTIONS: Family = (SPEED, retraction, (1e-6, 2e-4, 2e-3, 6e-3, 2e-2, 10.0))
 _RESTS: Family = (r"$\tilde{t}_d$", lambda t: cycle(0.1, dwell=t), (0.0, 0.3, 1.0, 3.0, 10.0, 100.0))
-_ZERO = {"y": 0.0, "color": INK, "linewidth": 0.6}
-_FROZEN = {"y": MOST, "label": r"$E_\infty/E_0$", **CLOSED_FORM}
+_ZERO = {"y": 0.0, "color": fig.INK, "linewidth": 0.6}
+_FROZEN = {"y": MOST, "label": r"$E_\infty/E_0$", **fig.CLOSED_FORM}
 _FROM_ZERO = (0.0, None)
 
 FIGURES = (

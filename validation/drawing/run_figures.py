@@ -17,17 +17,8 @@ import numpy as np
 
 from contact_scene import Scene, SceneError, Trace
 from contact_scene.errors import shown as shown_value
+from validation.drawing import figure as fig
 from validation.drawing.curves import Labels, RunCurves, labels, of_trace
-from validation.drawing.figure import (
-    CLOSED_FORM,
-    DASHES,
-    INK,
-    SERIES,
-    curve_style,
-    drawing,
-    format_axes,
-    label_axes,
-)
 from validation.measure.scaling import drawn_sizes
 
 if TYPE_CHECKING:
@@ -41,7 +32,13 @@ HEIGHT, WIDTHS = 3.4, {1: 4.6, 2: 8.4, 3: 12.0, 4: 15.6}  # inches of a figure w
 QUANTITIES = {"F": "force", "D": "penetration", "a": "contact_radius", "X": "stage", "t": "time"}
 """Columns by the letters that name them in ``F(t)``."""
 Pairs = tuple[tuple[str, str], ...]
-MEASURED: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 3, "color": INK, "zorder": 1.5}
+MEASURED: dict[str, Any] = {
+    "linestyle": "none",
+    "marker": ".",
+    "markersize": 3,
+    "color": fig.INK,
+    "zorder": 1.5,
+}
 ARROW, SHORT_WAY = np.array([-0.01, 0.01]), 0.2
 """Ends of an arrow of time along a curve, and a way that has none, both over the size of its panel."""
 INSTABILITY = "instability"  # what the legend says of the crosses
@@ -73,8 +70,8 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
     The widest line is drawn first and stays visible on both sides of the others. Limits are around what was
     solved; closed forms may run out of the picture.
     """
-    figure, axes = drawing()
-    styles = [curve_style(curve.style) if curve.style else CLOSED_FORM for curve in curves]
+    figure, axes = fig.drawing()
+    styles = [fig.curve_style(curve.style) if curve.style else fig.CLOSED_FORM for curve in curves]
     for curve, line in sorted(zip(curves, styles, strict=True), key=lambda pair: -pair[1]["linewidth"]):
         columns = curve.columns
         if panel.across not in columns or panel.up not in columns or columns[panel.across].size == 0:
@@ -88,14 +85,14 @@ def draw(panel: CurvePanel, curves: Sequence[RunCurves], labels: Labels) -> Figu
         high = max((column.max() for column in solved if column.size), default=0.0)
         if high > low:
             limit(low - 0.06 * (high - low), high + 0.06 * (high - low))
-    format_axes(axes)
-    label_axes(axes, labels[panel.across], labels[panel.up])
+    fig.format_axes(axes)
+    fig.label_axes(axes, labels[panel.across], labels[panel.up])
     axes.locator_params(axis="x", nbins=6)
     numbers = axes.xaxis.get_major_formatter().format_ticks(axes.get_xticks().tolist())
     if max(map(len, numbers), default=0) > SHORT:
         axes.locator_params(axis="x", nbins=3)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, labelcolor=INK, fontsize="small", handlelength=2.6)
+        axes.legend(frameon=False, labelcolor=fig.INK, fontsize="small", handlelength=2.6)
     return figure
 
 
@@ -167,13 +164,18 @@ def run_line(panel: Axes, solver: str, scene: str) -> dict[str, Any]:
     taken = {line.get_label() for line in panel.lines}
     longer = (f"{scene}, {solver}" + (f" ({number})" if number > 1 else "") for number in count(1))
     label = next(label for label in chain((solver,), longer) if label not in taken)
-    look = curve_style(solver)
+    look = fig.curve_style(solver)
     drawn = [line.get_color() for line in panel.lines if line.get_linestyle() != "None"]
     if look["color"] not in drawn:
         return {"label": label} | look
     number = len(set(drawn)) - 1
-    dashes = DASHES[(number + 1) % len(DASHES)]
-    return {"label": label, "color": SERIES[number % len(SERIES)], "linestyle": dashes, "linewidth": 1.4}
+    dashes = fig.DASHES[(number + 1) % len(fig.DASHES)]
+    return {
+        "label": label,
+        "color": fig.SERIES[number % len(fig.SERIES)],
+        "linestyle": dashes,
+        "linewidth": 1.4,
+    }
 
 
 def draw_side_by_side(
@@ -198,8 +200,8 @@ def draw_side_by_side(
             _draw_direction(panel, curve.columns[across], curve.columns[up], line["color"])
         if has_stage(trace) and scene.is_adhesive:  # without adhesion the contact shrinks to nothing
             _mark_instabilities(panel, trace, scene, (across, up), line["color"])
-        format_axes(panel)
-        label_axes(panel, names[across], names[up])
+        fig.format_axes(panel)
+        fig.label_axes(panel, names[across], names[up])
         panel.margins(0.3 if across == "force" else 0.1, 0.06 if across == "force" else 0.16)
         panel.locator_params(axis="x", nbins=5)  # more labels run into each other
     axes[0].legend(frameon=False, fontsize="small")

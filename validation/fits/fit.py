@@ -15,24 +15,13 @@ import numpy as np
 from contact_scene import Scene, SceneError
 from contact_scene.scene import with_values
 from validation.fits import data_checks
+from validation.fits import result as results
 from validation.fits.contact import Array
 from validation.fits.model import CurveModel, FittedCurve, rms
 from validation.fits.parameters import FitSettings, Unknown, first_guess, question, unknowns
 from validation.fits.posterior import sampled, sampler_module
 from validation.fits.problem import FitProblem
 from validation.fits.record import MeasuredCurve
-from validation.fits.result import (
-    Estimate,
-    FitResult,
-    InterruptedFit,
-    combinations,
-    confused,
-    correlation,
-    covariance,
-    goodness,
-    independent,
-    joined,
-)
 from validation.runs.process import caught
 from validation.runs.store import Store
 
@@ -48,7 +37,7 @@ def fit_curves(
     executor: Executor | None = None,
     progress: Callable[[str], None] | None = None,
     store: Store | None = None,
-) -> FitResult:
+) -> results.FitResult:
     """Fit a scene, the first guess and all that is not varied, to curves; the store holds runs, from which an
     interrupted fit goes on."""
     began, curves = time.perf_counter(), named_apart(curves)
@@ -68,7 +57,7 @@ def fit_curves(
     problem = FitProblem(models, varied, settings, executor, store or Store(), tell)
     best: Array | None = None
 
-    def found() -> FitResult:
+    def found() -> results.FitResult:
         x = problem.best if best is None else best
         return judged(problem, x, scene, warnings, question=asked, runs=problem.all_runs)
 
@@ -99,16 +88,18 @@ def fit_curves(
             caught()
             with suppress(KeyboardInterrupt):
                 kept = found()
-        raise InterruptedFit(kept) from None
+        raise results.InterruptedFit(kept) from None
     return replace(result, runs=problem.all_runs, seconds=time.perf_counter() - began)
 
 
-def judged(problem: FitProblem, x: Array, scene: Scene, warnings: Sequence[str], **how: Any) -> FitResult:
+def judged(
+    problem: FitProblem, x: Array, scene: Scene, warnings: Sequence[str], **how: Any
+) -> results.FitResult:
     """Errors and goodness of the point at which a search ended; ``how`` it was carried out."""
     from scipy.linalg import block_diag
 
     point, curves = problem.at(x), problem.curves_at(x)
-    good = goodness(curves, problem.residuals(x), problem.settings, x.size)
+    good = results.goodness(curves, problem.residuals(x), problem.settings, x.size)
     unknowns, found = list(problem.unknowns), x.tolist()
     for at, one in enumerate(curves):  # parts of the background start from nothing and have no bounds
         for (part, column), much in zip(one.model.parts.items(), one.background.tolist(), strict=True):
@@ -116,18 +107,18 @@ def judged(problem: FitProblem, x: Array, scene: Scene, warnings: Sequence[str],
             unknowns.append(Unknown(name, 0.0, -math.inf, math.inf, False, scale, at))
             found.append(much / scale)
     columns = block_diag(*(one.columns for one in point)) * [one.scale for one in unknowns[x.size :]]
-    whole = np.column_stack([problem.derivatives(x), columns]) * independent(point)[:, None]
+    whole = np.column_stack([problem.derivatives(x), columns]) * results.independent(point)[:, None]
     names, positive = [one.name for one in unknowns], np.array([one.logarithmic for one in unknowns])
-    spread = covariance(whole, good.variance)[0]
+    spread = results.covariance(whole, good.variance)[0]
     told = "the run of the best point did not reach its end"
-    return FitResult(
+    return results.FitResult(
         scene=with_values(scene, problem.values(x)),
         settings=problem.settings,
         curves=tuple(curves),
-        estimates=tuple(map(Estimate.of, unknowns, found, np.diag(spread).tolist())),
-        correlations=(together := correlation(spread)),
-        combinations=combinations(names, whole, positive, good.variance),
-        hardly_told_apart=confused(names, together),
+        estimates=tuple(map(results.Estimate.of, unknowns, found, np.diag(spread).tolist())),
+        correlations=(together := results.correlation(spread)),
+        combinations=results.combinations(names, whole, positive, good.variance),
+        hardly_told_apart=results.confused(names, together),
         goodness=good,
         warnings=(*warnings, *(f"{one.curve.name}: {told}: {one.failure}" for one in curves if one.failure)),
         step_tolerance=problem.tolerance,
@@ -153,9 +144,9 @@ def by_second_solver(problem: FitProblem, x: Array, variance: float, solver: str
             found |= {"largest": float(np.abs(own).max()), "relative": relative, "failure": two.failure}
             differences.append(found)
     slopes, shifts = problem.derivatives(x, following=True), {}
-    spread = np.diag(covariance(slopes * independent(point)[:, None], variance)[0])
+    spread = np.diag(results.covariance(slopes * results.independent(point)[:, None], variance)[0])
     if not any(one["failure"] for one in differences) and np.isfinite(spread).all():
-        moved = -np.linalg.lstsq(slopes, joined(change), rcond=None)[0] / np.sqrt(spread)
+        moved = -np.linalg.lstsq(slopes, results.joined(change), rcond=None)[0] / np.sqrt(spread)
         shifts = dict(zip(problem.names, moved.tolist(), strict=True))
     return {"solver": solver, "differences": differences, "shifts": shifts}
 
@@ -175,7 +166,7 @@ class EachFit:
     """One curve of many with what its fit found, or why there is none."""
 
     curve: str
-    result: FitResult | None = None
+    result: results.FitResult | None = None
     refusal: SceneError | None = None
 
     @property
@@ -189,7 +180,7 @@ class EachFit:
         return self.result is not None and self.result.converged and self.result.goodness.explained
 
     @property
-    def estimates(self) -> dict[str, Estimate]:
+    def estimates(self) -> dict[str, results.Estimate]:
         """Each parameter by its name without that of the curve."""
         found = () if self.result is None else self.result.estimates
         return {one.name.partition("@")[0]: one for one in found}

@@ -15,18 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contact_scene import write_scene
-from validation.drawing.figure import (
-    GREY,
-    INK,
-    MARKERS,
-    SERIES,
-    VERMILION,
-    drawing,
-    format_axes,
-    label_axes,
-    png,
-    svg_file,
-)
+from validation.drawing import figure as fig
 from validation.fits.fit import OF_PARAMETER, EachFit, dataset
 from validation.fits.result import CHI_SQUARED, UNLIKELY, VAGUE, Estimate, FitResult, Posterior
 from validation.measure.scaling import unit_name
@@ -62,7 +51,7 @@ PROFILED = ("profile from", "low", "no lower end"), ("profile to", "high", "no u
 SAMPLED = {"posterior from": "low", "posterior median": "median", "posterior to": "high"}
 MOST_COLUMNS = 4  # curves or profiles side by side
 ROWS: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.2, "rasterized": True}
-LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "labelcolor": INK}
+LEGEND: dict[str, Any] = {"frameon": False, "fontsize": "small", "labelcolor": fig.INK}
 
 
 def of_fit(result: FitResult) -> dict[str, Any]:
@@ -94,7 +83,7 @@ def write_fit(result: FitResult, folder: Path) -> None:
     (folder / "index.html").unlink(missing_ok=True)
     write_scene(result.scene, folder / "scene.toml")
     drawn = draw_curves(result)
-    files: dict[str, str | bytes] = {"fit.png": png(drawn), "fit.svg": svg_file(drawn)}
+    files: dict[str, str | bytes] = {"fit.png": fig.png(drawn), "fit.svg": fig.svg_file(drawn)}
     report.write(folder, document(result, drawn), files | {"fit.json": to_json(of_fit(result))})
 
 
@@ -290,27 +279,27 @@ def draw_curves(result: FitResult) -> Drawing:
         curve, position = one.curve, one.curve.position - one.zero
         missed = not result.explained and one.numbers["worst_stretch"]
         parts: list[tuple[Any, str, str]] = [
-            (one.compared, SERIES[0], "measured"),
-            (~one.compared, GREY, "not compared"),
+            (one.compared, fig.SERIES[0], "measured"),
+            (~one.compared, fig.GREY, "not compared"),
         ]
         if missed:
-            parts.append((one.stretch, SERIES[1], "not explained"))
-            lower.axvspan(*missed, color=SERIES[1], alpha=0.2, linewidth=0)
+            parts.append((one.stretch, fig.SERIES[1], "not explained"))
+            lower.axvspan(*missed, color=fig.SERIES[1], alpha=0.2, linewidth=0)
         for rows, colour, label in parts:
             if curve.time[rows].size:
                 upper.plot(position[rows], curve.force[rows], color=colour, label=label, **ROWS)
-        upper.plot(position, one.force, color=VERMILION, linewidth=1.1, label="fit")
+        upper.plot(position, one.force, color=fig.VERMILION, linewidth=1.1, label="fit")
         upper.set_title(curve.name, fontsize="medium")
         over_noise = (curve.force - one.force) / one.model.moments.noise
-        lower.plot(curve.time[one.compared], over_noise[one.compared], color=SERIES[0], **ROWS)
-        lower.axhline(0.0, color=INK, linewidth=0.8)
+        lower.plot(curve.time[one.compared], over_noise[one.compared], color=fig.SERIES[0], **ROWS)
+        lower.axhline(0.0, color=fig.INK, linewidth=0.8)
         first = place % MOST_COLUMNS == 0
         for axes in (upper, lower):
-            format_axes(axes)
+            fig.format_axes(axes)
             axes.locator_params(axis="x", nbins=5)
         driven = "penetration" if curve.stage is None else "position of the stage"
-        label_axes(upper, driven + length, f"force{force}" if first else "")
-        label_axes(lower, f"time{time}", "(measured - fit)/noise" if first else "")
+        fig.label_axes(upper, driven + length, f"force{force}" if first else "")
+        fig.label_axes(lower, f"time{time}", "(measured - fit)/noise" if first else "")
     panels[0][0].legend(**LEGEND)
     return figure
 
@@ -321,7 +310,7 @@ def _panels(
     """Axes for each of some things, as many one below the other as heights, and their figure."""
     columns, rows, high = min(count, MOST_COLUMNS), -(-count // MOST_COLUMNS), len(heights)
     inches, ratios = (size[0] * max(columns, least), size[1] * rows), [*heights] * rows
-    figure, all_axes = drawing(inches, high * rows, columns, squeeze=False, height_ratios=ratios)
+    figure, all_axes = fig.drawing(inches, high * rows, columns, squeeze=False, height_ratios=ratios)
     groups = [list(group) for row in range(rows) for group in all_axes[high * row : high * (row + 1)].T]
     for axes in (axes for group in groups[count:] for axes in group):
         axes.set_axis_off()
@@ -331,15 +320,20 @@ def _panels(
 def draw_profiles(profiles: Sequence[Any]) -> Drawing:
     """Increase of the sum of squares over each parameter, the 95 % limit drawn in."""
     panels, figure = _panels(len(profiles), (2.6, 2.4), 1.5)
-    look: dict[str, Any] = {"color": SERIES[0], "marker": MARKERS[0], "markersize": 3, "linewidth": 1.0}
+    look: dict[str, Any] = {
+        "color": fig.SERIES[0],
+        "marker": fig.MARKERS[0],
+        "markersize": 3,
+        "linewidth": 1.0,
+    }
     for place, ([axes], one) in enumerate(zip(panels, profiles, strict=False)):
         axes.plot(one["values"], one["increases"], **look)
-        axes.axhline(CHI_SQUARED, color=VERMILION, linestyle="--", linewidth=1.0, label="95 %")
+        axes.axhline(CHI_SQUARED, color=fig.VERMILION, linestyle="--", linewidth=1.0, label="95 %")
         axes.set(xlabel=one["name"], ylim=(0.0, 12.0))
-        format_axes(axes)
+        fig.format_axes(axes)
         axes.locator_params(axis="x", nbins=4)
         if place % MOST_COLUMNS == 0:
-            axes.set_ylabel("increase of the sum of squares", color=INK)
+            axes.set_ylabel("increase of the sum of squares", color=fig.INK)
     panels[0][0].legend(**LEGEND)
     return figure
 
@@ -354,8 +348,8 @@ def _sampled(one: Posterior) -> list[doc.Part]:
         "logarithms of positive numbers, within their bounds."
     )
     count = len(one.intervals)
-    figure, _ = drawing((1.8 * count, 1.8 * count), count, count, layout=None)
-    look: dict[str, Any] = {"color": SERIES[0], "label_kwargs": {"fontsize": "small", "color": INK}}
+    figure, _ = fig.drawing((1.8 * count, 1.8 * count), count, count, layout=None)
+    look: dict[str, Any] = {"color": fig.SERIES[0], "label_kwargs": {"fontsize": "small", "color": fig.INK}}
     look |= {"plot_datapoints": False, "max_n_ticks": 4, "labelpad": 0.2, "quantiles": [0.025, 0.5, 0.975]}
     corner.corner(one.samples, labels=[*one.intervals], fig=figure, **look)
     return [Paragraph(told), _figure("posterior", figure)]
@@ -395,16 +389,16 @@ def draw_each(data: Any) -> Drawing:
     """A panel for each parameter: values with their intervals over the number of the curve."""
     explained, places, count = data.explained.values, np.arange(1, data.curve.size + 1), data.parameter.size
     size = (7.2, 1.6 * max(count, 1) + 0.6)
-    figure, [*panels] = drawing(size, max(count, 1), 1, sharex=True, squeeze=False)
+    figure, [*panels] = fig.drawing(size, max(count, 1), 1, sharex=True, squeeze=False)
     for [axes], name in zip(panels, data.parameter.values, strict=False):
         value, _, low, high = (data[of].sel(parameter=name).values for of in OF_PARAMETER)
         reach = np.nan_to_num(np.abs([low - value, high - value]), posinf=0.0)
-        looks = (explained, SERIES[0], "explained"), (~explained, VERMILION, "not explained")
+        looks = (explained, fig.SERIES[0], "explained"), (~explained, fig.VERMILION, "not explained")
         for kept, colour, label in looks:
             look: dict[str, Any] = {"fmt": "o", "markersize": 3, "color": colour, "label": label}
             axes.errorbar(places[kept], value[kept], reach[:, kept], **look)
-        axes.set_ylabel(name, color=INK, fontsize="small")
-        format_axes(axes)
+        axes.set_ylabel(name, color=fig.INK, fontsize="small")
+        fig.format_axes(axes)
         axes.locator_params(axis="x", integer=True)
     panels[-1][0].set_xlabel("number of the curve")
     panels[0][0].legend(**LEGEND)

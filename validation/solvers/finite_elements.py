@@ -157,15 +157,13 @@ class FiniteElements(Solver):
         try:
             self.parameters(scene, divisions)
         except ValueError as error:
-            raise self._too_large(scene, divisions, error) from None
+            problem = f"no mesh for this scene: {error}"
+            raise SceneError("", problem, self._advice(scene, divisions)) from None
         needed = self.mesh_bytes(scene, divisions)
         if installed is not None and needed > installed:
             there = f"{1e-9 * installed:.3g} GB are installed"
             problem = f"at resolution {divisions} it takes about {1e-9 * needed:.3g} GB of memory, {there}"
             raise SceneError("", problem, self._advice(scene, divisions))
-
-    def _too_large(self, scene: Scene, divisions: int, error: ValueError) -> SceneError:
-        return SceneError("", f"no mesh for this scene: {error}", self._advice(scene, divisions))
 
     def _advice(self, scene: Scene, refused: int) -> str:
         """What is allowed in place of a refused resolution, in words: the finest one that can be made."""

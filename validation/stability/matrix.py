@@ -16,16 +16,7 @@ import numpy as np
 
 from contact_scene import Material, Scene, Trace
 from validation.cases import Case
-from validation.runs.pool import (
-    Task,
-    TaskEnding,
-    TaskResult,
-    TellProgress,
-    processes,
-    run_of,
-    run_task,
-    run_tasks,
-)
+from validation.runs import pool
 from validation.runs.run import Run
 from validation.runs.store import Store
 from validation.solvers import REFERENCE, SOLVERS
@@ -111,8 +102,8 @@ def run(
     cases: Sequence[StabilityCase],
     jobs: int = 1,
     solvers: Collection[str] = SOLVERS,
-    progress: TellProgress | None = None,
-    task: Callable[..., Task] = run_task,
+    progress: pool.TellProgress | None = None,
+    task: Callable[..., pool.Task] = pool.run_task,
     store: Store | None = None,
 ) -> StabilityMatrix:
     """Run every case with every solver, ``jobs`` at a time; ``task`` makes the task of a run.
@@ -124,14 +115,14 @@ def run(
     needed = [_tasks(case, solver, task) for case, solver in columns]
     unique = {one.key: one for tasks in needed for one in tasks}
     longest_first = sorted(unique.values(), key=lambda one: -(one.time_limit or 0.0))
-    with processes(jobs, isolated=True) as executor:
-        results = {one.task.key: one for one in run_tasks(longest_first, executor, store, progress)}
+    with pool.processes(jobs, isolated=True) as executor:
+        results = {one.task.key: one for one in pool.run_tasks(longest_first, executor, store, progress)}
     pairs = zip(columns, needed, strict=True)
     cells = (cell_of(*column, *(results[one.key] for one in tasks)) for column, tasks in pairs)
     return StabilityMatrix(tuple(cells), store.seconds)
 
 
-def _tasks(case: StabilityCase, solver: str, task: Callable[..., Task]) -> list[Task]:
+def _tasks(case: StabilityCase, solver: str, task: Callable[..., pool.Task]) -> list[pool.Task]:
     """Runs that a cell rests on: the solver's own first, then those that give the expected answer."""
     if not isinstance(case.scene, Scene):
         return []
@@ -146,7 +137,7 @@ def _tasks(case: StabilityCase, solver: str, task: Callable[..., Task]) -> list[
 
 
 def cell_of(
-    case: StabilityCase, solver: str, result: TaskResult | None = None, *expected_runs: TaskResult
+    case: StabilityCase, solver: str, result: pool.TaskResult | None = None, *expected_runs: pool.TaskResult
 ) -> Cell:
     """The cell of one solver, from the results of its run and of those that give the expected answer."""
 
@@ -162,10 +153,10 @@ def cell_of(
 
     if result is None or not isinstance(case.scene, Scene):
         return declined("refused", str(case.scene))
-    if result.ending is not TaskEnding.ANSWERED:
-        hung = result.ending is TaskEnding.TIMED_OUT
+    if result.ending is not pool.TaskEnding.ANSWERED:
+        hung = result.ending is pool.TaskEnding.TIMED_OUT
         return cell(CellVerdict.HANG if hung else CellVerdict.CRASH, str(result.ending), result.failure)
-    found = run_of(result)
+    found = pool.run_of(result)
     if found.breakdown:
         return cell(CellVerdict.CRASH, found.outcome, found.failure)
     facts: dict[str, Any] = {"seconds": found.cpu_seconds}
@@ -179,7 +170,7 @@ def cell_of(
         outcome=found.outcome,
         reason=found.reason,
         **facts,
-        **_judged(case, solver, found, list(map(run_of, expected_runs))),
+        **_judged(case, solver, found, list(map(pool.run_of, expected_runs))),
     )
 
 
