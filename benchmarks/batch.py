@@ -25,19 +25,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from contact_scene import (
-    Adhesion,
-    Branch,
-    Hold,
-    Indenter,
-    Loading,
-    Machine,
-    Material,
-    PowerLaw,
-    Ramp,
-    Scene,
-    Sphere,
-)
+import contact_scene as cs
 from validation.reference import batch
 from validation.reference.path import Options, solve
 
@@ -65,7 +53,7 @@ class Family:
     spring: tuple[float, float] | None = None
     scattered: bool = False
 
-    def scene(self, rng: np.random.Generator) -> Scene:
+    def scene(self, rng: np.random.Generator) -> cs.Scene:
         """One of them: a retraction from a relaxed start, or a cycle from jump-in."""
         times = 10.0 ** (self.decades * np.linspace(-0.5, 0.5, self.branches))
         shares = rng.uniform(0.2, 1.0, self.branches) if self.any_indenter else np.ones(self.branches)
@@ -75,30 +63,30 @@ class Family:
             spread = 0.5 * self.decades
             times = 10.0 ** rng.uniform(-spread, spread, self.branches)
             moduli = 10.0 ** rng.uniform(-1.0, 1.0, self.branches)
-        branches = tuple(Branch(float(E), float(t)) for E, t in zip(0.75 * moduli, times, strict=True))
-        indenter: Indenter = Sphere(1.0)
+        branches = tuple(cs.Branch(float(E), float(t)) for E, t in zip(0.75 * moduli, times, strict=True))
+        indenter: cs.Indenter = cs.Sphere(1.0)
         depth = float(rng.uniform(0.01, 0.05))
         if self.any_indenter:
             exponent = float(rng.uniform(1.0, 6.0))
-            indenter = PowerLaw(exponent, 0.5 * depth / WIDTH**exponent)
+            indenter = cs.PowerLaw(exponent, 0.5 * depth / WIDTH**exponent)
         work, zone, speed = (
             10.0 ** float(rng.uniform(*span))
             for span in (self.works, self.zones, (self.speeds[0] - spread, self.speeds[1] + spread))
         )
         rate = speed * WIDTH * 0.05
-        away = Ramp(-20.0, rate * (float(rng.uniform(0.2, 5.0)) if self.any_indenter else 1.0))
-        loading = Loading("relaxed", depth, (away,))
+        away = cs.Ramp(-20.0, rate * (float(rng.uniform(0.2, 5.0)) if self.any_indenter else 1.0))
+        loading = cs.Loading("relaxed", depth, (away,))
         if self.cycle:
-            loading = Loading("jump-in", 0.0, (Ramp(depth, rate), away))
+            loading = cs.Loading("jump-in", 0.0, (cs.Ramp(depth, rate), away))
         if self.dwell:
             level = 10.0 ** float(rng.uniform(-4.5, -3.0)) if rng.random() < 0.5 else None
-            hold = Hold(10.0 ** float(rng.uniform(-2.0 - spread, 1.5 + spread)))
-            loading = Loading("jump-in", 0.0, (Ramp(depth, rate, until_force=level), hold, away))
-        adhesion = Adhesion(work, zone * WIDTH, self.closing and self.closing * work)
+            hold = cs.Hold(10.0 ** float(rng.uniform(-2.0 - spread, 1.5 + spread)))
+            loading = cs.Loading("jump-in", 0.0, (cs.Ramp(depth, rate, until_force=level), hold, away))
+        adhesion = cs.Adhesion(work, zone * WIDTH, self.closing and self.closing * work)
         if self.spring is not None:
             stiffness = 2.0 * WIDTH * 10.0 ** float(rng.uniform(*self.spring))
-            loading = replace(loading, machine=Machine(stiffness))
-        return Scene(Material(0.75, 0.5, branches), indenter, loading, adhesion)
+            loading = replace(loading, machine=cs.Machine(stiffness))
+        return cs.Scene(cs.Material(0.75, 0.5, branches), indenter, loading, adhesion)
 
 
 SCATTERED: dict[str, Any] = {
@@ -149,7 +137,7 @@ FAMILIES = {
 }
 
 
-def difference(scene: Scene, answer: batch.Solution, resolution: int | None = None) -> float:
+def difference(scene: cs.Scene, answer: batch.Solution, resolution: int | None = None) -> float:
     """Relative difference of the pull-off force from that of the reference."""
     tension = -float(solve(scene, Options(resolution=resolution)).force.min())
     return abs(answer.pull_off_force - tension) / max(tension, 1e-300)

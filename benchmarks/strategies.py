@@ -16,32 +16,7 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from contact_scene import (
-    WLF,
-    Adhesion,
-    Branch,
-    Cone,
-    FlatPunch,
-    Force,
-    ForceRamp,
-    Hold,
-    Loading,
-    Machine,
-    Material,
-    Oscillate,
-    PowerLaw,
-    PowerLawRelaxation,
-    PowerRate,
-    Ramp,
-    RateTable,
-    Scene,
-    Sphere,
-    Step,
-    Sweep,
-    Table,
-    TabulatedProfile,
-    at_temperature,
-)
+import contact_scene as cs
 from contact_scene.checked import Checked, fields_of
 
 WIDTH, DEPTH = 0.2, 0.02
@@ -61,41 +36,41 @@ def decades(low: float, high: float) -> st.SearchStrategy[float]:
 
 def spectra(most: int = 30, times: tuple[float, float] = (-4.0, 4.0)) -> st.SearchStrategy:
     """Prony branches of a material with ``E0 = 1``: none to many, over decades of time and modulus."""
-    branch = st.builds(Branch, decades(-3.0, 1.0), decades(*times))
+    branch = st.builds(cs.Branch, decades(-3.0, 1.0), decades(*times))
     few = st.lists(branch, max_size=3)
     many = st.lists(branch, min_size=4, max_size=most) if most > 3 else few
     return st.one_of(few, few, many).map(tuple)
 
 
-def materials(branches: st.SearchStrategy | None = None) -> st.SearchStrategy[Material]:
+def materials(branches: st.SearchStrategy | None = None) -> st.SearchStrategy[cs.Material]:
     """``E0* = 1`` for every Poisson's ratio: moduli carry ``1 - nu^2``."""
     ratios = st.sampled_from([0.0, 0.3, 0.49, 0.4999, 0.5])
 
-    def build(poisson: float, spectrum: tuple[Branch, ...]) -> Material:
+    def build(poisson: float, spectrum: tuple[cs.Branch, ...]) -> cs.Material:
         plane = 1.0 - poisson**2
-        return Material(plane, poisson, tuple(Branch(b.modulus * plane, b.time) for b in spectrum))
+        return cs.Material(plane, poisson, tuple(cs.Branch(b.modulus * plane, b.time) for b in spectrum))
 
     return st.builds(build, ratios, spectra() if branches is None else branches)
 
 
-def modelled() -> st.SearchStrategy[Material]:
+def modelled() -> st.SearchStrategy[cs.Material]:
     """A power law over four decades above ``E0 = 1``, at some temperature."""
 
-    def build(exponent: float, share: float, time: float, temperature: float) -> Material:
-        law = PowerLawRelaxation(exponent, share, time, (1e-2 * time, 1e2 * time), error=0.1, relaxed=1.0)
-        return at_temperature(law.material(0.5), WLF(17.44, 51.6, 20.0), temperature)
+    def build(exponent: float, share: float, time: float, temperature: float) -> cs.Material:
+        law = cs.PowerLawRelaxation(exponent, share, time, (1e-2 * time, 1e2 * time), error=0.1, relaxed=1.0)
+        return cs.at_temperature(law.material(0.5), cs.WLF(17.44, 51.6, 20.0), temperature)
 
     return st.builds(build, shares(0.1, 0.7), decades(-1.0, 1.0), decades(-2.0, 2.0), shares(15.0, 25.0))
 
 
-def rough_tables() -> st.SearchStrategy[TabulatedProfile]:
+def rough_tables() -> st.SearchStrategy[cs.TabulatedProfile]:
     """A paraboloid as measured: scattered heights, kept from falling."""
 
-    def build(scatter: list[float]) -> TabulatedProfile:
+    def build(scatter: list[float]) -> cs.TabulatedProfile:
         radii = np.linspace(0.0, 4.0 * WIDTH, len(scatter) + 1)
         rises = np.diff(DEPTH * (radii / WIDTH) ** 2) * np.array(scatter)
         heights = np.concatenate(([0.0], np.cumsum(rises)))
-        return TabulatedProfile(tuple(radii.tolist()), tuple(heights.tolist()))
+        return cs.TabulatedProfile(tuple(radii.tolist()), tuple(heights.tolist()))
 
     return st.lists(shares(0.7, 1.3), min_size=6, max_size=24).map(build)
 
@@ -103,11 +78,11 @@ def rough_tables() -> st.SearchStrategy[TabulatedProfile]:
 def indenters() -> st.SearchStrategy:
     """All shapes, as wide as ``WIDTH`` at about ``DEPTH``."""
     angles = shares(0.3, 3.0).map(lambda x: math.degrees(math.atan(x * WIDTH / DEPTH)))
-    powers = shares(1.0, 8.0).map(lambda n: PowerLaw(n, DEPTH / WIDTH**n))
+    powers = shares(1.0, 8.0).map(lambda n: cs.PowerLaw(n, DEPTH / WIDTH**n))
     return st.one_of(
-        shares(0.3, 3.0, WIDTH**2 / DEPTH).map(Sphere),
-        angles.map(Cone),
-        st.just(FlatPunch(WIDTH)),
+        shares(0.3, 3.0, WIDTH**2 / DEPTH).map(cs.Sphere),
+        angles.map(cs.Cone),
+        st.just(cs.FlatPunch(WIDTH)),
         powers,
         rough_tables(),
     )
@@ -115,7 +90,7 @@ def indenters() -> st.SearchStrategy:
 
 def smooth_indenters() -> st.SearchStrategy:
     """Shapes with one equilibrium at a penetration: neither a sharp edge nor the bumps of a table."""
-    return indenters().filter(lambda shape: not isinstance(shape, (FlatPunch, TabulatedProfile)))
+    return indenters().filter(lambda shape: not isinstance(shape, (cs.FlatPunch, cs.TabulatedProfile)))
 
 
 def adhesions(
@@ -124,28 +99,28 @@ def adhesions(
     """None, of no work, and of ``strengths`` in decades of ``HELD``; ``zones`` in decades of ``WIDTH``."""
     work = decades(*strengths).map(lambda x: x * HELD)
     zone = decades(*zones).map(lambda x: x * WIDTH)
-    sticky = st.builds(Adhesion, work, zone)
-    return st.one_of(st.none(), st.builds(Adhesion, st.just(0.0), zone), sticky, sticky, sticky)
+    sticky = st.builds(cs.Adhesion, work, zone)
+    return st.one_of(st.none(), st.builds(cs.Adhesion, st.just(0.0), zone), sticky, sticky, sticky)
 
 
 def irreversible() -> st.SearchStrategy:
     """Adhesions that close at less than they open, take up more the faster, or have a fixed stress."""
     work = decades(-2.0, 0.3).map(lambda x: x * HELD)
     speeds = decades(-4.0, 2.0).map(lambda v: v * WIDTH)
-    powers = st.builds(PowerRate, speeds, shares(0.1, 1.5))
+    powers = st.builds(cs.PowerRate, speeds, shares(0.1, 1.5))
 
-    def table(work: float, speed: float, rises: tuple[float, float]) -> RateTable:
-        return RateTable((speed, 1e3 * speed), (rises[0] * work, rises[0] * rises[1] * work))
+    def table(work: float, speed: float, rises: tuple[float, float]) -> cs.RateTable:
+        return cs.RateTable((speed, 1e3 * speed), (rises[0] * work, rises[0] * rises[1] * work))
 
-    def build(work: float, zone: float, share: float, law: PowerRate | tuple | None) -> Adhesion:
+    def build(work: float, zone: float, share: float, law: cs.PowerRate | tuple | None) -> cs.Adhesion:
         rate = table(work, *law) if isinstance(law, tuple) else law
-        return Adhesion(work, zone, share * work, rate)
+        return cs.Adhesion(work, zone, share * work, rate)
 
     laws = st.none() | powers | st.tuples(speeds, st.tuples(shares(1.0, 3.0), shares(1.0, 5.0)))
     zones = decades(-1.4, -0.7).map(lambda x: x * WIDTH)
     pinned = st.builds(build, work, zones, shares(0.02, 1.0), laws)
     stressed = st.builds(
-        lambda work, da: Adhesion(work, stress=math.sqrt(math.pi * work / (4.0 * da))), work, zones
+        lambda work, da: cs.Adhesion(work, stress=math.sqrt(math.pi * work / (4.0 * da))), work, zones
     )
     return st.one_of(pinned, pinned, stressed)
 
@@ -157,25 +132,25 @@ RESTS = st.one_of(st.just(0.0), decades(-6.0, 6.0))
 SWINGS = decades(-3.0, -0.3).map(lambda x: x * DEPTH)
 
 
-def oscillation(swing: float, period: float, cycles: float, drift: float) -> Oscillate:
+def oscillation(swing: float, period: float, cycles: float, drift: float) -> cs.Oscillate:
     frequency = 2.0 * math.pi / period
-    return Oscillate(swing, frequency, cycles * period, drift * DEPTH / (cycles * period))
+    return cs.Oscillate(swing, frequency, cycles * period, drift * DEPTH / (cycles * period))
 
 
-def swept(swing: float, duration: float, cycles: float) -> Sweep:
-    return Sweep(swing, 4.0 * math.pi * cycles / duration**2, duration)
+def swept(swing: float, duration: float, cycles: float) -> cs.Sweep:
+    return cs.Sweep(swing, 4.0 * math.pi * cycles / duration**2, duration)
 
 
-def _table(rests: list[float], depths: list[float]) -> Table:
+def _table(rests: list[float], depths: list[float]) -> cs.Table:
     count = min(len(rests), len(depths))
-    return Table(tuple(np.cumsum(rests[:count]).tolist()), tuple(depths[:count]))
+    return cs.Table(tuple(np.cumsum(rests[:count]).tolist()), tuple(depths[:count]))
 
 
 STEPS: dict[str, st.SearchStrategy] = {
-    "ramp": st.builds(lambda to, span: Ramp(to, DEPTH / span), DEPTHS, SPANS),
-    "hold": st.builds(Hold, RESTS),
-    "force": st.builds(Force, FORCES, RESTS),
-    "force-ramp": st.builds(lambda to, span: ForceRamp(to, LOAD / span), FORCES, SPANS),
+    "ramp": st.builds(lambda to, span: cs.Ramp(to, DEPTH / span), DEPTHS, SPANS),
+    "hold": st.builds(cs.Hold, RESTS),
+    "force": st.builds(cs.Force, FORCES, RESTS),
+    "force-ramp": st.builds(lambda to, span: cs.ForceRamp(to, LOAD / span), FORCES, SPANS),
     "oscillate": st.builds(oscillation, SWINGS, SPANS, shares(0.1, 3.0), shares(-0.5, 0.5)),
     "sweep": st.builds(swept, SWINGS, SPANS, shares(0.1, 3.0)),
     "table": st.builds(
@@ -184,20 +159,22 @@ STEPS: dict[str, st.SearchStrategy] = {
 }
 
 
-TRIGGERED: dict[str, st.SearchStrategy[Step]] = {
+TRIGGERED: dict[str, st.SearchStrategy[cs.Step]] = {
     "ramp to a force": st.builds(
-        lambda to, span, until: Ramp(to, DEPTH / span, until_force=until), DEPTHS, SPANS, FORCES
+        lambda to, span, until: cs.Ramp(to, DEPTH / span, until_force=until), DEPTHS, SPANS, FORCES
     ),
     "ramp to a radius": st.builds(
-        lambda to, span, until: Ramp(to, DEPTH / span, until_radius=until),
+        lambda to, span, until: cs.Ramp(to, DEPTH / span, until_radius=until),
         DEPTHS,
         SPANS,
         shares(0.2, 1.5, WIDTH),
     ),
-    "hold": st.builds(Hold, RESTS, FORCES),
-    "force": st.builds(Force, FORCES, RESTS, DEPTHS),
+    "hold": st.builds(cs.Hold, RESTS, FORCES),
+    "force": st.builds(cs.Force, FORCES, RESTS, DEPTHS),
     "table of forces": st.builds(
-        lambda table, forces: Table(table.times, tuple(f * LOAD / DEPTH for f in table.values), "", *forces),
+        lambda table, forces: cs.Table(
+            table.times, tuple(f * LOAD / DEPTH for f in table.values), "", *forces
+        ),
         STEPS["table"],
         st.sampled_from([("force", "linear"), ("force", "cubic"), ("penetration", "cubic")]),
     ),
@@ -205,25 +182,25 @@ TRIGGERED: dict[str, st.SearchStrategy[Step]] = {
 """Steps that end at a level, and tables of another kind than those of ``STEPS``."""
 
 
-def machines() -> st.SearchStrategy[Machine | None]:
+def machines() -> st.SearchStrategy[cs.Machine | None]:
     """Rigid, and springs of any stiffness about that of the contact."""
-    return st.one_of(st.none(), decades(-3.0, 3.0).map(lambda x: Machine(x * 2.0 * WIDTH)))
+    return st.one_of(st.none(), decades(-3.0, 3.0).map(lambda x: cs.Machine(x * 2.0 * WIDTH)))
 
 
-def instruments() -> st.SearchStrategy[Loading]:
+def instruments() -> st.SearchStrategy[cs.Loading]:
     """What only an instrument can do: one to four steps, some of which end at a level, on a machine."""
     steps = st.lists(st.one_of(*STEPS.values(), *TRIGGERED.values()), min_size=1, max_size=4)
     starts = st.sampled_from(["jump-in", "relaxed", "snap-in"])
-    return st.builds(Loading, starts, shares(-0.3, 1.0, DEPTH), steps, machines())
+    return st.builds(cs.Loading, starts, shares(-0.3, 1.0, DEPTH), steps, machines())
 
 
-def loadings(*kinds: str) -> st.SearchStrategy[Loading]:
+def loadings(*kinds: str) -> st.SearchStrategy[cs.Loading]:
     """One to four steps of the given kinds (all, if none is named), from either start."""
     steps = st.lists(st.one_of(*(STEPS[kind] for kind in kinds or STEPS)), min_size=1, max_size=4)
-    return st.builds(Loading, st.sampled_from(["jump-in", "relaxed"]), shares(-0.3, 1.0, DEPTH), steps)
+    return st.builds(cs.Loading, st.sampled_from(["jump-in", "relaxed"]), shares(-0.3, 1.0, DEPTH), steps)
 
 
-def scenes(**parts: st.SearchStrategy) -> st.SearchStrategy[Scene]:
+def scenes(**parts: st.SearchStrategy) -> st.SearchStrategy[cs.Scene]:
     """Whole scenes; parts may be given."""
     usual = {
         "material": materials(),
@@ -231,10 +208,12 @@ def scenes(**parts: st.SearchStrategy) -> st.SearchStrategy[Scene]:
         "loading": loadings(),
         "adhesion": adhesions(),
     }
-    return st.builds(Scene, **(usual | parts))
+    return st.builds(cs.Scene, **(usual | parts))
 
 
-def in_units(scene: Scene, length: float, modulus: float, time: float) -> tuple[Scene, dict[str, float]]:
+def in_units(
+    scene: cs.Scene, length: float, modulus: float, time: float
+) -> tuple[cs.Scene, dict[str, float]]:
     """The scene in other units (each given in the old ones), and the units of the trace's columns."""
     force = modulus * length**2
     energy = force * length
@@ -252,9 +231,9 @@ def _scaled(part: Any, units: Mapping[str, float]) -> Any:
     changed = {}
     for name, value in part.stated().items():
         unit = fields_of(type(part))[name].key.unit
-        if isinstance(part, Table) and name == "values":
+        if isinstance(part, cs.Table) and name == "values":
             unit = "force" if part.quantity == "force" else "length"
-        elif isinstance(part, PowerLaw) and name == "coefficient":
+        elif isinstance(part, cs.PowerLaw) and name == "coefficient":
             unit = f"length{1.0 - part.exponent}"
         powers = [re.fullmatch(r"(length|force|time)(.*)", word) for word in unit.split()]
         size = math.prod(units[one[1]] ** float(one[2] or 1.0) for one in powers if one is not None)
