@@ -1,4 +1,4 @@
-"""Every solver that takes a layer on the built-in scenes of layers, and on a thick layer against itself.
+"""Every solver on the built-in scenes of layers, and on a thick layer against itself.
 
 Values are those of a prototype of the front tracking, to the digits shown: 2e-5 of the pull-off force,
 1e-3 of its place, 7e-6 of the detachment, 2e-5 of the loop energy.
@@ -91,43 +91,29 @@ def time_on_retraction(asked: Scene, depth: float) -> float:
 
 @cache
 def answer(name: str, solver: str):
-    asked = SCENES[name]
-    refusal = SOLVERS[solver].refusal(asked)
-    if refusal is not None:
-        return None
-    stops = tuple(time_on_retraction(asked, depth) for depth, *_ in samples(name))
-    return SOLVERS[solver].solve(asked, RESOLUTION[solver], stop_times=stops)
+    stops = tuple(time_on_retraction(SCENES[name], depth) for depth, *_ in samples(name))
+    return SOLVERS[solver].solve(SCENES[name], RESOLUTION[solver], stop_times=stops)
 
 
-def answered(name: str, solver: str):
-    found = answer(name, solver)
-    if found is None:
-        pytest.skip(f"{solver} takes no layer")
-    return found
+DEFAULT = ("frictionless", "dwell")
 
 
-DEFAULT = dict.fromkeys(("frictionless", "dwell"), ())
-SLOW = dict.fromkeys(("frictionless", "repressed"), pytest.mark.slow)
-"""By the other solvers: a scene for each base."""
+def marks(name: str, solver: str):
+    """The quick report compares the other solvers with the reference on these scenes."""
+    if solver != "reference":
+        return pytest.mark.exhaustive
+    return () if name in DEFAULT else pytest.mark.slow
+
+
 both = pytest.mark.parametrize(
     ("name", "solver"),
-    [
-        pytest.param(
-            name,
-            solver,
-            marks=DEFAULT.get(name, pytest.mark.slow)
-            if solver == "reference"
-            else SLOW.get(name, pytest.mark.exhaustive),
-        )
-        for name in SCENES
-        for solver in TOLERANCE
-    ],
+    [pytest.param(name, solver, marks=marks(name, solver)) for name in SCENES for solver in TOLERANCE],
 )
 
 
 @both
 def test_values_of_the_six_scenes(name, solver):
-    trace = answered(name, solver)
+    trace = answer(name, solver)
     seen = observe(trace, ZONE, SCENES[name].loading)
     found = (
         *(seen.start_radius, seen.start_force, trace.force.max(), trace.contact_radius.max()),
@@ -149,7 +135,7 @@ def test_values_of_the_six_scenes(name, solver):
 @both
 def test_the_retractions_of_the_six_scenes(name, solver):
     """Forces relative to that of pull-off, as they change their sign."""
-    trace = answered(name, solver)
+    trace = answer(name, solver)
     pull_off = numbers(VALUES[name])[4]
     for depth, force, radius in samples(name):
         rows = np.flatnonzero(np.isclose(trace.time, time_on_retraction(SCENES[name], depth), rtol=1e-12))
@@ -160,19 +146,17 @@ def test_the_retractions_of_the_six_scenes(name, solver):
 
 
 @pytest.mark.parametrize(
-    ("solver", "limit"),
+    ("solver", "limit", "base"),
     [
-        ("reference", 1e-8),
-        pytest.param("bem", 1e-6, marks=pytest.mark.slow),
-        pytest.param("fem", 1e-4, marks=pytest.mark.slow),
+        ("reference", 1e-8, "bonded"),
+        ("reference", 1e-8, "frictionless"),
+        pytest.param("bem", 1e-6, "bonded", marks=pytest.mark.slow),
+        pytest.param("fem", 1e-4, "frictionless", marks=pytest.mark.slow),
     ],
 )
-@pytest.mark.parametrize("base", ["bonded", "frictionless"])
 def test_a_thick_layer_is_a_half_space(solver, limit, base):
     """To first order its base adds ``(2 m0/pi) sqrt(R D)/h`` to the force: 1.6e-9 of it."""
     asked = replace(SCENES["retraction"], body=Layer(1e8, base))
-    if SOLVERS[solver].refusal(asked) is not None:
-        pytest.skip(f"{solver} takes no layer")
     thick, half_space = (
         SOLVERS[solver].solve(one, RESOLUTION[solver] // 2) for one in (asked, replace(asked, body=None))
     )
