@@ -289,7 +289,7 @@ def test_branches_dissipate_what_the_balance_says(material: str, monkeypatch: py
 def test_thirty_branches_over_fifteen_decades() -> None:
     """Times from 1e-10 to 1e5: the number of steps depends on what happens, not on the shortest time."""
     trace = _run(0.02, 8, "thirty")
-    assert len(trace) < 600
+    assert trace.counters.steps + trace.counters.rejected_steps < 400
     seen = _seen(trace)
     assert seen.pull_off_force == pytest.approx(1.37955 * F_JKR, rel=1e-4)
     assert seen.approach_force == pytest.approx(9.517953e-3 * math.pi, rel=1e-5)

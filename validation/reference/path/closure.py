@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 from validation.reference.path.numerics import (
     NEGLIGIBLE,
     ROUNDING,
+    SLOPE,
     bracketed,
     chebyshev,
     chebyshev_series,
@@ -58,7 +59,7 @@ WIDENING = 3.0
 """Ratio of the distances of breaks from the axis."""
 TERMS, TERMS_A_FACTOR = 6, 4.0
 """Terms of the series of the kernel."""
-_RING = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
+_RING = chebyshev_series(12)[0]
 
 EVEN = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-3
@@ -168,7 +169,7 @@ def zone_length(
     f = lack(x)
     if not math.isfinite(f):
         return math.nan
-    after = x * (1.0 + 1e-4)
+    after = x * (1.0 + SLOPE)
     for _ in range(8):
         if not low < after < high:
             break

@@ -26,16 +26,12 @@ from validation.reference.path.memory import (
     Motion,
     collocation,
 )
-from validation.reference.path.numerics import ORDERS, inverse, powers
+from validation.reference.path.numerics import ORDERS, SLOPE, inverse, powers
 from validation.reference.path.path import Leg, PathSegment
 from validation.reference.path.rheology import IndentedBody, total
 from validation.reference.path.state import GRADING, State
 
 Array = NDArray[np.float64]
-
-
-SECANT = 1e-4
-"""Change of the load parameter that tells a slope of the residual, in a step: the root is as much closer."""
 
 
 class Trial:
@@ -462,6 +458,6 @@ class Arrival:
         segment = trial.segment.cut(u, self.rise, self.free, loose=True)
         part = Trial(trial.body, trial.law, trial.state, trial.leg, segment)
         rise = float((trial.segment.parameter + self.rise * trial.segment.basis) @ u**ORDERS)
-        apart = SECANT * self.rise
+        apart = SLOPE * self.rise
         first, second = (part.arrive(rise + shift).residual for shift in (0.0, apart))
         return part.arrive(rise - first * apart / (second - first)).force
