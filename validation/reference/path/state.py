@@ -38,8 +38,9 @@ class State:
 
     ``depths``: ``(D, C)``, of which ``memory`` (K + 1, n) is. ``held`` (K + 1, n), ``held_squares`` (n,):
     ``int phi b_k dx`` and ``int b_k^2 dx`` over the contact; ``free``, ``free_squares``: those of ``e_j``
-    over the free surface. ``layer``: the way of the edge in the shortest relaxation time, which is
-    how deep what it covers still relaxes.
+    over the free surface. ``layer``: the shortest way that a closing edge has gone in the shortest
+    relaxation time, which is how deep what it covers still relaxes. Not the last one: as the number of breaks
+    changes so does their error, which would let an edge that sets off stop again.
     """
 
     parameter: float
@@ -106,9 +107,10 @@ class State:
     def _layers(self, travel: float, zone: float) -> tuple[Array, ...]:
         """The layer that relaxes behind the edge, and behind where it was before."""
         thickest = BASE[1] * zone
-        if not 0.0 < self.layer < thickest:
+        if not self.layer < thickest:
             return ()
-        count = math.ceil(math.log(thickest / self.layer) / math.log(GRADING))
+        thinnest = max(self.layer, ROUNDING * zone)
+        count = math.ceil(math.log(thickest / thinnest) / math.log(GRADING))
         depth = thickest * GRADING ** -np.arange(1.0, count + 1.0)
         return zone - depth, zone - travel - depth
 

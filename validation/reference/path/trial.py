@@ -429,7 +429,9 @@ class Arrival:
             held_squares=squares,
             free=free,
             free_squares=free_squares,
-            layer=rheology.shortest * self.speed if trial.direction > 0.0 and self.duration else state.layer,
+            layer=min(state.layer, rheology.shortest * self.speed)
+            if trial.direction > 0.0 and self.duration
+            else state.layer,
             zone=trial.zone,
         )
 
