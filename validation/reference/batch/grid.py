@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.zone import BEHIND, COUNT, LAYERED, SHARES, SHORTEST, Quadrature, quadrature
+from validation.reference.batch.zone import BEHIND, COUNT, LAYERED, NEAR, SHARES, SHORTEST, Quadrature, quadrature
 from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
@@ -29,10 +29,9 @@ SPRUNG = 0.5
 contact, to which the edge speeds up."""
 ROWS = 6
 """Rows of a polynomial over the travel."""
-NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
 DEEPER = 2.0
-"""Ends of panels of what is left in contact next to the edge; beyond, the width of a panel in parts of its
-depth, times the resolution."""
+"""Width of a panel of what is left in contact, in parts of its depth, times the resolution; next to the edge
+panels are ``NEAR``."""
 PLACES = gauss(ROWS)[0]
 _INVERSE = np.linalg.inv(PLACES[:, None] ** np.arange(ROWS))
 _UP_TO = np.append(PLACES, 1.0)[:, None]
@@ -160,6 +159,8 @@ class Grid:
         now = self.g[k]
         closing, turned, corner = (self.kind == kind for kind in ("closing", "turned", "corner"))
         corners = now - self.g[self.breaks]
+        if turned or corner:
+            corners = np.concatenate((corners, NEAR))
         if turned and now < 1.0:  # it may set off as a root, and comes by layers that relax
             corners = np.concatenate((corners, now - NEAR, 1.0 - NEAR))
         corners = corners[(corners > 0.0) & (corners < 1.0)]

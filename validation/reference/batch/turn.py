@@ -18,7 +18,7 @@ from validation.reference.batch.grid import Depths, Travel, gained
 from validation.reference.batch.machine import AtRest, fading
 from validation.reference.batch.march import CONVERGED, ENDED, FAILED, ROUNDING, March, secants
 from validation.reference.batch.scenes import Bodies, LoadRamp, filled
-from validation.reference.batch.zone import LAYERED, quadrature
+from validation.reference.batch.zone import LAYERED, NEAR, quadrature
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -34,8 +34,6 @@ NEARER, AT_REST = 0.6, 1e-5
 that is left where it is extrapolated."""
 NO_TIME = 1e-9
 """Of the shortest relaxation time: a step that takes none."""
-FINER = 0.012, 0.08, 0.4
-"""More breaks in this case: the place of the turn is somewhere in the zone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -346,7 +344,7 @@ class AfterTurn:
             self.stage - row[2],
             self.branches - row[3:],
         )
-        points = quadrature(FINER, True)
+        points = quadrature(tuple(NEAR), True)
         forms, G = points.forms(bodies, radius)
         left = held.branches(radius - bodies.zone * (1.0 - points.v), self.now).sum(axis=0)
         q = bodies.relaxed * (D - G) + b.sum(axis=0) + left
