@@ -232,7 +232,7 @@ def test_an_edge_closes_on_while_the_load_is_held(name):
 
 
 def test_the_place_where_the_load_turned_may_be_anywhere_in_the_zone():
-    """A corner of what the edge left; without panels there the force was 1.7e-4 off, 8e-5 with twice the rows."""
+    """A corner of what the edge left; without panels there the force was 1.7e-4 off, finer rows or not."""
     family = Family(
         any_indenter=True, cycle=True, dwell=True, zones=(-3.0, -1.2), speeds=(-1.0, 3.0), closing=0.3
     )

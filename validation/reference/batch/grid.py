@@ -11,7 +11,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.batch.zone import BEHIND, COUNT, LAYERED, NEAR, SHARES, SHORTEST, Quadrature, quadrature
+from validation.reference.batch.zone import (
+    BEHIND,
+    COUNT,
+    LAYERED,
+    NEAR,
+    SHARES,
+    SHORTEST,
+    Quadrature,
+    quadrature,
+)
 from validation.reference.path.numerics import gauss
 
 Array = NDArray[np.float64]
