@@ -434,7 +434,7 @@ def test_what_two_resolutions_agree_on_by_chance_is_not_known_so_well():
     """At the pull-off they do, to half of the error; within a zone of it they do not."""
     scene = drawn(210, 4711, cycle=True, speeds=(-1.0, 3.0))[209]
     [answer] = batch.solve([scene])
-    assert difference(scene, answer, 24) < answer.errors["pull_off_force"] < 1e-5
+    assert difference(scene, answer, 24) < answer.errors["pull_off_force"] < 2e-5
 
 
 def test_a_ramp_that_ends_in_contact():
