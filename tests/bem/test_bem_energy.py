@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.integrate import cumulative_trapezoid
 from support.bem_runs import STIFFNESS, bem, front, observed_order
 from support.closed_forms import hertz
 from support.paper_scenes import ELASTIC, ONE, WORK, ZONE, cycle, scene
@@ -15,6 +16,28 @@ from validation.reference.finite_zone import FiniteZone
 
 def area(trace):
     return np.pi * trace.contact_radius**2
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        pytest.param(cycle(0.02), id="cycle"),
+        pytest.param(scene(Ramp(0.03, 0.1), Hold(2.0)), id="hold", marks=pytest.mark.slow),
+        pytest.param(scene(Oscillate(0.005, 1.0, 8.0), at=0.02), id="oscillation"),
+        pytest.param(scene(Ramp(0.02, 0.05), Ramp(-0.1, 0.05), adhesion=None), id="adhesionless"),
+    ],
+)
+def test_balance(question):
+    """``F dD + dg dA = dU + P_d dt``, row by row."""
+    trace = bem(question, resolution=6)
+    work = question.adhesion.work if question.adhesion else 0.0
+    external = trace.external_work
+    straight = cumulative_trapezoid(trace.force, trace.penetration, initial=0.0)
+    assert_allclose(external, straight, atol=5e-3 * np.abs(straight).max())
+    left = external + work * (area(trace) - area(trace)[0])
+    right = trace.stored_energy - trace.stored_energy[0] + trace.dissipated_energy
+    assert_allclose(left, right, atol=1e-12 * np.abs(left).max())
+    assert trace.external_work[0] == trace.dissipated_energy[0] == 0.0
 
 
 def test_energies_are_those_of_front_tracking():

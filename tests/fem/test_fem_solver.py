@@ -20,6 +20,7 @@ from contact_scene import (
     Cone,
     FlatPunch,
     Force,
+    ForceRamp,
     Hold,
     Loading,
     Material,
@@ -238,6 +239,14 @@ def test_a_glassy_load_jump_without_adhesion_loses_nothing(level):
     whole = abs(trace.external_work).max()
     assert abs(trace.dissipated_energy).max() < 1e-3 * whole
     assert abs(trace.extra["balance_residual"]).max() < 1e-3 * whole
+
+
+@pytest.mark.slow
+def test_force_control_pulls_off_at_the_same_load_as_the_elastic_curve_has():
+    trace = run(ForceRamp(-2.0 * JKR, 0.1 * JKR), penetration=0.0, material=SOFT)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert -trace.force[-1] / JKR == pytest.approx(1.02693, rel=2e-3)
+    assert trace.events[-1].kind == "pull-off"
 
 
 def test_load_jumps_are_glassy():

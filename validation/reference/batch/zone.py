@@ -20,7 +20,7 @@ SHORTEST = 1.5
 LAYERS = (4e-3, 3e-2, 0.2, 0.6)
 """Breaks of the quadrature, from the edge: a layer that recovers behind a slow edge is an exponential."""
 NEAR = np.array([0.0, 4e-3, 3e-2, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0])
-"""More of them, where the place at which the load turned, a corner, may be anywhere in the zone."""
+"""More breaks, where the place at which the load turned, a corner, may be anywhere in the zone."""
 COUNT = 4
 """Points of Gauss between two breaks; the coarser of two resolutions has one less."""
 POINTS, WEIGHTS = gauss(COUNT)

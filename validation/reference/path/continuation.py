@@ -28,8 +28,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.closure import LONGEST
-from validation.reference.path.correction import NEARBY, Correction, Corrector, Ending, Fixed
+from validation.reference.path.correction import FILLED, NEARBY, Correction, Corrector, Ending, Fixed
 from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state
 from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SLOPE, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
@@ -299,7 +298,7 @@ class Continuation(Corrector):
                 found.append((level(arrival.depth, arrival.force, trial.radius), Ending.LEVEL))
             if self.law.cohesive:
                 zone = trial.zone_at_stress(arrival.motion)
-                found.append((zone / trial.radius - LONGEST, Ending.LEAST))
+                found.append((zone / trial.radius - FILLED, Ending.LEAST))
             return max(found)
 
         def along(u: float) -> float:

@@ -20,7 +20,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.closure import LONGEST
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import pressed_force, pressed_radius
 from validation.reference.path.numerics import DEGREE, ROUNDING, SLOPE, SMALL_PART, bracketed
@@ -43,6 +42,8 @@ SEEN = 1e-5
 """Least difference of two radii, in zones, that tells a slope beside the rounding of the residual."""
 NEARBY = 1e-2
 """Part of a zone or of the scale of the radius in which an edge is looked for that no row has foreseen."""
+FILLED = 1.0 - 1e-5
+"""Zone of fixed stress, in the contact radius, at which contact ends: short of where it grows no longer."""
 LARGEST_JUMP = 1e4
 """Radius up to which a stable contact is looked for, in that at which one runs away."""
 
@@ -288,7 +289,7 @@ class Corrector:
         """The edge put elsewhere, and its residual: none where its zone fills the contact."""
         trial = self.trial(travel, abs(travel) / self.L, 1)
         end = self.arrive(trial, 0.0)
-        filled = self.law.cohesive and trial.zone >= LONGEST * trial.radius
+        filled = self.law.cohesive and trial.zone > FILLED * trial.radius
         return end, math.nan if filled else end.residual
 
     def runs_away(self, way: float, known: float = 0.0) -> bool:

@@ -41,16 +41,7 @@ from validation.reference.path.energies import (
 )
 from validation.reference.path.equilibrium import Scales
 from validation.reference.path.memory import COLLOCATION
-from validation.reference.path.numerics import (
-    NEGLIGIBLE,
-    SLOPE,
-    SMALL_PART,
-    bracketed,
-    derivative,
-    horner,
-    inverse,
-    powers,
-)
+from validation.reference.path.numerics import bracketed, derivative, horner, inverse, powers
 from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
 from validation.reference.path.trial import Arrival, Trial
@@ -77,6 +68,12 @@ _SLOPES[:, 1:] = _AT_CENTRES[:, :-1] * _ORDERS[1:]
 _BENDS[:, 2:] = _AT_CENTRES[:, :-2] * _ORDERS[2:] * _ORDERS[1:-1]
 CURVED = 12.0
 """Deviation of rows from straight lines under a load that is curved itself, in that under a linear one."""
+VERTEX = 0.05
+"""Most distance in its step of the three places that tell an extremum: it is off by the cube."""
+NARROW = 3e-3
+"""Part of a step within which the dense path knows an extremum; the force is off by the square."""
+LEAST_AREA_CHANGE = 1e-6
+"""Change of the contact area, relative to the largest, below which no energy release rate is formed."""
 
 
 def _value(coefficients: Array, u: float) -> float:
@@ -247,7 +244,7 @@ class Recorder:
                     exact, height = extremum
                     height = max(height, 0.0) if self.law.adhesion is None else height  # nothing pulls
                     kind = PRESSED if first > 0.0 else PULLED
-                    off = max(abs(exact - at), SLOPE)
+                    off = max(abs(exact - at), NARROW)
                     found[exact] = kind if height * first > 0.0 else "", off, height
         return found
 
@@ -255,14 +252,14 @@ class Recorder:
         """Place and height of an extremum of the force; ``None`` where the dense path alone has one."""
         # one secant tells no speed
         if arrival.trial.direction and self.law.adhesion is not None and not self.law.rated:
-            middle = min(max(at, SLOPE), 1.0 - SLOPE)
-            apart = min(SMALL_PART, middle, 1.0 - middle)
+            middle = min(max(at, NARROW), 1.0 - NARROW)
+            apart = min(VERTEX, middle, 1.0 - middle)
             way, height = self._vertex(arrival, middle, apart)
             place = middle + apart * way
             if not -apart <= place <= 1.0 + apart and math.isfinite(height):
                 return None
             if abs(way) < 2.0:
-                return min(max(place, SLOPE**2), 1.0 - SLOPE**2), height
+                return min(max(place, NARROW**2), 1.0 - NARROW**2), height
         return at, arrival.part(at).force
 
     def _vertex(self, arrival: Arrival, middle: float, apart: float) -> tuple[float, float]:
@@ -321,7 +318,7 @@ class Recorder:
         """``(dU - F dD)/dA``; the work of adhesion, its value in equilibrium, before anything has moved."""
         work = self.law.adhesion.work if self.law.adhesion else 0.0
         step = np.diff(area)
-        moves = np.abs(step) > NEGLIGIBLE * area.max()
+        moves = np.abs(step) > LEAST_AREA_CHANGE * area.max()
         last = np.maximum.accumulate(np.where(moves, np.arange(len(step)), -1))
         each = np.divide(np.diff(potential), step, out=np.zeros_like(step), where=moves)
         return np.concatenate(([work], np.where(last >= 0, each[last], work) if len(step) else []))
