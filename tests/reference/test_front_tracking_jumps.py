@@ -191,6 +191,16 @@ def test_a_force_that_rises_from_nothing_and_goes_back_to_it(exponent: float) ->
     assert trace.outcome.time == pytest.approx(1.5)
 
 
+def test_a_force_on_a_glass_a_billion_times_as_stiff() -> None:
+    """A contact of no radius bears no force, whatever its penetration: a step does not end there."""
+    loading, squares = Loading("jump-in", 0.0, (ForceRamp(1e-3, 1e-3),)), []
+    for contrast in (1e6, 1e9):
+        trace = solve(Scene(Material(1.0, 0.5, (Branch(contrast, 1.0),)), PowerLaw(1.0, 0.1), loading))
+        assert trace.outcome.kind is OutcomeKind.COMPLETED
+        squares.append(contrast * trace.contact_radius[-1] ** 2)
+    assert squares[1] == pytest.approx(squares[0], rel=1e-3)
+
+
 @pytest.mark.parametrize("contrast", [1e3, 1e6])
 def test_a_slow_approach_is_elastic_however_stiff_the_glass(contrast: float) -> None:
     """The layer behind the edge, here 1e-10 of the process zone or less, still counts at such contrasts."""

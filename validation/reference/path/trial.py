@@ -146,6 +146,8 @@ class Trial:
         depths[0] = state.depths
         motion = collocated(rheology.times, clock, rheology.moduli, depths)
         unknown = (leg.free or layer) and self.segment.basis.any()
+        if leg.control == "force" and self.radius == 0.0:  # from which no penetration follows
+            return Arrival(self, rise, motion.under(math.nan * depths))
         if not unknown or not self.within_reach:
             return Arrival(self, rise, motion)
         return self._balanced(rise, motion)
