@@ -120,7 +120,7 @@ def test_a_run_and_fields_share_a_folder_by_scene_and_solver(capsys, tmp_path, m
     def work(*given):
         raise WorkBegan
 
-    monkeypatch.setattr("crosscontact.commands.fields.record_fields", work)
+    monkeypatch.setattr("crosscontact.commands.fields.moments.record_fields", work)
     stand_in(monkeypatch)
     file, out = small_scene(tmp_path), str(tmp_path / "out")
     solve, fields = ["solve", file, "--out", out, "--solver"], ["fields", file, "--at", "0.1", "--out", out]
