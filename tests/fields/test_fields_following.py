@@ -181,7 +181,7 @@ def test_what_was_lost_is_handed_on_between_meshes(places):
 
 @pytest.mark.slow
 def test_files_hold_what_is_lost(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(fields, "record_fields", lambda *given: requested())
+    monkeypatch.setattr(fields.moments, "record_fields", lambda *given: requested())
     file, folder = tmp_path / "short.toml", tmp_path / "out"
     write_scene(SHORT, file)
     given = ["fields", str(file), "--at", f"{TURN}", "--resolution", f"{RESOLUTION}", "--out", str(folder)]
