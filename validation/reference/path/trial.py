@@ -145,7 +145,7 @@ class Trial:
         family = collocation(rheology.times, clock, rheology.moduli, state.depths, values)
         unknown = (leg.free or layer) and self.segment.basis.any()
         if leg.control == "force" and self.radius == 0.0:  # from which no penetration follows
-            return Arrival(self, rise, motion.under(math.nan * depths))
+            return Arrival(self, rise, family.motion(np.full(len(state.depths), math.nan)))
         if not unknown or not self.within_reach:
             return Arrival(self, rise, family.given)
         return self._balanced(rise, family)
