@@ -165,7 +165,7 @@ def test_a_force_that_rises_from_nothing_leaves_sane_rows() -> None:
 
 
 @pytest.mark.parametrize(
-    "exponent", [1.28, 50.0, *(pytest.param(n, marks=pytest.mark.slow) for n in (1.0, 2.0, 8.0, 100.0))]
+    "exponent", [1.28, *(pytest.param(n, marks=pytest.mark.slow) for n in (1.0, 2.0, 8.0))]
 )
 def test_a_contact_that_begins_as_a_point_soon_forgets_it(exponent: float) -> None:
     """A contact that grows has the radius of an elastic one, whatever it has been through (Lee and Radok)."""
@@ -177,28 +177,6 @@ def test_a_contact_that_begins_as_a_point_soon_forgets_it(exponent: float) -> No
         exact = sneddon.contact_radius(shape, float(trace.penetration[row]))
         assert trace.contact_radius[row] == pytest.approx(exact, rel=1e-5)
     assert trace.counters.steps + trace.counters.rejected_steps < 600
-
-
-@pytest.mark.parametrize("exponent", [1.5, 50.0])
-def test_a_force_that_rises_from_nothing_and_goes_back_to_it(exponent: float) -> None:
-    """A shape that is nearly flat is wide before it bears anything; a force that is nothing ends contact."""
-    shape = PowerLaw(exponent, 0.02 / 0.2**exponent)
-    trace = solve(_scene((ForceRamp(0.01, 0.01), ForceRamp(0.0, 0.02)), shape=shape, material=RUBBER), COARSE)
-    top = int(trace.force.argmax())
-    exact = sneddon.contact_radius(shape, float(trace.penetration[top]))
-    assert trace.contact_radius[top] == pytest.approx(exact, rel=1e-5)
-    assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert trace.outcome.time == pytest.approx(1.5)
-
-
-def test_a_force_on_a_glass_a_billion_times_as_stiff() -> None:
-    """A contact of no radius bears no force, whatever its penetration: a step does not end there."""
-    loading, squares = Loading("jump-in", 0.0, (ForceRamp(1e-3, 1e-3),)), []
-    for contrast in (1e6, 1e9):
-        trace = solve(Scene(Material(1.0, 0.5, (Branch(contrast, 1.0),)), PowerLaw(1.0, 0.1), loading))
-        assert trace.outcome.kind is OutcomeKind.COMPLETED
-        squares.append(contrast * trace.contact_radius[-1] ** 2)
-    assert squares[1] == pytest.approx(squares[0], rel=1e-3)
 
 
 @pytest.mark.parametrize("contrast", [1e3, 1e6])

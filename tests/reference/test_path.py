@@ -166,14 +166,6 @@ def test_the_force_is_that_of_the_surface(scene, near, monkeypatch):
     assert np.abs(worst).max() < near * trace.force.max()
 
 
-def test_the_place_at_which_a_zone_fills_its_contact_does_not_depend_on_the_steps():
-    """A fast pull: the length grows no longer there, so the step that comes to it has to be cut before."""
-    material = Material(1.0, 0.5, (Branch(3.0, 1.0),))
-    loading = Loading("jump-in", 0.0, (Ramp(0.02, 0.01), Ramp(-0.1, 2.0)))
-    scene = Scene(material, PowerLaw(1.5, 0.5), loading, Adhesion(1e-3, stress=0.2))
-    assert solve(scene).contact_radius[-1] == pytest.approx(0.04718, rel=1e-4)
-
-
 def test_a_zone_of_fixed_stress_that_fills_its_contact_ends_the_run():
     scene = load("fixed-stress-si").scene
     adhesion = Adhesion(scene.adhesion.work, stress=0.4 * scene.adhesion.stress)

@@ -34,7 +34,6 @@ from numpy.typing import NDArray
 from validation.reference.path.numerics import (
     NEGLIGIBLE,
     ROUNDING,
-    SLOPE,
     bracketed,
     chebyshev,
     chebyshev_series,
@@ -59,7 +58,7 @@ WIDENING = 3.0
 """Ratio of the distances of breaks from the axis."""
 TERMS, TERMS_A_FACTOR = 6, 4.0
 """Terms of the series of the kernel."""
-_RING = chebyshev_series(12)[0]
+_RING = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
 
 EVEN = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-3
@@ -169,7 +168,7 @@ def zone_length(
     f = lack(x)
     if not math.isfinite(f):
         return math.nan
-    after = x * (1.0 + SLOPE)
+    after = x * (1.0 + 1e-4)
     for _ in range(8):
         if not low < after < high:
             break

@@ -28,9 +28,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.correction import FILLED, NEARBY, Correction, Corrector, Ending, Fixed
-from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state
-from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SLOPE, SMALL_PART, bracketed
+from validation.reference.path.correction import FILLED, SMALL_PART, Correction, Corrector, Ending, Fixed
+from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
+from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
 from validation.reference.path.state import State, faded
 from validation.reference.path.trial import Arrival
@@ -41,19 +41,32 @@ Level = Callable[[float, float, float], float]
 
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
+FIRST_RADIUS = 1e-2
+"""Least radius of the first step of a new contact, in the scale of the radius."""
 REJECTED = 2.5
 """Error, in tolerances, above which a step is repeated."""
 LEAST_WEIGHT = 0.3
 """Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
-RUNGS = 4
-"""Changes of the step up to twice its length, the most; the lower of two is taken, so that rounding chooses
-none. A step that is repeated is shorter by half of them at least, by twice as many if nothing was found."""
+LEAST_SHARE = 0.1
+"""Of what all steps over one scale may add up to: shorter steps are those after a kink, and few."""
+RUNG = 2.0**0.25
+"""Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
+LARGEST_GROWTH = 4
+"""Of successive steps, in rungs: beyond, the rows with the least order and not the most would predict."""
+LEAST_CUT = -2
+"""Of a step that is repeated, in rungs."""
+UNSEEN = -8
+"""Next step, in rungs, after one that no correction was found for."""
 SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
 MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
+AFTER_TURN = 0.1
+"""First step after a turn, in the step before: nothing else tells whether it is short enough."""
 TOWARDS = 0.75
 """Share of the way to an event that a step goes at most if it does not end there."""
+SAME_FOLD = 0.1
+"""Change of the place of a fold foreseen, in tolerances, below which it is landed on."""
 
 
 SIGHTS = {
@@ -120,7 +133,7 @@ class Continuation(Corrector):
             self.h = 1.0
 
     def _touch(self) -> None:
-        """The first step of a new contact, as if it were elastic: to a small part of the largest force.
+        """The first step of a new contact, as if it were elastic: to a small part of the largest penetration.
 
         Until the shortest relaxation time only the load changes with time. A plane tip is in contact as a
         whole.
@@ -130,7 +143,8 @@ class Continuation(Corrector):
             self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
             self._restart()
             return
-        leg, a = self.leg, self.bearing(NEGLIGIBLE)
+        leg, deepest = self.leg, NEGLIGIBLE * self.depth / SMALL_PART
+        a = min(max(touching_radius(self.body, deepest, self.law.rim), FIRST_RADIUS * self.L_run), self.L_run)
         load = pressed_depth(self.body, a)
         if leg.control == "force":
             load = 2.0 * self.body.rheology.glassy * pressed_force(self.body, a)
@@ -140,7 +154,7 @@ class Continuation(Corrector):
         if change > load:
             p = bracketed(lambda at: leg.value(leg.start + at) - start - load, 0.0, whole)
         elastic = min(self.T_leg, self.body.rheology.shortest)
-        self.T_first, self.L = max(2.0 * p, elastic) if leg.timed else SMALL_PART, a
+        self.T_first, self.L = max(2.0 * p, elastic, 1e-300) if leg.timed else SMALL_PART, a
         self.T, self.lasted = self.T_first, 0.0
         way = np.array([p / self.T, a / self.L])
         self._restart(way / np.hypot(*way), float(np.hypot(*way)))
@@ -208,7 +222,7 @@ class Continuation(Corrector):
         self._finish(plan, correction)
         self.rows.order = min(len(self.rows), order)
         if plan.event is Ending.NONE:
-            self.h = (correction.s if first else plan.h) * 2.0 ** (rung / RUNGS)
+            self.h = (correction.s if first else plan.h) * RUNG**rung
         return plan.event
 
     def _errors(self, plan: Plan, correction: Correction) -> Array:
@@ -239,7 +253,7 @@ class Continuation(Corrector):
         if not self.leg.free:
             weight = max(LEAST_WEIGHT, way)
         elif self.leg.stands:
-            weight = 1.0 / max(SMALL_PART, way)
+            weight = 1.0 / max(LEAST_SHARE, way)
         return np.where(np.isfinite(errors), weight * errors / self.tolerance, math.inf)
 
     def _longest(self, errors: Array) -> tuple[int, int]:
@@ -249,8 +263,8 @@ class Continuation(Corrector):
         Beyond a bend of the path a parabola goes farther than a polynomial that reaches back over it.
         """
         rows = np.arange(1.0, len(errors) + 1.0)
-        rungs = np.floor(-RUNGS * np.log2(np.maximum(errors, ROUNDING)) / (rows + 1.0))
-        rungs = np.clip(rungs, -2 * RUNGS, RUNGS)
+        rungs = np.floor(np.log(np.maximum(errors, 1e-5)) / (-(rows + 1.0) * math.log(RUNG)))
+        rungs = np.clip(rungs, UNSEEN, LARGEST_GROWTH)
         rungs[: len(errors) > 1] = -math.inf  # one row knows no direction
         best = len(errors) - int(rungs[::-1].argmax())
         return best + (best == len(errors)), int(rungs[best - 1])
@@ -266,8 +280,8 @@ class Continuation(Corrector):
         (h, before), self.tried = self.tried, (plan.h, error)
         if self.fails > 1 and error < before < math.inf:
             share = 1.0 - (error - 1.0) / (before - error) * (h - plan.h) / plan.h
-            rung = min(rung, math.floor(RUNGS * math.log2(share)) if share > 0.0 else -2 * RUNGS)
-        self.h = plan.h * 2.0 ** (min(rung, -RUNGS // 2) / RUNGS)
+            rung = min(rung, math.floor(math.log(share, RUNG)) if share > 0.0 else UNSEEN)
+        self.h = plan.h * RUNG ** min(rung, LEAST_CUT)
         self.rows.order, self.slopes = min(len(self.rows), order), {}
         if self.h < SMALLEST_STEP:
             self.fails = 0
@@ -369,7 +383,7 @@ class Continuation(Corrector):
         """Whether the place of a fold foreseen no longer changes."""
         vertex = float(path.place(at)[1]) * self.L
         change, self.vertex = abs(vertex - self.vertex), vertex
-        return change < SMALL_PART * self.tolerance * self.L
+        return change < SAME_FOLD * self.tolerance * self.L
 
     def _finish(self, plan: Plan, correction: Correction) -> None:
         """Take a step, and what its event asks for next."""
@@ -378,7 +392,7 @@ class Continuation(Corrector):
             plan.event = Ending.END  # an event that rounds onto it
         match plan.event:
             case Ending.TURN:  # the scales grow anew from there
-                self._restart(h=SMALL_PART * plan.h)
+                self._restart(h=AFTER_TURN * plan.h)
                 if self.leg.timed:
                     self.lasted, self.T_first = 0.0, self.h * self.T
             case Ending.DEPARTURE if self.state.radius == 0.0:
@@ -433,7 +447,7 @@ class Continuation(Corrector):
             return self.elsewhere(travel)[1] if a + travel > self.least_radius else math.nan
 
         if at_fold:
-            first = way * max(NEARBY * self.law.zone, SLOPE * a)
+            first = way * max(0.05 * self.law.zone, 1e-3 * a)
         else:  # what a row has left of the residual may drive the edge either way
             sides = way * self.still, -way * self.still
             first = next((side for side in sides if residual(side) * side < 0.0), sides[0])

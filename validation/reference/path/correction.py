@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import pressed_force, pressed_radius
-from validation.reference.path.numerics import DEGREE, ROUNDING, SLOPE, SMALL_PART, bracketed
+from validation.reference.path.numerics import DEGREE, ROUNDING, bracketed
 from validation.reference.path.path import Leg, Rows
 from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
@@ -30,6 +30,8 @@ from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 
+SMALL_PART = 0.1
+"""Scales of radius and penetration, in the largest of the run."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 SOLVED = 100.0
@@ -40,10 +42,10 @@ SECANTS = 12
 """Most secants: they converge in four, or do not."""
 SEEN = 1e-5
 """Least difference of two radii, in zones, that tells a slope beside the rounding of the residual."""
-NEARBY = 1e-2
-"""Part of a zone or of the scale of the radius in which an edge is looked for that no row has foreseen."""
+UNFORESEEN = 1e-2
+"""Longest first step after a kink, whichever way the path then goes."""
 FILLED = 1.0 - 1e-5
-"""Zone of fixed stress, in the contact radius, at which contact ends: short of where it grows no longer."""
+"""Zone of fixed stress, in the contact radius, at which the contact ends."""
 LARGEST_JUMP = 1e4
 """Radius up to which a stable contact is looked for, in that at which one runs away."""
 
@@ -140,7 +142,7 @@ class Corrector:
     @property
     def least_scale(self) -> float:
         """Scale of the radius where the edge sets off."""
-        return self.law.zone or NEARBY * self.L_run
+        return self.law.zone or 1e-2 * self.L_run
 
     @property
     def still(self) -> float:
@@ -154,17 +156,15 @@ class Corrector:
         Without adhesion a plane tip is let go as a whole; other contacts end in a point. A force only tells a
         penetration where it is not lost in rounding.
         """
-        return self.law.zone or self.law.tip or (self._vanishing if self.leg.control == "force" else 0.0)
+        end_in_a_point = self._vanishing if self.leg.control == "force" else 0.0
+        return self.law.zone or self.law.tip or end_in_a_point
 
     @cached_property
     def _vanishing(self) -> float:
-        return self.bearing(ROUNDING)
-
-    def bearing(self, part: float) -> float:
-        """Radius of an elastic contact that bears that part of the largest force."""
-        body = self.body
-        largest = 2.0 * body.rheology.relaxed * pressed_force(body, self.L_run / SMALL_PART)
-        return pressed_radius(body, part * largest, self.law.rim)
+        """Radius of an elastic contact whose force is lost in the rounding of the largest."""
+        body, radius = self.body, self.L_run / SMALL_PART
+        least = 2.0 * body.rheology.relaxed * ROUNDING * pressed_force(body, radius)
+        return max(pressed_radius(body, least, self.law.rim), STILL * self.L_run)
 
     def folds(self, way: float) -> bool:
         """Whether an edge that goes that way may run away."""
@@ -184,11 +184,11 @@ class Corrector:
             ends[at] = self.arrive(trial, at)
             return ends[at].residual
 
-        rise = self._secants(function, max(p, 0.0), SLOPE * (p if p > 0.0 else h * self.T), Fixed.RADIUS)
+        rise = self._secants(function, max(p, 0.0), 1e-3 * (p if p > 0.0 else h * self.T), Fixed.RADIUS)
         left = self.leg.end - self.state.parameter
         if rise is None or rise > left + ROUNDING * self.leg.end:
             return None
-        if not new and abs(rise - p) > h / SMALL_PART * self.T:
+        if not new and abs(rise - p) > 10.0 * h * self.T:
             return None
         if not to_fold and self.folds(a) and ends[rise].pace < 0.0:
             return None
@@ -201,8 +201,8 @@ class Corrector:
 
         A resting edge (``rested``) that would move departs where its rest ends.
         """
-        near = self.L * (h / SMALL_PART if len(self.rows) > 1 else NEARBY)
-        size = max(SLOPE * h, SEEN) * min(self.L, self.law.zone or self.L)
+        near = self.L * (10.0 * h if len(self.rows) > 1 else UNFORESEEN)
+        size = max(1e-3 * h, SEEN) * min(self.L, self.law.zone or self.L)
         ends: dict[float, Arrival] = {}
 
         def function(a: float) -> float:
@@ -218,6 +218,7 @@ class Corrector:
             pulled, speed = ends[0.0].pull(-self.noise if rests and not rested else self.noise), 0.0
             if pulled > 0.0 and self.law.rated and self.leg.timed:  # it has a speed, seen or not
                 speed = self.law.allowed_speed(ends[0.0].integral)
+                pulled = 0.0 if rested and speed * p < 0.1 * self.still else pulled
             if pulled == 0.0:
                 stops = Ending.TURN if rests and not rested else Ending.NONE
                 return Correction(ends[0.0], self.chord(p, 0.0), stops)
@@ -260,8 +261,8 @@ class Corrector:
 
         What rounding leaves of short zones is the same at each end of a step: of a load more is asked for.
         """
-        f, of_load, noise = function(x), of is Fixed.RADIUS, self.noise
-        enough = ROUNDING if of_load else noise
+        f, of_load = function(x), of is Fixed.RADIUS
+        enough = ROUNDING if of_load else self.noise
         if abs(f) < enough:
             return x
         slope, best = self.slopes.get(of), (abs(f), x)
@@ -281,7 +282,7 @@ class Corrector:
             if abs(f) < enough or abs(after - x) < NARROW * self.tolerance * abs(x):
                 self.slopes[of] = slope
                 return x
-        return best[1] if best[0] < 10.0 * noise else None
+        return best[1] if best[0] < 10.0 * self.noise else None
 
     # at the same load ---
 
@@ -293,15 +294,21 @@ class Corrector:
         return end, math.nan if filled else end.residual
 
     def runs_away(self, way: float, known: float = 0.0) -> bool:
-        """Whether an edge that sets off is driven on; ``known``: how well its place is."""
-        size = max(NEARBY * (self.law.zone or self.state.radius), known)
-        return not self.elsewhere(way * size)[1] * way >= 0.0  # none where its zone fills the contact
+        """Whether an edge that sets off is driven the more the farther it gets.
+
+        ``known``: how well its place is.
+        """
+        values = []
+        for share in (0.01, 0.02):
+            size = max(share * (self.law.zone or self.state.radius), 100.0 * share * known)
+            values.append(self.elsewhere(way * size)[1] * way)
+        return not (values[0] >= 0.0 or values[1] >= values[0])  # none where its zone fills the contact
 
     def next_stable(self, way: float, first: float, value: float) -> Arrival | None:
         """The next stable edge on a way, beyond a travel at which the residual is known."""
         a, before = self.state.radius, (first, value)
         travels = (
-            (self.least_radius - a) * np.linspace(0.0, 1.0, 17)[1:]
+            (self.least_radius - a) * np.linspace(0.0, 1.0, 17)[1:] ** 1.5
             if way < 0.0
             else a * (np.geomspace(1.0, LARGEST_JUMP, 129)[1:] - 1.0)
         )

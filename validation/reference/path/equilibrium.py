@@ -23,7 +23,7 @@ from contact_scene.scene import zone_too_long
 from validation.reference.path.closure import BASE, LONGEST, closure, zone_length
 from validation.reference.path.fields import untouched
 from validation.reference.path.layer import image
-from validation.reference.path.numerics import NEGLIGIBLE, SMALL_PART, bracketed, dip
+from validation.reference.path.numerics import NEGLIGIBLE, bracketed, dip
 from validation.reference.path.rheology import IndentedBody, rheology
 from validation.reference.path.state import State
 from validation.reference.sneddon import transform
@@ -33,11 +33,15 @@ Array = NDArray[np.float64]
 SHORTEST = 1e-60
 """Least radius at which a contact shorter than its zone is looked for: the least length a scene may hold."""
 RATIO = 1.03
-"""Ratio of the radii among which an equilibrium, or the largest, is looked for."""
-REACH, BEYOND = 1.0 + SMALL_PART, 2.0
+"""Ratio of the radii among which an equilibrium is bracketed."""
+REACH, BEYOND = 1.1, 2.0
 """The functions of a layer reach so many largest contact radii, and so many process zones farther."""
 FARTHER = 2.0
 """How much farther they are to reach where a contact is followed that is larger."""
+WIDER = 1.05
+"""Ratio of radii among which the largest is looked for."""
+LEAST_DIP = 1e-8
+"""Width of a dip of the residual, in the radius, between the two radii of a contact about to be lost."""
 
 
 def elastic_start(scene: Scene, body: IndentedBody) -> State | None:
@@ -111,7 +115,7 @@ def elastic_start(scene: Scene, body: IndentedBody) -> State | None:
     if math.isinf(rim):  # beyond the last root the release rate rises with the radius
         ledge = scene.indenter.radii[-1] if isinstance(scene.indenter, TabulatedProfile) else 0.0
         reach = body.image.reach - zone
-        highest = min(max(2.0 * touching_radius(body, depth, rim), 2.0 * zone, ledge), reach)
+        highest = min(max(2.0 * touching_radius(body, depth, rim), 4.0 * zone, ledge), reach)
         while highest < reach and residual(highest) <= max(residual(0.5 * highest), 0.0):
             highest = min(2.0 * highest, reach)
         if scene.body is not None and residual(highest) <= 0.0:
@@ -237,7 +241,7 @@ def _outermost(residual: Callable[[float], float], radii: list[float]) -> float 
     for radius in radii[1:]:
         value, low = residual(radius), radius
         if 0.0 < at_above < min(value, at_outer):
-            place, lowest = dip(residual, radius, outer, NEGLIGIBLE * radius)
+            place, lowest = dip(residual, radius, outer, LEAST_DIP * radius)
             if lowest <= 0.0:
                 value, low, above = lowest, place, outer
         if value <= 0.0 < at_above:
@@ -293,7 +297,7 @@ def largest_radius(scene: Scene, body: IndentedBody, reach: float) -> float:
     least = adhesion.zone if adhesion else SHORTEST
     radius = max(touching_radius(body, deepest, bound), pressed_radius(body, hardest, bound), least)
     while radius < bound and not beyond(radius):
-        radius = min(RATIO * radius, bound)
+        radius = min(WIDER * radius, bound)
     return radius
 
 

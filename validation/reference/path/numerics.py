@@ -24,12 +24,6 @@ ROUNDING = 1e-12
 """Relative difference of two numbers that may be rounding, of which a run adds up thousands."""
 NEGLIGIBLE = 1e-9
 """Part of a whole that changes nothing that is asked for, and is not yet lost in rounding."""
-SLOPE = 1e-3
-"""Part of a length or of a step beyond which a second point tells a slope."""
-SMALL_PART = 0.1
-"""Of a whole, what is small beside it: scales of a run in the largest radius and penetration; what a short
-step adds to errors of a hold; the step after a turn in the one before; how far a fold that is landed on still
-moves, in tolerances."""
 
 
 def gauss(count: int) -> tuple[Array, Array]:
@@ -97,7 +91,7 @@ def inverse(way: Array, rise: Array) -> Array:
         value, slope = (powers(u, len(way) - 1) @ both).T
         step = (value - rise) / np.where(slope == 0.0, whole, slope)
         u = np.minimum(np.maximum(u - step, 0.0), 1.0)
-        if np.abs(step).max() < NEGLIGIBLE:  # quadratic: one more would be below rounding
+        if np.abs(step).max() < 1e-8:  # quadratic: one more would be below rounding
             break
     return u
 

@@ -26,12 +26,16 @@ from validation.reference.path.memory import (
     Motion,
     collocation,
 )
-from validation.reference.path.numerics import ORDERS, SLOPE, inverse, powers
+from validation.reference.path.numerics import ORDERS, inverse, powers
 from validation.reference.path.path import Leg, PathSegment
 from validation.reference.path.rheology import IndentedBody, total
 from validation.reference.path.state import GRADING, State
 
 Array = NDArray[np.float64]
+
+
+SECANT = 1e-4
+"""Change of the load parameter that tells a slope of the residual, in a step: the root is as much closer."""
 
 
 class Trial:
@@ -144,8 +148,6 @@ class Trial:
             values[1:, 0] = [leg.value(p) - state.depth for p in at[1:]]
         family = collocation(rheology.times, clock, rheology.moduli, state.depths, values)
         unknown = (leg.free or layer) and self.segment.basis.any()
-        if leg.control == "force" and self.radius == 0.0:  # from which no penetration follows
-            return Arrival(self, rise, family.motion(np.full(len(state.depths), math.nan)))
         if not unknown or not self.within_reach:
             return Arrival(self, rise, family.given)
         return self._balanced(rise, family)
@@ -462,6 +464,6 @@ class Arrival:
         segment = trial.segment.cut(u, self.rise, self.free, loose=True)
         part = Trial(trial.body, trial.law, trial.state, trial.leg, segment)
         rise = float((trial.segment.parameter + self.rise * trial.segment.basis) @ u**ORDERS)
-        apart = SLOPE * self.rise
+        apart = SECANT * self.rise
         first, second = (part.arrive(rise + shift).residual for shift in (0.0, apart))
         return part.arrive(rise - first * apart / (second - first)).force
