@@ -33,11 +33,11 @@ if TYPE_CHECKING:  # the same names as in __getattr__, which keeps NumPy and Sci
     from crosscontact.fitting import Fit, fit, fit_each, read_curve, read_curves, write_curve
     from crosscontact.result import ContactState, Result, load
     from crosscontact.sweeps import explore, sweep
-
-    __version__: str
     from validation.fits.record import MeasuredCurve
     from validation.fits.synthetic import synthetic
     from validation.solvers import RunOptions, Solver
+
+    __version__: str
 
 __all__ = [
     "WLF",

@@ -352,30 +352,32 @@ def test_the_largest_tension_lies_on_the_path(name: str) -> None:
     assert coarse == pytest.approx(fine, rel=1e-9)
 
 
-def test_an_edge_that_sets_off_slowly_after_a_dwell_goes_on():
-    """Other breaks for the layer of each speed moved its residual more than it did: it stopped again."""
-    branches = tuple(
-        Branch(E, t) for E, t in ((0.61529, 2.689), (6.7133, 0.0075418), (2.7415, 20.541), (3.6529, 0.11807))
-    )
-    steps = Ramp(0.032205, 1.3124e-3), Hold(9431.0), Ramp(-20.0, 1.7223e-3)
-    adhesion = Adhesion(5.0119e-4, 9.3021e-3, 2.5059e-4)
-    scene = Scene(
-        Material(0.75, 0.5, branches), PowerLaw(5.7081, 157.28), Loading("jump-in", 0.0, steps), adhesion
-    )
-    trace = solve(scene, Options(max_steps=1200))
+@pytest.mark.parametrize(
+    ("branches", "tip", "steps", "zone", "pull_off"),
+    [
+        pytest.param(
+            ((0.61529, 2.689), (6.7133, 0.0075418), (2.7415, 20.541), (3.6529, 0.11807)),
+            PowerLaw(5.7081, 157.28),
+            (Ramp(0.032205, 1.3124e-3), Hold(9431.0), Ramp(-20.0, 1.7223e-3)),
+            9.3021e-3,
+            1.42616e-2,
+            id="breaks for the layer of each speed moved its residual more than it did",
+        ),
+        pytest.param(
+            ((3.8048, 0.57018), (1.1507, 0.0023665), (0.24846, 7.0464)),
+            PowerLaw(3.5475, 6.5764),
+            (Ramp(0.043595, 1.5254e-5), Hold(300.2), Ramp(-20.0, 6.3061e-5)),
+            3.6318e-3,
+            3.934033e-3,
+            id="coarser rules of the step let the steps run out",
+        ),
+    ],
+)
+def test_an_edge_that_sets_off_slowly_after_a_dwell_goes_on(branches, tip, steps, zone, pull_off):
+    """Three or four branches over four decades."""
+    material = Material(0.75, 0.5, tuple(Branch(E, t) for E, t in branches))
+    adhesion = Adhesion(5.0119e-4, zone, 2.5059e-4)
+    trace = solve(Scene(material, tip, Loading("jump-in", 0.0, steps), adhesion), Options(max_steps=1200))
     assert trace.outcome.kind is OutcomeKind.DETACHED
     assert trace.counters.steps + trace.counters.rejected_steps < 600
-
-
-def test_a_slow_retraction_after_a_dwell_takes_no_more_steps_than_others():
-    """Three branches over four decades: with coarser rules of the step the steps ran out before its end."""
-    branches = tuple(Branch(E, t) for E, t in ((3.8048, 0.57018), (1.1507, 0.0023665), (0.24846, 7.0464)))
-    steps = Ramp(0.043595, 1.5254e-5), Hold(300.2), Ramp(-20.0, 6.3061e-5)
-    adhesion = Adhesion(5.0119e-4, 3.6318e-3, 2.5059e-4)
-    scene = Scene(
-        Material(0.75, 0.5, branches), PowerLaw(3.5475, 6.5764), Loading("jump-in", 0.0, steps), adhesion
-    )
-    trace = solve(scene, Options(max_steps=1200))
-    assert trace.outcome.kind is OutcomeKind.DETACHED
-    assert trace.counters.steps + trace.counters.rejected_steps < 600
-    assert -trace.force.min() == pytest.approx(3.934033e-3, rel=1e-5)
+    assert -trace.force.min() == pytest.approx(pull_off, rel=1e-5)
