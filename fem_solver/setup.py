@@ -139,11 +139,16 @@ class Setup:
         return radius if self.adhesion is not None else max(radius, _LEAST_RADIUS * self.surfaces.largest)
 
     @cached_property
+    def least_depth(self) -> float:
+        """Penetration to which errors of one are relative at least: where contact of the least radius ends,
+        without adhesion."""
+        return 0.0 if self.adhesion else self.placement.depth(_LEAST_RADIUS * self.surfaces.largest)
+
+    @cached_property
     def least_force(self) -> float:
         """Force to which errors of a force are relative at least without adhesion: that of a relaxed flat
         punch, where contact of the least radius ends."""
-        radius = _LEAST_RADIUS * self.surfaces.largest
-        return 2.0 * self.relaxed_modulus * radius * self.placement.depth(radius)
+        return 2.0 * self.relaxed_modulus * _LEAST_RADIUS * self.surfaces.largest * self.least_depth
 
     def at(self, placement: Placement) -> ComponentState:
         """The accepted state with the mesh at another place."""

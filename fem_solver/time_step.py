@@ -273,7 +273,7 @@ class SteppedStates:
             "force": (force, now.force, self.force_scale(force, singular, radius)),
         }
         if segment.control != "penetration":
-            scale = self.recorder.depth_scale()
+            scale = max(self.recorder.depth_scale(), self.setup.least_depth)
             quantities["penetration"] = contact.penetration, now.penetration, scale
         slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
         scales = {name: scale for name, (_, _, scale) in quantities.items()}
