@@ -20,6 +20,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,8 +69,12 @@ class ContactProblem:
         remembers = state.edge > NO_CONTACT and step.gain.size  # an elastic node has no past
         self._partly = math.floor(state.edge) + 1 if remembers else None
         self.modulus, self._gain = step.modulus, step.gain[:, None]
+        self._bend = (0.0, 0.0) if control == "penetration" else state.bend(dt)
         memory = step.memory(state.branches, state.components)
-        self._stiff, self._held = self.modulus * placement.unit, memory - self.modulus * placement.profile
+        bent = float(step.bent.sum())
+        self._stiff = (self.modulus + bent * self._bend[0]) * placement.unit
+        self._held = memory - self.modulus * placement.profile
+        self._held += bent * (self._bend[1] - self._bend[0] * state.penetration) * placement.unit
         self.stiffness = np.cumsum(placement.unit * self._stiff)
         self.held_force = np.cumsum(placement.unit * self._held)
         self._memory = memory
@@ -149,7 +154,11 @@ class ContactProblem:
         """Branch variables of the first nodes, in contact throughout."""
         here, state = self.placement, self.state
         change = penetration * here.unit[:count] - here.profile[:count] - state.components[:count]
-        return self._step.advance(state.branches[:, :count], change)
+        return self._step.advance(state.branches[:, :count], change, self._bent(penetration) * here.unit[:count])
+
+    def _bent(self, penetration: Any) -> Any:
+        """Bend of the way to a penetration: of ``theta (theta - 1)`` over the share ``theta`` of the step."""
+        return self._bend[0] * (penetration - self.state.penetration) + self._bend[1]
 
     def _changing(self, s: float) -> tuple[int, int]:
         """Range of the nodes that are not in contact, or free, throughout the step."""
@@ -179,11 +188,12 @@ class ContactProblem:
 
             unit, profile = each(here.unit[nodes]), each(here.profile[nodes])
             change = np.repeat(penetrations - state.penetration, count)
+            bent = np.repeat(self._bent(penetrations), count)
             start = each(state.components[nodes]), each(state.branches[:, nodes])
             passage = NodePassage(self.solid, *start, state.held, accounts, strips=strips, ways=several)
 
             def imposed(theta: Array) -> Array:
-                return (state.penetration + theta * change) * unit - profile
+                return (state.penetration + theta * (change + (theta - 1.0) * bent)) * unit - profile
 
             if self.at_once:
                 begun, reached = imposed(np.zeros(1)), imposed(np.ones(1))
@@ -225,6 +235,8 @@ class ContactProblem:
         state, lost = self.state, 0.0
         if not self.at_once:
             lost += self.solid.loss(state.components[:low], state.branches[:, :low], self.dt, held).sum()
+            bent, change = self._bent(penetration) * here.unit[:low], held - state.components[:low]
+            lost += self.solid.modulus.bent_loss(self.dt, state.branches[:, :low], change, bent).sum()
             lost += self.solid.stored(state.components[high:], state.branches[:, high:]).sum()
             lost -= self.solid.stored(v[high:], b[:, high:]).sum()
         unresolved = self.solid.remaining(state.unresolved, self.dt)
@@ -248,6 +260,7 @@ class ContactProblem:
             radius=edge[1],
             edge=s,
             before=state.rows_and_this(self.dt) if 0.0 < self.dt < math.inf else (),
+            sunk=(self.dt, penetration - state.penetration) if 0.0 < self.dt < math.inf else None,
             dissipated=state.dissipated + passage.dissipated + float(lost) + relaxed + of_borders,
             opening=state.opening + passage.opening + passed,
             updates=state.updates + 1,
@@ -389,7 +402,9 @@ class ContactProblem:
         radius = self.geometry.radius(s)
         places, left = self._left_inside if before or radius < self.state.radius else self._left_outside
         depth = self.placement.depth(radius)
-        return self.penetration(s) - depth + float(np.interp(depth, places, left))
+        penetration, inside = self.penetration(s), left is self._left_inside[1]
+        bent = float(self._step.bent.sum()) / self.modulus * self._bent(penetration) if inside else 0.0
+        return penetration - depth + bent + float(np.interp(depth, places, left))
 
     @cached_property
     def _edge_before(self) -> tuple[Array, Array]:
@@ -437,7 +452,8 @@ class ContactProblem:
         depth = here.depth(radius)
         if radius <= self.state.radius:
             held_at = np.array([self.penetration(s) - here.depth(self.state.radius)])
-            there = self.solid.linear(*self._edge_before, self.dt, held_at)
+            v, b = self._edge_before
+            there = self._step.advance(b, held_at - v, self._bent(self.penetration(s)))
             within = self._in_contact(count, self.penetration(s)) / here.unit[:count]
             places, held = self._left_inside[0], np.hstack([within, there])
             return np.array([np.interp(depth, places, branch) for branch in held])

@@ -10,7 +10,8 @@ Over a step ``dt`` in which ``x`` is linear in time, exactly,
     ``b_k <- exp(-y_k) b_k + m_k phi(y_k) dx``,   ``y_k = dt/tau_k``,   ``phi(y) = (1 - exp(-y))/y``,
 
 so ``s = m_hat x + memory`` with the algorithmic modulus ``m_hat = m_0 + sum_k m_k phi(y_k)``. The formulas
-hold from ``dt = 0`` (the glassy jump) to ``dt = inf`` (fully relaxed).
+hold from ``dt = 0`` (the glassy jump) to ``dt = inf`` (fully relaxed). A parabola, ``bend theta (theta - 1)``
+beyond the line over the share ``theta`` of the step, adds ``m_k (2 (1 - phi(y_k))/y_k - phi(y_k)) bend``.
 
 Shear and bulk of a material are such series. A frictionless surface answers with two moduli in series,
 ``1/E* = 1/(4 G) + 3/(4 (3 K + G))``, whatever relaxes; as one, ``G``, where all relax alike. The energies are
@@ -52,11 +53,12 @@ def mean_phi(y: Array) -> Array:
 
 @dataclass(frozen=True)
 class Increment:
-    """Coefficients of one step; ``decay`` and ``gain`` have shape (branches,)."""
+    """Coefficients of one step; ``decay``, ``gain`` and ``bent`` have shape (branches,)."""
 
     modulus: float
     decay: Array
     gain: Array
+    bent: Array
 
     def memory(self, branches: Array, x: Array | float) -> Array:
         """Part of the new stress that the old state determines: ``sum_k decay_k b_k - gain_k x``.
@@ -65,10 +67,11 @@ class Increment:
         """
         return self.decay @ branches - self.gain.sum() * np.asarray(x)
 
-    def advance(self, branches: Array, dx: Array | float) -> Array:
-        """Branch variables at the end of the step."""
+    def advance(self, branches: Array, dx: Array | float, bend: Array | float = 0.0) -> Array:
+        """Branch variables at the end of the step, in which ``x`` may go on a parabola."""
         shape = (-1, *(1,) * (branches.ndim - 1))
-        return self.decay.reshape(shape) * branches + self.gain.reshape(shape) * np.asarray(dx)
+        new = self.decay.reshape(shape) * branches + self.gain.reshape(shape) * np.asarray(dx)
+        return new + self.bent.reshape(shape) * np.asarray(bend)
 
 
 @dataclass(frozen=True)
@@ -97,7 +100,8 @@ class Prony:
         """Coefficients of a step ``0 <= dt <= inf``."""
         y = dt / self.times
         gain = self.moduli * phi(y)
-        return Increment(self.relaxed + float(gain.sum()), np.exp(-y), gain)
+        bent = self.moduli * (2.0 * mean_phi(y) - phi(y))
+        return Increment(self.relaxed + float(gain.sum()), np.exp(-y), gain, bent)
 
     def loss_weights(self, dt: float) -> Array:
         """Weights of the energy dissipated in each branch over a step, shape (3, branches).
@@ -111,6 +115,23 @@ class Prony:
         with np.errstate(invalid="ignore", divide="ignore"):
             curved = np.where(y < _SHORT, y / 3.0 - y**2 / 4.0, (1.0 - 2.0 * one + two) / y)
         return np.stack([y * two, 2.0 * (one - two), curved])
+
+    def bent_loss(self, dt: float, b: Array, dx: Array, bend: Array) -> Array:
+        """What the bend of a parabola adds to the energy dissipated in all branches, shape of ``dx``.
+
+        A branch takes up ``int b x' dt``, less what it stores; with ``theta`` the share of the step,
+        ``int b dtheta`` and ``int b theta dtheta`` follow from its equation.
+        """
+        y, m = (dt / self.times)[:, None], self.moduli[:, None]
+        straight = np.exp(-y) * b + m * phi(y) * dx
+        bent = m * (2.0 * mean_phi(y) - phi(y)) * bend
+        mean, moment = (m * dx - straight + b) / y, (m * dx / 2.0 - straight) / y
+        moment, of_mean = moment + mean / y, -bent / y
+        of_moment = (m * bend / 6.0 - bent + of_mean) / y
+        lost = dx * of_mean - bend * (mean + of_mean) + 2.0 * bend * (moment + of_moment)
+        lost -= bent * (straight + 0.5 * bent) / m
+        short = -y * bend * (b / 3.0 + m * (dx / 6.0 - bend / 30.0))
+        return np.asarray(np.where(y > _SHORT, lost, short).sum(axis=0))
 
     def mean_loss_weights(self, dt: float) -> Array:
         """Means of :meth:`loss_weights` over durations from 0 to ``dt``, with ``dx`` in proportion to them.

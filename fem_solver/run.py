@@ -85,7 +85,7 @@ class NodeReleaseRun(SteppedStates):
             if stop.time > start:
                 self._carry_out_interval(loading, segment, start, stop, span)
             if self._triggered(segment):
-                self.estimator.reset()
+                self.slopes_jump()
                 self.interval = self.step = self.before = None
                 return
             start = stop.time
@@ -124,7 +124,7 @@ class NodeReleaseRun(SteppedStates):
                 self.step = None
         self._on_stop()
         if stop.kink:
-            self.estimator.reset()
+            self.slopes_jump()
         self.step = None if stop.kink else interval.dt
 
     @property
@@ -151,7 +151,7 @@ class NodeReleaseRun(SteppedStates):
         """Where a plane tip touches, all of it is in contact; others begin from a point."""
         whole = self.search(0.0, control, value).plane_contact()
         if whole is not None:
-            self.estimator.reset()
+            self.slopes_jump()
             self._commit(whole)
 
     def _first_touch(self, segment: Segment, start: float, stop: float) -> float:
@@ -182,7 +182,7 @@ class NodeReleaseRun(SteppedStates):
         """The load jump, if any, with which a load step begins."""
         state, target = self.state, segment.value(segment.start)
         before = segment.present(state.penetration, state.force)
-        self.estimator.reset()
+        self.slopes_jump()
         if math.isclose(target, before):
             return
         tolerance = MISSED * self.estimator.tolerance

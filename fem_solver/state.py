@@ -28,7 +28,7 @@ class ComponentState:
     begun to recede, and that it has left, as far out as the closure looks; it sees of a node the radii within
     its zone, and where the edge turned they jump. ``at_edge`` are those of a component at the edge, over
     ``e``, without adhesion: nothing jumps there. ``before`` are the rows from which on the path of the edge
-    is smooth, the last one first. Energy that is finer than the elements hold is ``unresolved`` outside, by
+    is smooth, the last one first, ``sunk`` time and change of the penetration since the last one. Energy that is finer than the elements hold is ``unresolved`` outside, by
     modes, ``uneven`` in contact, by branches, and ``borders`` where steps have left it within nodes;
     ``record`` is the surface where earlier meshes were finer.
     """
@@ -44,6 +44,7 @@ class ComponentState:
     radius: float = 0.0
     edge: float = NO_CONTACT
     before: tuple[Row, ...] = ()
+    sunk: tuple[float, float] | None = None
     dissipated: float = 0.0
     opening: float = 0.0
     updates: int = 0
@@ -64,6 +65,17 @@ class ComponentState:
             return mean
         duration, earlier = self.before[0]
         return mean + (mean + (self.radius - earlier) / duration) * dt / (dt + duration)
+
+    def bend(self, dt: float) -> tuple[float, float]:
+        """Bend of the penetration over a step: per change of it, and at none.
+
+        The parabola goes through the row before, where there is one.
+        """
+        if self.sunk is None or not 0.0 < dt < math.inf:
+            return 0.0, 0.0
+        duration, change = self.sunk
+        share = dt / (dt + duration)
+        return share, -share * change * dt / duration
 
     def rows_and_this(self, dt: float) -> tuple[Row, ...]:
         """The two rows before the end of a step from here, through which the path of the next one goes."""

@@ -131,6 +131,11 @@ class SteppedStates:
 
     # Accepting states
 
+    def slopes_jump(self) -> None:
+        """Behind a kink or a jump the slopes before it tell nothing."""
+        self.estimator.reset()
+        self.setup.state = replace(self.setup.state, sunk=None)
+
     def _commit(self, candidate: ContactCandidate, contact: bool = True, bent: float = 0.0) -> None:
         """Accept a state, in contact or free: history, row, counters; ``bent`` as of a surface state."""
         problem, s, setup, last = candidate.problem, candidate.edge.s, self.setup, self.recorder.totals.last
@@ -361,7 +366,7 @@ class SteppedStates:
             self.time += contact.problem.dt
             interval.end_at(self.time)
             self._commit(contact)
-            self.estimator.reset()
+            self.slopes_jump()
             return
         radius, jumped = self.state.radius, not contact.in_equilibrium
         travel = self.setup.travel(radius)
@@ -376,6 +381,8 @@ class SteppedStates:
         self._commit(contact)
         self.before = None if jumped else before
         self.estimator.accept(slopes)
+        if jumped:
+            self.slopes_jump()
         moved = abs(self.state.radius - radius)
         if error > 1.0 or moved > 0.9 * travel:
             interval.halve()
