@@ -27,11 +27,18 @@ _LEAST_PRESSED = -1.0 + 1e-6
 
 
 def root_between(function: Callable[[float], float], ends: dict[float, float], xtol: float = 2e-12) -> float:
-    """The root between two places, given with the values there."""
+    """The root between two places, given with the values there, to ``xtol`` by the slope between these."""
+    (low, high), values = (min(ends), max(ends)), ends.values()
+    enough = xtol * (max(values) - min(values)) / (high - low)
+
+    def unless_reached(at: float) -> float:
+        value = ends[at] if at in ends else function(at)
+        return value if abs(value) > enough else 0.0
+
     # SciPy's wrapper of a function refers to itself: what it holds would wait for the garbage collection
-    held = [lambda at: ends[at] if at in ends else function(at)]
+    held = [unless_reached]
     try:
-        return float(brentq(lambda at: held[0](at), min(ends), max(ends), xtol=xtol))
+        return float(brentq(lambda at: held[0](at), low, high, xtol=xtol))
     finally:
         held.clear()
 
