@@ -32,7 +32,9 @@ def root_between(function: Callable[[float], float], ends: dict[float, float], x
     enough = xtol * (max(values) - min(values)) / (high - low)
 
     def unless_reached(at: float) -> float:
-        value = ends[at] if at in ends else function(at)
+        if at in ends:
+            return ends[at]
+        value = function(at)
         return value if abs(value) > enough else 0.0
 
     # SciPy's wrapper of a function refers to itself: what it holds would wait for the garbage collection
