@@ -154,7 +154,9 @@ class ContactProblem:
         """Branch variables of the first nodes, in contact throughout."""
         here, state = self.placement, self.state
         change = penetration * here.unit[:count] - here.profile[:count] - state.components[:count]
-        return self._step.advance(state.branches[:, :count], change, self._bent(penetration) * here.unit[:count])
+        return self._step.advance(
+            state.branches[:, :count], change, self._bent(penetration) * here.unit[:count]
+        )
 
     def _bent(self, penetration: Any) -> Any:
         """Bend of the way to a penetration: of ``theta (theta - 1)`` over the share ``theta`` of the step."""
@@ -336,7 +338,9 @@ class ContactProblem:
             return NodeStrips(free, recovered)
         middles = np.cumsum(contact) - 0.5 * contact
         share = self._moments(s)(ends[node - 1] + middles * (ends[node] - ends[node - 1]))
-        ways = state.penetration, state.penetration + share * (self.penetration(s) - state.penetration)
+        change = self.penetration(s) - state.penetration
+        way = change + (share - 1.0) * self._bent(state.penetration + change)
+        ways = state.penetration, state.penetration + share * way
         unit, profile = self.placement.unit[node], self.placement.profile[node]
         start, end = (np.broadcast_to(depth * unit - profile, share.shape) for depth in ways)
         held = solid.linear(start, held, share * self.dt, end)
@@ -357,10 +361,9 @@ class ContactProblem:
         edge = here.site(s)
         sited = edge / self.geometry.radius(s)
         moments = self._moments(s)
-        penetrations = state.penetration, self.penetration(s)
-        passed = state.record.after(
-            self.solid, self.dt, penetrations, edge, lambda x: moments(x / sited), nodes
-        )
+        begin, end = state.penetration, self.penetration(s)
+        way = begin, end - begin, self._bent(end)
+        passed = state.record.after(self.solid, self.dt, way, edge, lambda x: moments(x / sited), nodes)
         return passed.renewed(nodes, slice(int(here.lowest), self.geometry.last + 1))
 
     def closure(self, s: float) -> float:

@@ -28,8 +28,9 @@ class ComponentState:
     begun to recede, and that it has left, as far out as the closure looks; it sees of a node the radii within
     its zone, and where the edge turned they jump. ``at_edge`` are those of a component at the edge, over
     ``e``, without adhesion: nothing jumps there. ``before`` are the rows from which on the path of the edge
-    is smooth, the last one first, ``sunk`` time and change of the penetration since the last one. Energy that is finer than the elements hold is ``unresolved`` outside, by
-    modes, ``uneven`` in contact, by branches, and ``borders`` where steps have left it within nodes;
+    is smooth, the last one first; ``sunk`` are the time and the change of the penetration since the last one,
+    or none after a kink. Energy that is finer than the elements hold is ``unresolved`` outside, by modes,
+    ``uneven`` in contact, by branches, and ``borders`` where steps have left it within nodes;
     ``record`` is the surface where earlier meshes were finer.
     """
 

@@ -62,15 +62,15 @@ class SurfaceRecord:
         self,
         solid: Components,
         dt: float,
-        penetrations: tuple[float, float],
+        way: tuple[float, float, float],
         edge: float,
         moments: Callable[[Array], Array],
         nodes: SurfaceRecord,
     ) -> SurfaceRecord:
         """The record after a step, every point released or covered in its own time, exactly.
 
-        The penetrations are those at its begin and end; ``edge`` is where the edge is at the end, and
-        ``moments`` tells shares of the step at which it is at radii between.
+        The way is penetration at its begin, change of it, and bend; ``edge`` is where the edge is at the end,
+        and ``moments`` tells shares of the step at which it is at radii between.
 
         A node of a wide element stands for the radii between two positions of the edge, and not evenly: its
         mean is that of another radius, to one side at vertices and to the other between them. Left behind as
@@ -78,13 +78,14 @@ class SurfaceRecord:
         """
         known = self._with_points(nodes, edge)
         x, b, profile = known.positions, known.intensity, known.profile
-        first, last = (penetration - profile for penetration in penetrations)
+        begin, change, bend = way
+        first, last = begin - profile, begin + change - profile
         before, after = known.edge, int(np.searchsorted(x, edge))
         low, high = sorted((before, after))
-        held = solid.linear(first[:low], b[:, :low], dt, last[:low])
+        held = solid.modulus.increment(dt).advance(b[:, :low], change, bend)
         free = solid.recovered(b[:, high:], dt)[1]
         share, at_pass = moments(x[low:high]), slice(low, high)
-        passed, left = first[at_pass] + share * (last - first)[at_pass], (1.0 - share) * dt
+        passed, left = first[at_pass] + share * (change + (share - 1.0) * bend), (1.0 - share) * dt
         if after < before:
             until = solid.linear(first[at_pass], b[:, at_pass], share * dt, passed)
             released = solid.linear(passed, until, 0.0, solid.relieved(passed, until, 0.0))

@@ -74,7 +74,7 @@ def test_points_are_covered_in_their_own_time():
     """Virgin ground, passed at constant speed: each point relaxes from the jump of its own moment."""
     known = record([1.0, 1.1, 1.2, 3.0], [0.0] * 4, edge=1)  # the second one is released in part
     nodes = record([0.5, 1.0, 1.5, 1.7, 2.5, 3.5], [0.0] * 6, edge=4)
-    found = known.after(SOLID, 2.0, (4.0, 4.0), 2.0, lambda x: x - 1.0, nodes)
+    found = known.after(SOLID, 2.0, (4.0, 0.0, 0.0), 2.0, lambda x: x - 1.0, nodes)
     assert found.positions.tolist() == [1.0, 1.2, 1.5, 1.7, 3.0]
     assert found.edge == 4
     passed = found.positions[1:4]
@@ -87,7 +87,7 @@ def test_points_are_released_in_their_own_time():
     """Each loses its force at once and recovers: with one branch at the rate of retardation."""
     known = record([1.0, 1.5, 2.0, 2.1], [0.0] * 4, edge=3)
     nodes = record([0.5, 1.7, 2.5], [0.0] * 3, edge=1)
-    found = known.after(SOLID, 2.0, (1.0, 1.0), 1.2, lambda x: 2.0 - x, nodes)
+    found = known.after(SOLID, 2.0, (1.0, 0.0, 0.0), 1.2, lambda x: 2.0 - x, nodes)
     assert found.positions.tolist() == [1.0, 1.5, 1.7, 2.0]
     assert found.edge == 1
     x = found.positions[1:]

@@ -136,6 +136,26 @@ def test_branch_loss_is_the_integral_over_the_step(dt):
     assert weights @ [before**2 / 3.0, before * dx, 3.0 * dx**2] == pytest.approx(loss, rel=1e-9)
 
 
+@pytest.mark.parametrize("dt", [1e-6, 0.99e-3, 1e-3, 1.0, 50.0])
+def test_a_bend_of_the_strain_within_a_step_adds_its_integrals(dt):
+    modulus, b, dx, bend = Prony(0.0, np.array([3.0]), np.array([0.7])), 0.4, 0.3, 0.11
+    t, w = np.polynomial.legendre.leggauss(80)
+    share, weight = 0.5 * (t + 1.0), 0.5 * w
+
+    def after(at, bent):
+        """The branch at a share of the step, by quadrature over the time before."""
+        s = at * share
+        rate = 3.0 * (dx + bent * (2.0 * s - 1.0))
+        return np.exp(-at * dt / 0.7) * b + at * weight @ (np.exp(-(at - s) * dt / 0.7) * rate)
+
+    found = modulus.increment(dt).advance(np.array([[b]]), np.array([dx]), np.array([bend]))
+    assert found[0, 0] == pytest.approx(after(1.0, bend), rel=1e-12)
+    straight, bent = (np.array([after(at, c) for at in share]) for c in (0.0, bend))
+    lost = dt / 0.7 / 3.0 * weight @ (bent**2 - straight**2)
+    found = modulus.bent_loss(dt, np.array([[b]]), np.array([dx]), np.array([bend]))
+    assert found[0] == pytest.approx(lost, rel=2e-3 if dt <= 1e-3 else 1e-6)
+
+
 @pytest.mark.parametrize("dt", [1e-5, 1e-3, 0.5, 20.0, 1e4])
 def test_mean_branch_loss_is_that_of_parts_that_leave_evenly(dt):
     modulus = Prony(0.0, np.array([3.0]), np.array([0.7]))

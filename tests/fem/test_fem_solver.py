@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from support.closed_forms import lee_radok
 from support.paper_scenes import ELASTIC as SOFT
 from support.paper_scenes import ONE as RUBBER
 from support.paper_scenes import PULL as JKR
@@ -34,6 +35,7 @@ from contact_scene import (
 )
 from fem_solver import Options, solve
 from meshes import EdgeMeshes
+from validation.cases import load
 from validation.fields.moments import FieldRequest, record_fields
 from validation.reference import sneddon
 from validation.solvers import SOLVERS
@@ -310,6 +312,23 @@ def test_relaxation_times_over_many_decades(times):
     if len(times) == 1 and times[0] < 1.0:
         assert -trace.force.min() / JKR == pytest.approx(1.027, rel=3e-3)
     assert -trace.force.min() / JKR > 1.0
+
+
+def test_penetration_under_a_force_bends_within_steps():
+    """Against Lee and Radok's dual: straight steps end 1.9e-4 off, and many begin at next to no force."""
+    creeping = load("cone-force-ramp").scene
+    trace = solve(creeping, SOLVERS["fem"].mesh(creeping))
+
+    def square(time):
+        after = max(time, 0.0)
+        return float(lee_radok.radius_under_force_ramp(creeping.material, creeping.indenter, 1.0, after)) ** 2
+
+    end = trace.time[-1]
+    radius = math.sqrt(0.2 * square(end) - 0.18 * square(end - 1.0) - 0.02 * square(end - 6.0))
+    depth = 0.5 * math.pi * radius / math.tan(math.radians(60.0))
+    assert trace.penetration[-1] == pytest.approx(depth, rel=1e-4)
+    assert trace.contact_radius[-1] == pytest.approx(radius, rel=1.5e-4)
+    assert trace.counters.steps < 350
 
 
 def test_options_are_checked():
