@@ -30,15 +30,8 @@ def root_between(function: Callable[[float], float], ends: dict[float, float], x
     """The root between two places, given with the values there, to ``xtol`` by the slope between these."""
     (low, high), values = (min(ends), max(ends)), ends.values()
     enough = xtol * (max(values) - min(values)) / (high - low)
-
-    def unless_reached(at: float) -> float:
-        if at in ends:
-            return ends[at]
-        value = function(at)
-        return value if abs(value) > enough else 0.0
-
     # SciPy's wrapper of a function refers to itself: what it holds would wait for the garbage collection
-    held = [unless_reached]
+    held = [lambda at: ends[at] if at in ends else (y := function(at)) * (abs(y) > enough)]
     try:
         return float(brentq(lambda at: held[0](at), low, high, xtol=xtol))
     finally:
