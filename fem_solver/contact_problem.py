@@ -71,10 +71,11 @@ class ContactProblem:
         self.modulus, self._gain = step.modulus, step.gain[:, None]
         self._bend = (0.0, 0.0) if control == "penetration" else state.bend(dt)
         memory = step.memory(state.branches, state.components)
-        bent = float(step.bent.sum())
-        self._stiff = (self.modulus + bent * self._bend[0]) * placement.unit
-        self._held = memory - self.modulus * placement.profile
-        self._held += bent * (self._bend[1] - self._bend[0] * state.penetration) * placement.unit
+        self._bends = float(step.bent.sum())
+        self._stiff = (self.modulus + self._bends * self._bend[0]) * placement.unit
+        self._held = (
+            memory - self.modulus * placement.profile + self._bends * self._bent(0.0) * placement.unit
+        )
         self.stiffness = np.cumsum(placement.unit * self._stiff)
         self.held_force = np.cumsum(placement.unit * self._held)
         self._memory = memory
@@ -154,9 +155,8 @@ class ContactProblem:
         """Branch variables of the first nodes, in contact throughout."""
         here, state = self.placement, self.state
         change = penetration * here.unit[:count] - here.profile[:count] - state.components[:count]
-        return self._step.advance(
-            state.branches[:, :count], change, self._bent(penetration) * here.unit[:count]
-        )
+        bent = self._bent(penetration) * here.unit[:count]
+        return self._step.advance(state.branches[:, :count], change, bent)
 
     def _bent(self, penetration: Any) -> Any:
         """Bend of the way to a penetration: of ``theta (theta - 1)`` over the share ``theta`` of the step."""
@@ -406,7 +406,7 @@ class ContactProblem:
         places, left = self._left_inside if before or radius < self.state.radius else self._left_outside
         depth = self.placement.depth(radius)
         penetration, inside = self.penetration(s), left is self._left_inside[1]
-        bent = float(self._step.bent.sum()) / self.modulus * self._bent(penetration) if inside else 0.0
+        bent = self._bends / self.modulus * self._bent(penetration) if inside else 0.0
         return penetration - depth + bent + float(np.interp(depth, places, left))
 
     @cached_property

@@ -51,7 +51,7 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.linalg.blas import dsyr2
 from scipy.linalg.lapack import dlauum, dtrtri
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import SuperLU, spilu, splu
 from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, MeshTri
 
 from fem_solver import forms
@@ -159,7 +159,7 @@ class HalfSpace:
         nodes, vertices = np.isin(vertical, self.free), self.mesh.p.shape[1]
         graph = self.deviatoric[vertical[nodes]][:, vertical[nodes]]  # one unknown a node
         rank = np.zeros(len(vertical), dtype=np.int64)
-        rank[nodes] = splu(graph, **SYMMETRIC).perm_c
+        rank[nodes] = spilu(graph, drop_tol=1.0, fill_factor=1.0, **SYMMETRIC).perm_c
         ranks = np.zeros(self.unknowns, dtype=np.int64)
         ranks[self.basis.nodal_dofs], ranks[self.basis.facet_dofs] = rank[:vertices], rank[vertices:]
         latest = rank[:vertices].copy()

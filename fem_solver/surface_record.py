@@ -31,8 +31,8 @@ class SurfaceRecord:
     """Intensities (branches, m) of the branch variables at radii ``positions``, rising.
 
     ``profile`` is the penetration at which contact without adhesion ends there; ``edge`` points are in
-    contact, the next one is the node that is released in part; as many as
-    ``needed`` away from the fine strip could not be thinned, if any.
+    contact, the next one is the node that is released in part; ``needed`` were left away from the fine strip
+    where it was thinned last, and it is thinned again where there are twice as many.
     """
 
     positions: Array
@@ -48,15 +48,13 @@ class SurfaceRecord:
         within, beyond = slice(fine.start, nodes.edge), slice(nodes.edge, fine.stop)
         left = self._at(inner)._followed_by(nodes._at(within))
         right = nodes._at(beyond)._followed_by(self._at(outer))
-        away = int(inner.sum() + outer.sum())
-        if away > self.needed:
-            left = left._at(_needed(left.positions, left.intensity, int(inner.sum())))
-            # mirrored: the points that may go come first
-            mirrored = _needed(-right.positions[::-1], right.intensity[:, ::-1], int(outer.sum()))
-            right = right._at(mirrored[::-1])
+        thinned = inner.sum() + outer.sum() > 2 * self.needed
+        if thinned:
+            left = left._thinned(int(inner.sum()))
+            right = right._thinned(int(outer.sum()), -1)
         both = left._followed_by(right)
-        all_needed = both.positions.size == away + nodes.positions[fine].size
-        return replace(both, edge=len(left.positions), needed=away if all_needed else 0)
+        away = both.positions.size - nodes.positions[fine].size
+        return replace(both, edge=len(left.positions), needed=away if thinned else self.needed)
 
     def after(
         self,
@@ -111,6 +109,11 @@ class SurfaceRecord:
         intensity = interpolated(self.positions, self.intensity, added.positions)
         both = self._followed_by(replace(added, intensity=intensity))
         return both._at(np.argsort(both.positions))
+
+    def _thinned(self, count: int, sign: int = 1) -> SurfaceRecord:
+        """Without those of the first, or with ``sign`` -1 the last, ``count`` points that are not needed."""
+        kept = _needed(sign * self.positions[::sign], self.intensity[:, ::sign], count)[::sign]
+        return self if kept.all() else self._at(kept)._thinned(count - int(np.count_nonzero(~kept)), sign)
 
     def _at(self, selection: Selection) -> SurfaceRecord:
         """Some of the points, all on one side of the edge."""
