@@ -3,7 +3,7 @@
 The edge is a real number ``s``: nodes ``0..floor(s)`` are in full contact, the next one
 partly. A step may pass over any number of nodes. A node that the edge leaves behind goes through three times:
 
-1. in contact, until the edge is there (``s = j``): ``v_j`` as imposed, the penetration linear in time;
+1. in contact, until the edge is there (``s = j``): ``v_j`` as imposed;
 2. partly released, until the edge is at the node before it (``s = j - 1``): its force is the share
    ``s - (j - 1)`` of that in contact and goes linearly to zero;
 3. free, until the end of the step: it recovers, exactly.
@@ -12,6 +12,9 @@ A node that the edge covers goes through them in reverse; partly covered, ``v_j`
 imposed and what recovers, by its share. Component j stands for the radii between two positions of the edge:
 both are the means over them of what a continuous edge leaves there. The times follow from its path (see
 ``edge_path``). Where all happens at once (a load jump, the start) every node has the second time only.
+
+The penetration is linear in time where it is prescribed, else a parabola: exact for nodes that stay in
+contact; those on their way go linearly between its points.
 """
 
 from __future__ import annotations

@@ -27,13 +27,11 @@ _LEAST_PRESSED = -1.0 + 1e-6
 
 
 def root_between(function: Callable[[float], float], ends: dict[float, float], xtol: float = 2e-12) -> float:
-    """The root between two places, given with the values there, to ``xtol`` by the slope between these."""
-    (low, high), values = (min(ends), max(ends)), ends.values()
-    enough = xtol * (max(values) - min(values)) / (high - low)
+    """The root between two places, given with the values there."""
     # SciPy's wrapper of a function refers to itself: what it holds would wait for the garbage collection
-    held = [lambda at: ends[at] if at in ends else (y := function(at)) * (abs(y) > enough)]
+    held = [lambda at: ends[at] if at in ends else function(at)]
     try:
-        return float(brentq(lambda at: held[0](at), low, high, xtol=xtol))
+        return float(brentq(lambda at: held[0](at), min(ends), max(ends), xtol=xtol))
     finally:
         held.clear()
 

@@ -331,6 +331,15 @@ def test_penetration_under_a_force_bends_within_steps():
     assert trace.counters.steps < 350
 
 
+def test_contact_of_a_blunt_tip_grows_in_every_step_under_a_growing_force():
+    """The residual of ``r^100`` is far steeper between two places than at its root."""
+    loading = Loading("jump-in", 0.0, (ForceRamp(0.01, 0.01),))
+    asked = Scene(RUBBER, PowerLaw(100.0, 1.0), loading)
+    trace = solve(asked, SOLVERS["fem"].mesh(asked))
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert np.diff(trace.contact_radius).min() > 1e-6 * trace.contact_radius[-1]
+
+
 def test_options_are_checked():
     for wrong in ({"tolerance": 2.0}, {"max_steps": 0}):
         with pytest.raises(SceneError, match=next(iter(wrong))):
