@@ -17,19 +17,36 @@ from fem_solver.contact_problem import ContactProblem
 from fem_solver.edge_path import NO_CONTACT, EdgeGeometry, EdgeMotion, EdgePosition
 
 _STRIDE = 0.5
-"""First stride of a search, in node spacings, and the widest, in shortest zones: the closure, a mean over a
-zone, hardly turns within it."""
+"""Longest first stride of a search, in node spacings, and the widest, in shortest zones: the closure, a mean
+over a zone, hardly turns within it."""
+_MISSED = 2.0**-5
+"""First stride from where the edge is expected, in ways to there: what it misses by is mostly less."""
 _NARROW_STRIDE = 2.0**-12
-"""First stride of a search, in node spacings, after one that has ended in a receding edge: next to the last
-root the interval between two roots is narrower than the usual stride."""
+"""Shortest first stride, and that after a search that has ended in a receding edge, in node spacings: next to
+the last root the interval between two roots is narrower than the usual stride."""
 _LEAST_PRESSED = -1.0 + 1e-6
 """Least edge position without adhesion: of contact in a point, a millionth of the first node's radius."""
 
 
 def root_between(function: Callable[[float], float], ends: dict[float, float], xtol: float = 2e-12) -> float:
-    """The root between two places, given with the values there."""
+    """The root between two places, given with the values there.
+
+    Where the function is convex, or concave, it is no farther from a place than the value there over the
+    smaller of the slopes to the nearest places on either side.
+    """
+    known, way = dict(ends), math.copysign(1.0, ends[max(ends)])
+
+    def value(at: float) -> float:
+        if at not in known:
+            beside = max(x for x in known if x < at), min(x for x in known if x > at)
+            known[at] = excess = function(at)
+            slope = min(way * (known[x] - excess) / (x - at) for x in beside)
+            if abs(excess) <= xtol * slope:
+                known[at] = 0.0
+        return known[at]
+
     # SciPy's wrapper of a function refers to itself: what it holds would wait for the garbage collection
-    held = [lambda at: ends[at] if at in ends else function(at)]
+    held = [value]
     try:
         return float(brentq(lambda at: held[0](at), min(ends), max(ends), xtol=xtol))
     finally:
@@ -82,7 +99,9 @@ class AdhesiveEdge:
         low, high = max(low, self.lowest), min(high, float(self.geometry.last))
         here = min(max(s, low), high)
         excess = self._excess(problem, here)
-        for stride in self.first_strides:
+        way = abs(here - problem.state.edge)
+        for longest in self.first_strides:
+            stride = min(max(_MISSED * way, _NARROW_STRIDE), longest) if way else longest
             found = self._towards(problem, here, excess, (low, high), stride)
             if found.motion is not EdgeMotion.RECEDING:
                 break
@@ -106,7 +125,10 @@ class AdhesiveEdge:
             beyond = self._excess(problem, ahead)
             if beyond * way >= 0.0:
                 return EdgePosition(EdgeMotion.RESTING, self._root(problem, {here: excess, ahead: beyond}))
-            here, excess, stride = ahead, beyond, min(2.0 * stride, self.widest)
+            # on by a quarter more than the slope asks for
+            gained = (beyond - excess) * way
+            asked = -1.25 * stride * way * beyond / gained if gained > 0.0 else math.inf
+            here, excess, stride = ahead, beyond, min(asked, 4.0 * stride, self.widest)
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 
     def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:

@@ -122,8 +122,9 @@ class EdgeSearch:
         expected = extrapolated(state.radius, self.dt, state.before) if takes_time else state.radius
         if adhesion is not None and not adhesion.reversible:
             return self.leaving(expected, low, high)
-        # an elastic edge rests wherever it is in equilibrium, and is sought from where it is
-        return self.followed(expected if self.setup.has_history else state.radius, low, high)
+        # an elastic edge that adheres rests wherever it is in equilibrium, and is sought from where it is
+        unique = self.setup.has_history or adhesion is None
+        return self.followed(expected if unique else state.radius, low, high)
 
     def extended(self, candidate: ContactCandidate) -> ContactCandidate:
         """An edge that has left the range of its search, followed to where it rests again, or is lost."""
