@@ -16,14 +16,12 @@ from contact_scene import Adhesion
 from fem_solver.contact_problem import ContactProblem
 from fem_solver.edge_path import NO_CONTACT, EdgeGeometry, EdgeMotion, EdgePosition
 
-_STRIDE = 0.5
-"""Longest first stride of a search, in node spacings, and the widest, in shortest zones: the closure, a mean
-over a zone, hardly turns within it."""
+_WIDEST_STRIDE = 0.5
+"""Widest stride of a search, in shortest zones: the closure, a mean over a zone, hardly turns within it."""
 _MISSED = 2.0**-5
 """First stride from where the edge is expected, in ways to there: what it misses by is mostly less."""
 _NARROW_STRIDE = 2.0**-12
-"""Shortest first stride, and that after a search that has ended in a receding edge, in node spacings: next to
-the last root the interval between two roots is narrower than the usual stride."""
+"""Shortest first stride, in node spacings: the interval between two roots is narrow next to the last one."""
 _LEAST_PRESSED = -1.0 + 1e-6
 """Least edge position without adhesion: of contact in a point, a millionth of the first node's radius."""
 
@@ -56,16 +54,15 @@ def root_between(function: Callable[[float], float], ends: dict[float, float], x
 class AdhesiveEdge:
     """Closure integral equal to the work of adhesion.
 
-    A search makes strides of at most ``widest`` nodes. It begins with the first of ``first_strides``, and
-    again with the next one where that ends in a receding edge.
+    A search makes strides of at most ``widest`` nodes, the first one of at least ``narrowest``.
     """
 
     def __init__(self, geometry: EdgeGeometry, work: float) -> None:
         self.geometry, self.work = geometry, work
         # contact of less than one element cannot be distinguished from no contact
         self.lowest = 2.0
-        self.widest = max(_STRIDE * (geometry.shortest or 0.0) / geometry.spacing, _STRIDE)
-        self.first_strides: tuple[float, ...] = (_STRIDE, _NARROW_STRIDE)
+        self.widest = _WIDEST_STRIDE * max((geometry.shortest or 0.0) / geometry.spacing, 1.0)
+        self.narrowest = _NARROW_STRIDE
 
     def taken(self, problem: ContactProblem, s: float) -> float:
         """Energy per area that the edge takes up on its way to ``s``."""
@@ -98,14 +95,8 @@ class AdhesiveEdge:
         """Expand a bracket from ``s`` in the direction in which the closure moves the edge."""
         low, high = max(low, self.lowest), min(high, float(self.geometry.last))
         here = min(max(s, low), high)
-        excess = self._excess(problem, here)
-        way = abs(here - problem.state.edge)
-        for longest in self.first_strides:
-            stride = min(max(_MISSED * way, _NARROW_STRIDE), longest) if way else longest
-            found = self._towards(problem, here, excess, (low, high), stride)
-            if found.motion is not EdgeMotion.RECEDING:
-                break
-        return found
+        stride = max(_MISSED * abs(here - problem.state.edge), self.narrowest)
+        return self._towards(problem, here, self._excess(problem, here), (low, high), stride)
 
     def _towards(
         self,
@@ -119,6 +110,7 @@ class AdhesiveEdge:
         way = -1.0 if excess > 0.0 else 1.0
         limit = limits[0] if way < 0.0 else limits[1]
         while here != limit:
+            stride = min(stride, self.widest)
             ahead = here + way * stride
             if (limit - ahead) * way <= 0.0:
                 ahead = limit
@@ -127,8 +119,8 @@ class AdhesiveEdge:
                 return EdgePosition(EdgeMotion.RESTING, self._root(problem, {here: excess, ahead: beyond}))
             # on by a quarter more than the slope asks for
             gained = (beyond - excess) * way
-            asked = -1.25 * stride * way * beyond / gained if gained > 0.0 else math.inf
-            here, excess, stride = ahead, beyond, min(asked, 4.0 * stride, self.widest)
+            stride *= max(-1.25 * way * beyond / gained, _NARROW_STRIDE) if gained > 0.0 else 4.0
+            here, excess = ahead, beyond
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 
     def _root(self, problem: ContactProblem, ends: dict[float, float]) -> float:

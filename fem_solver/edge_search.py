@@ -214,7 +214,7 @@ class EdgeSearch:
         placement = self.setup.surfaces.around(radius)
         geometry, law = placement.geometry, self._law(placement, passed)
         if passed > 0.0:
-            law.first_strides = (law.widest,)
+            law.narrowest = law.widest
         problem = self.problem(placement)
         ends = geometry.position(low), geometry.position(high)
         found = self.candidate(problem, law.seek(problem, geometry.position(radius), *ends))
