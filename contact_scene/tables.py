@@ -69,7 +69,10 @@ QUANTITIES |= {
 _ABSCISSAS = ("time", "frequency", "temperature")
 """Kinds of units of what other columns are given over."""
 
-_PREFIX = "(da|[fpnumcdhkMGT])?"
+PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "c": -2, "d": -1, "": 0}
+PREFIXES |= {"da": 1, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
+"""Powers of ten of the SI by their signs."""
+_PREFIX = f"({'|'.join(PREFIXES)})"
 _UNITS = {
     "length": f"{_PREFIX}m|in|inch|ft|Å|[aA]ngstrom|microns?",
     "time": f"{_PREFIX}s|sec|min|hr",

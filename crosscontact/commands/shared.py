@@ -16,7 +16,7 @@ from crosscontact import arguments
 from crosscontact.arguments import COUNT, RESOLUTION, option_type
 from validation import cases
 from validation.cases import Case
-from validation.drawing.figure import png, svg_file
+from validation.drawing.figure import as_files
 from validation.measure.difference import Check
 from validation.report.document import number as in_digits
 from validation.runs.folder import claim, output_folder, scene_question, write_whole
@@ -150,10 +150,10 @@ def step_hint(kind: OutcomeKind | None) -> str:
 
 def draw(figure: Figure, folder: Path, name: str) -> None:
     """The figure of ``--plot``, as PNG and SVG."""
-    files = folder / f"{name}.png", folder / f"{name}.svg"
-    write_whole(files[0], png(figure, DOTS_PER_INCH))
-    write_whole(files[1], svg_file(figure))
-    print(f"drawn in {files[0]} and {files[1]}")
+    files = {folder / file: content for file, content in as_files(figure, name, DOTS_PER_INCH).items()}
+    for path, content in files.items():
+        write_whole(path, content)
+    print("drawn in {} and {}".format(*files))
 
 
 def load_taken(names: Iterable[str], methods: Callable[[Case], Iterable[Solver]]) -> list[Case]:

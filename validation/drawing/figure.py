@@ -180,11 +180,11 @@ def _pair(point: tuple[float, ...]) -> str:
     return " ".join(f"{round(value, DECIMALS) + 0.0:g}" for value in point).replace(" -", "-")
 
 
-def svg_file(figure: Figure) -> bytes:
-    """The figure as an SVG file on white, the same bytes each time."""
+def as_files(figure: Figure, name: str, dots_per_inch: int = 120) -> dict[str, bytes]:
+    """The figure as ``NAME.png`` and ``NAME.svg`` on white, the same bytes each time."""
     stream = io.BytesIO()
     figure.savefig(stream, format="svg", facecolor="white", metadata={"Date": None, "Creator": None})
-    return stream.getvalue()
+    return {f"{name}.png": png(figure, dots_per_inch), f"{name}.svg": stream.getvalue()}
 
 
 def png(figure: Figure, dots_per_inch: int = 120) -> bytes:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.cases import Case
-from validation.drawing.figure import DASHES, INK, MARKERS, SERIES, SIZE, drawing, format_axes, png, svg_file
+from validation.drawing.figure import DASHES, INK, MARKERS, SERIES, SIZE, as_files, drawing, format_axes
 from validation.exam.answer import AnswerFolder
 from validation.exam.grading import BALANCE, COARSEST, Grade, GriffithTrack, counted, grade, griffith_track
 from validation.exam.own_answers import reference_runs
@@ -182,8 +182,8 @@ def _section(scene: SceneJudgement) -> doc.Section:
     drawing = _drawn(scene)
     if drawing is not None:
         figure = f"exam-{doc.valid_id(name)}"
-        files = {f"{figure}.png": png(drawing), f"{figure}.svg": svg_file(drawing)}
-        shown = doc.Figure(figure, f"{name}: error against stated run time", files=files)
+        caption = f"{name}: error against stated run time"
+        shown = doc.Figure(figure, caption, files=as_files(drawing, figure))
         parts.append(doc.Figures((doc.with_drawing(shown, drawing),)))
     folds = (doc.Fold(f"All differences: {one.answer.header.title}", (_differences(one),)) for one in graded)
     return doc.Section(scene.case.scene.title or name, (*parts, *folds), _anchor(scene))

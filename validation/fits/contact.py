@@ -126,7 +126,7 @@ class Scan:
             return None
         along = (self.stage - self.stage[0]) / span
         line = [np.ones_like(along), along, *wave_columns(self.stage, self.wave)]
-        left = _least_squares(line, self.force, np.ones_like(along))[1]
+        left = _of_scan(line, self.force)[1]
         if float(left @ left) - cost < LEAST_GAIN * variance:
             return None
         aside = 3e-3 * max(depth, 1e-4 * span)
@@ -160,7 +160,7 @@ class Scan:
             if self.wall:
                 columns.append(1.0 / (1.0 + np.maximum(place - tip, 0.0) / self.wall))
             columns += wave_columns(self.stage, self.wave)
-            found, left = _least_squares(columns, self.force, 1.0 / (1.0 + slope / self.spring))
+            found, left = _of_scan(columns, self.force, 1.0 / (1.0 + slope / self.spring))
             background, stiffness = found[0] + found[1] * along, max(float(found[2]), 0.0)
             cost = float(left @ left)
             if abs(cost - before) <= SETTLED * cost:
@@ -216,7 +216,7 @@ def wave_length(stage: Array, left: Array) -> float | None:
     shares = {}
     for wave in np.linspace(1.2 / span, 25.0 / span, WAVES).tolist():
         columns = [np.ones_like(stage), stage - stage.mean(), *wave_columns(stage, 1.0 / wave)]
-        rest = _least_squares(columns, left, np.ones_like(stage))[1]
+        rest = _of_scan(columns, left)[1]
         shares[1.0 / wave] = 1.0 - float(rest @ rest) / total
     length = max(shares, key=shares.__getitem__)
     return length if shares[length] > SHARE else None
@@ -241,8 +241,16 @@ def white_noise(values: Array) -> float:
     return float(np.median(third) / _NORMAL_MEDIAN / _THIRD_DIFFERENCE)
 
 
-def _least_squares(columns: list[Array], values: Array, weights: Array) -> tuple[Array, Array]:
-    """Coefficients of columns of about one, and what is left of each row times its weight."""
+def least_squares(columns: Array, values: Array) -> Array:
+    """Multiples of the columns that come closest to the values, whatever the sizes of the columns."""
+    size = np.maximum(np.abs(columns).max(axis=0, initial=0.0), np.finfo(float).tiny)
+    found = np.linalg.lstsq(columns / size, values, rcond=None)[0]
+    return found / (size if values.ndim == 1 else size[:, None])
+
+
+def _of_scan(columns: list[Array], values: Array, weights: Array | float = 1.0) -> tuple[Array, Array]:
+    """Coefficients of columns of about one, and what is left of each row times its weight: by the normal
+    equations in a tenth of the time, as a scan has thousands."""
     matrix, weighted = np.array(columns) * weights, values * weights
     found = np.linalg.lstsq(matrix @ matrix.T, matrix @ weighted, rcond=None)[0]
     return np.asarray(found, float), weighted - found @ matrix

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contact_scene.tables import PREFIXES
 from validation.drawing.figure import GREY, INK, SERIES, VERMILION, drawing, format_axes, label_axes
 from validation.fits.contact import Array
 from validation.fits.features import Features
@@ -21,14 +22,14 @@ if TYPE_CHECKING:
 
 COLOURS = dict(zip(KINDS, (SERIES[0], SERIES[2], SERIES[1]), strict=True))
 """Of the segments of a curve, by what the drive does."""
-_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_BY_POWER = {power: sign for sign, power in PREFIXES.items()}
 
 
 def prefixed(value: float, unit: str, digits: int = 4) -> str:
     """A number in SI units with the prefix that leaves one to three digits before the point."""
     power = 3 * math.floor(math.log10(abs(value)) / 3.0 + 1e-9) if value and math.isfinite(value) else 0
     power = min(max(power, -15), 9) if 0 < len(unit) <= 2 else 0
-    return f"{value / float(f'1e{power}'):.{digits}g} {_PREFIXES[power]}{unit}".rstrip()
+    return f"{value / float(f'1e{power}'):.{digits}g} {_BY_POWER[power]}{unit}".rstrip()
 
 
 def rows(curve: MeasuredCurve, told: Features) -> list[tuple[str, str]]:

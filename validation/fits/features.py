@@ -25,6 +25,7 @@ from validation.fits.contact import (
     Contact,
     Scan,
     find_contact,
+    least_squares,
     means,
     wave_columns,
     white_noise,
@@ -80,7 +81,7 @@ def loss_of_contact(stage: Array, force: Array, noise: float) -> tuple[int | Non
     begin = max(count - tail, min(int(jumps.max(initial=-2)) + 2, count - width))  # behind the last jump
     along = np.column_stack([np.ones(count), (stage - stage[-1]) / (float(np.ptp(stage)) or 1.0)])
     for _ in range(EXTENSIONS):
-        line = np.linalg.lstsq(along[begin:], force[begin:], rcond=None)[0]  # level where the stage rests
+        line = least_squares(along[begin:], force[begin:])  # level where the stage rests
         off = force - along @ line
         deviation = max(float(np.std(off[begin:])), noise)
         limit = max(FAR * deviation / np.sqrt(width), ROUGH * deviation, SHALLOW * deepest)
@@ -136,20 +137,21 @@ def background(cycle: Cycle, free: NDArray[np.bool_], wave: float | None = None)
     ahead = free & (np.arange(free.size) <= cycle.apex)
     behind = free & ~ahead
     known, waves = cycle.background, wave_columns(stage, wave)
-    scale = {name: float(np.abs(column).max()) or 1.0 for name, column in known.items()}
     both = min(ahead.sum(), behind.sum()) > FEWEST and np.ptp(stage[behind]) > 0.01 * np.ptp(stage)
     sides = np.where(ahead, 1.0 / np.sqrt(max(ahead.sum(), 1)), 1.0 / np.sqrt(max(behind.sum(), 1)))[free]
     best: tuple[float, Background] | None = None
     for names in [["level", "tilt", "drag"], [*known]] if both else [["level", "tilt"]]:
-        matrix, weights = np.column_stack([*(known[name] / scale[name] for name in names), *waves]), sides
+        matrix, weights = np.column_stack([*(known[name] for name in names), *waves]), sides
         for _ in range(3):
-            found = np.linalg.lstsq(matrix[free] * weights[:, None], force * weights, rcond=None)[0]
+            found = least_squares(matrix[free] * weights[:, None], force * weights)
             left = force - matrix[free] @ found
             deviation = 1.4826 * float(np.median(np.abs(left - np.median(left)))) + 1e-300
             weights = sides / np.maximum(1.0, np.abs(left) / (OUTLYING * deviation))
         rough = float(np.sqrt(np.sum((sides * left) ** 2) / np.sum(sides**2)))
-        if best is None or (rough < GAIN * best[0] and np.abs(found).max() < 3.0 * np.ptp(cycle.force)):
-            parts = {name: float(value / scale[name]) for name, value in zip(names, found, strict=False)}
+        if best is None or (
+            rough < GAIN * best[0] and np.abs(matrix * found).max() < 3.0 * np.ptp(cycle.force)
+        ):
+            parts = dict(zip(names, found.tolist(), strict=False))
             size = float(np.hypot(*found[-2:])) if wave else 0.0
             best = rough, Background(matrix @ found, parts, size, float(np.sqrt(np.mean(left**2))))
     assert best is not None

@@ -16,7 +16,7 @@ from contact_scene import Scene, SceneError
 from contact_scene.scene import with_values
 from validation.fits import data_checks
 from validation.fits import result as results
-from validation.fits.contact import Array
+from validation.fits.contact import Array, least_squares
 from validation.fits.model import CurveModel, FittedCurve, rms
 from validation.fits.parameters import FitSettings, Unknown, first_guess, question, unknowns
 from validation.fits.posterior import sampled, sampler_module
@@ -146,7 +146,7 @@ def by_second_solver(problem: FitProblem, x: Array, variance: float, solver: str
     slopes, shifts = problem.derivatives(x, following=True), {}
     spread = np.diag(results.covariance(slopes * results.independent(point)[:, None], variance)[0])
     if not any(one["failure"] for one in differences) and np.isfinite(spread).all():
-        moved = -np.linalg.lstsq(slopes, results.joined(change), rcond=None)[0] / np.sqrt(spread)
+        moved = -least_squares(slopes, np.concatenate(change)) / np.sqrt(spread)
         shifts = dict(zip(problem.names, moved.tolist(), strict=True))
     return {"solver": solver, "differences": differences, "shifts": shifts}
 

@@ -39,7 +39,7 @@ from contact_scene import Machine, OutcomeKind, Scene, SceneError, Sphere, Table
 from contact_scene.errors import one_line
 from contact_scene.scene import with_values
 from validation import solvers
-from validation.fits.contact import Array, wave_columns, wave_length, white_noise
+from validation.fits.contact import Array, least_squares, wave_columns, wave_length, white_noise
 from validation.fits.features import FEWEST, JUMP, background, loss_of_contact
 from validation.fits.record import MeasuredCurve
 from validation.measure.curves import RowCurve, edge_turns
@@ -513,13 +513,6 @@ def first_passing(x: Array, y: Array, level: float) -> float | None:
     above = np.flatnonzero(y >= level)
     ends = slice(int(above[0]) - 1, int(above[0]) + 1) if above.size else None
     return None if ends is None else float(np.interp(level, y[ends], x[ends]))
-
-
-def least_squares(columns: Array, values: Array) -> Array:
-    """Multiples of the columns that come closest to the values, whatever the sizes of the columns."""
-    size = np.maximum(np.abs(columns).max(axis=0, initial=0.0), np.finfo(float).tiny)
-    found = np.linalg.lstsq(columns / size, values, rcond=None)[0]
-    return found / (size if values.ndim == 1 else size[:, None])
 
 
 def rms(values: Array) -> float:

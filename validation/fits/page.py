@@ -83,8 +83,8 @@ def write_fit(result: FitResult, folder: Path) -> None:
     (folder / "index.html").unlink(missing_ok=True)
     write_scene(result.scene, folder / "scene.toml")
     drawn = draw_curves(result)
-    files: dict[str, str | bytes] = {"fit.png": fig.png(drawn), "fit.svg": fig.svg_file(drawn)}
-    report.write(folder, document(result, drawn), files | {"fit.json": to_json(of_fit(result))})
+    files: dict[str, str | bytes] = {**fig.as_files(drawn, "fit"), "fit.json": to_json(of_fit(result))}
+    report.write(folder, document(result, drawn), files)
 
 
 def document(result: FitResult, curves: Drawing) -> doc.Document:

@@ -19,7 +19,7 @@ import numpy as np
 from contact_scene import SceneError
 from validation.fits.contact import Array
 from validation.fits.problem import FitProblem
-from validation.fits.result import Posterior, covariance, independent, joined
+from validation.fits.result import Posterior, covariance, independent
 
 WALKERS, IN_BATCH = 32, 64
 """Walkers, more than twice the parameters: few where each run has its price, more where half of them share a
@@ -59,7 +59,7 @@ def sampled(problem: FitProblem, runs: FitProblem, best: Array, variance: float)
     def density(points: Array) -> Array:
         """Its logarithm at points of the search, shape (W, P), all runs at once."""
         inside, found = ((points >= low) & (points <= high)).all(axis=1), np.full(len(points), -np.inf)
-        left = [joined(one.values for one in point) for point in runs.all_at(points[inside])]
+        left = [np.concatenate([one.values for one in point]) for point in runs.all_at(points[inside])]
         found[inside] = [-0.5 * np.sum((one * weights) ** 2) / variance for one in left]
         runs.kept.clear()
         return found

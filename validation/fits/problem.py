@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from contact_scene import Hold, Ramp, Scene, SceneError, Table
-from validation.fits.contact import Array
+from validation.fits.contact import Array, least_squares
 from validation.fits.model import (
     NO_CONTACT,
     SMALLEST,
@@ -33,12 +33,11 @@ from validation.fits.model import (
     FittedCurve,
     Residuals,
     first_passing,
-    least_squares,
     rms,
     run_of,
 )
 from validation.fits.parameters import CONTACT_POINT, TIME_OFFSET, FitSettings, Unknown
-from validation.fits.result import CHI_SQUARED, goodness, independent, joined
+from validation.fits.result import CHI_SQUARED, goodness, independent
 from validation.reference import batch
 from validation.runs.pool import Task, TaskResult, run_tasks
 from validation.runs.provenance import fingerprint
@@ -119,7 +118,7 @@ class FitProblem:
 
     def residuals(self, x: Array) -> Array:
         """Residuals at a point of the search, shape (R,)."""
-        return joined(one.values for one in self.at(x))
+        return np.concatenate([one.values for one in self.at(x)])
 
     def curves_at(self, x: Array) -> list[FittedCurve]:
         """The curves beside their runs at a point."""
@@ -200,7 +199,7 @@ class FitProblem:
         if following:
             parts = zip(found, (one.columns for one in self.at(x)), strict=True)
             found = [slopes - columns @ least_squares(columns, slopes) for slopes, columns in parts]
-        return joined(found)
+        return np.concatenate(found)
 
     def in_batches(self) -> FitProblem | None:
         """The problem in batches, if all runs of the first guess can be; some may end early."""
@@ -221,14 +220,14 @@ class FitProblem:
         the error over the noise at a point comes back, if it was for the fit to choose."""
         if self.settings.resolution is not None or self.settings.solver != REFERENCE:
             return None
-        data = joined(one.curve.force / one.allowed for one in self.models)
+        data = np.concatenate([one.curve.force / one.allowed for one in self.models])
         self.stage, self.tolerance = "choosing time steps", TOLERANCES[0]
         coarse = self.curves_at(x)
         for kept, finer in pairwise(TOLERANCES):
             self.tolerance = finer
             fine = self.curves_at(x)
             pairs = zip(fine, coarse, strict=True)
-            change = joined((one.values - two.values)[: one.of_run.size] for one, two in pairs)
+            change = np.concatenate([(one.values - two.values)[: one.of_run.size] for one, two in pairs])
             share, coarse = ORDER_TWO * rms(change), fine
             self.tolerance = kept
             if share <= ERROR_SHARE:

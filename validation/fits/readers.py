@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 from contact_scene.checked import Checked, Positive
 from contact_scene.errors import SceneError, shown
 from contact_scene.files import read_text, table_text, write_whole
-from contact_scene.tables import TextTable, bracketed, is_number, read_table, spelt
+from contact_scene.tables import PREFIXES, TextTable, bracketed, is_number, read_table, spelt
 from contact_scene.value_checks import LARGEST, Range, Rule, Whole, a_string, finite
 from validation.fits.contact import Array
 from validation.fits.record import (
@@ -71,8 +71,7 @@ _WANTED = (
     "time=1,stage=2:1e-9,force=3:1e-9"
 )
 _UNITS = {"time": "s", "force": "N", STAGE: "m", PIEZO: "m", TIP: "m"}
-_PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "m": -3, "c": -2, "": 0, "k": 3, "M": 6, "G": 9}
-_POWERS = {prefix + base: power for prefix, power in _PREFIXES.items() for base in ("m", "s", "N", "V")}
+_POWERS = {prefix + base: power for prefix, power in PREFIXES.items() for base in ("m", "s", "N", "V")}
 _OTHER = {"": 1.0, "min": 60.0, "h": 3600.0, "sec": 1.0, "Å": 1e-10, "A": 1e-10, "Angstrom": 1e-10}
 _SPRING = r"(?<!\w)(?:spring[ _]?constant|stiffness|k)"
 _RADIUS = r"(?<!\w)(?:(?:indenter|tip|bead|sphere)[ _]?radius)"

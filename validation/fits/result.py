@@ -10,7 +10,7 @@ about size and not about bias. Numbers bear the names that they have in ``fit.js
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Scene
-from validation.fits.contact import Array
-from validation.fits.model import FittedCurve, Residuals, least_squares, rms
+from validation.fits.contact import Array, least_squares
+from validation.fits.model import FittedCurve, Residuals, rms
 from validation.fits.parameters import FitSettings, Unknown
 
 QUANTILE, CHI_SQUARED = 1.959963984540054, 3.841458820694124
@@ -213,14 +213,9 @@ def runs_test(curve: str, residuals: Array) -> dict[str, Any]:
     return {"curve": curve, "runs": runs, "expected": float(expected), "probability": chance}
 
 
-def joined(parts: Iterable[Array]) -> Array:
-    """Residuals, or what holds for each, of all curves and the regularisation, shape (R,)."""
-    return np.concatenate(list(parts))
-
-
 def independent(point: Sequence[Residuals]) -> Array:
     """Weights with which the residuals of a point count as many as those of them that are independent."""
-    return joined(one.independent for one in point)
+    return np.concatenate([one.independent for one in point])
 
 
 def covariance(jacobian: Array, variance: float) -> tuple[Array, Array, Array]:

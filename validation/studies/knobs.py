@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from contact_scene import Material, SceneError
 from validation.cases import Case
-from validation.drawing.figure import SIZE, curve_style, drawing, format_axes, png, svg_file
+from validation.drawing.figure import SIZE, as_files, curve_style, drawing, format_axes
 from validation.measure.curves import CURVES
 from validation.measure.difference import Difference, of_curves, of_numbers
 from validation.reference.creep_compliance import creep_compliance
@@ -108,9 +108,8 @@ def write(knob: Zones | Poisson, case: Case, runs: Sequence[KnobRun], folder: Pa
     write_whole(path, to_json({"scene": case.name, "premises": of_case(case)} | knob.data(runs)))
     write_whole(path.with_suffix(".md"), markdown(doc.Document(shown.title, (), shown.parts)))
     if isinstance(knob, Zones):
-        figure = knob.draw(runs)
-        write_whole(path.with_suffix(".png"), png(figure))
-        write_whole(path.with_suffix(".svg"), svg_file(figure))
+        for name, content in as_files(knob.draw(runs), path.stem).items():
+            write_whole(folder / name, content)
     return path.with_suffix(".md")
 
 

@@ -13,7 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from validation.drawing.figure import INK, drawing, format_axes, png, svg_file
+from validation.drawing.figure import INK, as_files, drawing, format_axes
 from validation.report import document as doc
 from validation.report import report
 from validation.report.tables import COUNTERS, environment
@@ -346,8 +346,7 @@ def _charts(scene: SceneStudy, charts: Sequence[Chart]) -> tuple[doc.Figures]:
         drawing = draw(scene.timed, error, work)
         if drawing is not None:
             file = f"{scene.case.name}-{name}"
-            files = {f"{file}.png": png(drawing), f"{file}.svg": svg_file(drawing)}
-            figure = doc.Figure(f"study-{doc.valid_id(file)}", caption, files=files)
+            figure = doc.Figure(f"study-{doc.valid_id(file)}", caption, files=as_files(drawing, file))
             figures.append(doc.with_drawing(figure, drawing, f"{caption}, {scene.case.name}"))
     return (doc.Figures(tuple(figures)),)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.drawing.figure import DASHES, INK, MARKERS, SERIES, drawing, format_axes, png, svg_file
+from validation.drawing.figure import DASHES, INK, MARKERS, SERIES, as_files, drawing, format_axes
 from validation.runs.folder import write_whole
 from validation.sweeps.dataset import RUN, drawn_measures
 
@@ -32,8 +32,8 @@ def draw(data: xarray.Dataset, out: Path) -> list[str]:
     """Draw the figures of a data set as PNG and SVG; their names."""
     drawn = figures(data)
     for name, figure in drawn.items():
-        write_whole(out / f"{name}.png", png(figure))
-        write_whole(out / f"{name}.svg", svg_file(figure))
+        for file, content in as_files(figure, name).items():
+            write_whole(out / file, content)
     return list(drawn)
 
 
