@@ -24,6 +24,7 @@ from validation.fits.result import InterruptedFit
 from validation.fits.synthetic import synthetic
 from validation.reference import batch
 from validation.reference.batch import solve
+from validation.runs.store import Store
 
 WORK, ZONE = "adhesion.work", "adhesion.zone"
 
@@ -165,9 +166,11 @@ def test_no_point_of_a_profile_is_the_best_of_an_interrupted_fit(monkeypatch):
         if text.startswith("profile"):
             raise KeyboardInterrupt
 
+    store = Store(in_memory=True)  # the fits ask for the same runs of the reference
     with pytest.raises(InterruptedFit) as caught:
-        fit_curves(*asked, replace(settings, profile=WORK), progress=stop)
-    assert caught.value.result.estimates == fit_curves(*asked, settings).estimates
+        fit_curves(*asked, replace(settings, profile=WORK), progress=stop, store=store)
+    assert caught.value.result.estimates == fit_curves(*asked, settings, store=store).estimates
+    assert store.taken_over > 0
 
 
 def test_an_edge_at_rest_but_for_rounding_sets_off_nowhere():
