@@ -43,7 +43,7 @@ from validation.report import document as doc  # noqa: E402
 from validation.report import html  # noqa: E402
 from validation.report.tables import environment, of_checks  # noqa: E402
 from validation.report.texts import markdown  # noqa: E402
-from validation.scenes import names, suite  # noqa: E402
+from validation.scenes import SUITES, names  # noqa: E402
 from validation.solvers import REFERENCE, SOLVERS  # noqa: E402
 
 ARCHIVE = HERE / "data" / "report.zip"
@@ -213,7 +213,7 @@ def scene_page(case: Case, scene: SceneComparison | None, note: str) -> str:
         doc.Section("Parameters", (scene_section.parameters(scene or SceneComparison(case, {}, [])),))
     ]
     if scene is None:
-        first = next(one for one in ("quick", "paper", "full") if case.name in suite(one))
+        first = next(one for one in SUITES if one in case.suites)
         lines += [
             f"The saved report does not hold this scene: `crosscontact report --suite {first}` does.",
             "",

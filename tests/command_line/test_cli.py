@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from support.commands import code_of, refusal, stand_in
 from support.spring_solver import SCENE, FunctionSolver, fake, small_scene
+from support.unlaid_figures import without_layout
 
 import crosscontact
 from contact_scene import COLUMNS, OutcomeKind, UnsupportedScene, read_scene
@@ -286,7 +287,8 @@ def test_solve_draws_into_out_or_the_current_folder(capsys, tmp_path, scene_file
     (tmp_path / "here").mkdir()
     monkeypatch.chdir(tmp_path / "here")
     for folder, more in ((Path(), ()), (tmp_path / "there", ("--out", str(tmp_path / "there")))):
-        assert code_of("solve", scene_file, "--solver", "bem", "--plot", *more) == 0
+        with without_layout():
+            assert code_of("solve", scene_file, "--solver", "bem", "--plot", *more) == 0
         assert f"drawn in {folder / 'force.png'} and {folder / 'force.svg'}" in capsys.readouterr().out
         assert (folder / "force.png").read_bytes().startswith(b"\x89PNG")
         assert "<svg" in (folder / "force.svg").read_text("utf-8")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.unlaid_figures import without_layout
 
 import crosscontact as cc
 from crosscontact.cli import main
@@ -220,7 +221,10 @@ def test_both_signs_turned_are_told():
 def test_the_command_prints_a_table_and_draws_each_curve(tmp_path, capsys):
     curve = approached(5e3, 4e-6, 0.0, 5e-6, 2000, 1e-11, spring=0.05)
     cc.write_curve(curve, tmp_path / "a.csv")
-    assert main(["curve", str(tmp_path / "a.csv"), "--radius", "1e-5", "--out", str(tmp_path / "out")]) == 0
+    with without_layout():
+        assert (
+            main(["curve", str(tmp_path / "a.csv"), "--radius", "1e-5", "--out", str(tmp_path / "out")]) == 0
+        )
     said = capsys.readouterr().out
     assert "4 um from the first row" in said
     assert sorted(one.name for one in (tmp_path / "out").iterdir()) >= ["a.png", "a.svg", "features.csv"]

@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from support.closed_forms.separate_bulk import equivalent_material
 from support.synthetic_traces import DETACHED, by_hand
+from support.unlaid_figures import without_layout
 
 from contact_scene import Branch, Counters, Material, SceneError
 from crosscontact.cli import main
@@ -192,7 +193,8 @@ def test_zones_write_table_figure_and_numbers(tmp_path, capsys, monkeypatch):
     taken = replace(answer(100, 2.0), peak_memory=250_000_000)
     monkeypatch.setattr(knobs, "run_tasks", lambda tasks, *others: [TaskResult(tasks[0], taken)])
     ratios = ["1e-2", "1e-4", "1e-6"]
-    assert main(["study", "cycle-v0.02", "--zones", *ratios, "--out", str(tmp_path)]) == 0
+    with without_layout():
+        assert main(["study", "cycle-v0.02", "--zones", *ratios, "--out", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
     assert "growth of steps" in shown
     assert "250" in shown

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray
 from support.spring_solver import FunctionSolver, named, small_scene, spring
+from support.unlaid_figures import without_layout
 
 import crosscontact as cc
 from benchmarks.sweep_price import plan_of
@@ -194,14 +195,16 @@ def test_the_command_writes_draws_and_says_what_did_not_end(capsys, tmp_path, sc
     assert "speed-preload" in capsys.readouterr().out
     assert main(["sweep", plan, "--dry-run"]) == 0
     assert "3 runs of small by bem, 0 stored, 3 to do" in capsys.readouterr().out
-    assert main(["sweep", plan, "--out", str(out), "--jobs", "1"]) == 1  # one is refused
+    with without_layout():
+        assert main(["sweep", plan, "--out", str(out), "--jobs", "1"]) == 1  # one is refused
     shown = capsys.readouterr()
     assert "2 detached: as told" in shown.out
     assert "1 refused: loading: too fast" in shown.out
     assert shown.err.splitlines()[-1] == "crosscontact: 1 of 3 runs did not reach their end"
     assert (out / "approach_force.png").exists()
     (out / "approach_force.png").unlink()
-    assert main(["sweep", "--plot", str(out)]) == 0
+    with without_layout():
+        assert main(["sweep", "--plot", str(out)]) == 0
     assert (out / "approach_force.png").exists()
     assert main(["sweep", plan, "--dry-run", "--out", str(out)]) == 0
     assert "3 stored, 0 to do" in capsys.readouterr().out
