@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.batch.grid import ROWS, Grid, Travel, panels
-from validation.reference.batch.scenes import Bodies, LoadRamp, State
+from validation.reference.batch.scenes import Bodies, LoadRamp, SideBySide, State
 from validation.reference.batch.zone import SHORTEST, quadrature
 from validation.reference.path.numerics import derivative, horner
 
@@ -182,7 +182,7 @@ def start_radius(bodies: Bodies) -> Array:
 
 
 @dataclass(eq=False)
-class March:
+class March(SideBySide):
     """Rows (S, B) of time, penetration, force and radius, ``last`` of each scene, and how it ended.
 
     ``left`` (S, n, B): what the edge left where it was; ``resting`` (4, m, B): rows before the first.

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,8 +89,27 @@ def turns(scene: Scene) -> bool:
     return scene.loading.start == "jump-in" or len(scene.loading.steps) > 1
 
 
+class SideBySide:
+    """A dataclass of what scenes have along the last axis of arrays; of one column if all have the same."""
+
+    def of_some(self, chosen: Whole, known: dict[int, Any] | None = None) -> Self:
+        """Of some scenes; ``known``: parts of it that others share, by what they were made of."""
+        known = {} if known is None else known
+
+        def taken(part: Any) -> Any:
+            if isinstance(part, SideBySide):
+                if id(part) not in known:
+                    known[id(part)] = part.of_some(chosen, known)
+                return known[id(part)]
+            several = isinstance(part, np.ndarray) and part.shape[-1] > 1
+            return part.take(chosen, axis=-1) if several else part
+
+        assert is_dataclass(self)
+        return replace(self, **{part.name: taken(getattr(self, part.name)) for part in fields(self)})
+
+
 @dataclass(frozen=True, eq=False)
-class Bodies:
+class Bodies(SideBySide):
     """Scenes side by side, along the last axis: plane moduli, times and shape as in the reference."""
 
     relaxed: Array
@@ -126,10 +146,6 @@ class Bodies:
         relaxed = np.array([one.relaxed for one in rheologies])
         return cls(relaxed, moduli, times, compliances, retardation, mixing, *np.ascontiguousarray(numbers))
 
-    def of_some(self, chosen: Whole) -> Bodies:
-        """Some of them."""
-        return Bodies(*(np.ascontiguousarray(getattr(self, part.name)[..., chosen]) for part in fields(self)))
-
     @cached_property
     def earliest(self) -> Array:
         """Time since an event from which on fields change, where time turns back as contact is lost."""
@@ -155,7 +171,7 @@ class Bodies:
 
 
 @dataclass(frozen=True, eq=False)
-class LoadRamp:
+class LoadRamp(SideBySide):
     """A ramp: penetration and branch forces ``E_k M_k`` where it begins, its rate, and a hold before it.
 
     Of the stage, where there is a spring: what holds of the indenter is in :mod:`.machine`.
@@ -193,8 +209,3 @@ class LoadRamp:
     def after(self, t: Array, rate: Array, hold: Array | None = None) -> LoadRamp:
         """One that follows at a time."""
         return LoadRamp(self.bodies, *self.at(t)[:1], rate, self.at(t)[1], hold)
-
-    def of_some(self, chosen: Whole, bodies: Bodies) -> LoadRamp:
-        """Of some scenes."""
-        hold = None if self.hold is None else self.hold[chosen]
-        return LoadRamp(bodies, self.depth[chosen], self.rate[chosen], self.branches[:, chosen], hold)

@@ -35,7 +35,7 @@ from validation.reference.batch.march import (
     secants,
     start_radius,
 )
-from validation.reference.batch.scenes import Bodies, LoadRamp, filled, refusal, turns
+from validation.reference.batch.scenes import Bodies, LoadRamp, SideBySide, filled, refusal, turns
 from validation.reference.batch.turn import Held, Left, turned
 from validation.reference.batch.zone import COUNT, SHORTEST
 from validation.reference.path.rheology import Rheology, rheology
@@ -206,7 +206,7 @@ def solve(scenes: Sequence[Scene], resolution: int = RESOLUTION) -> list[Solutio
 
 
 @dataclass(frozen=True)
-class Retraction:
+class Retraction(SideBySide):
     """The last ramp of scenes, how long it takes, the radius and time it begins at, and what went before."""
 
     leg: LoadRamp
@@ -252,44 +252,51 @@ class Retraction:
         leg, duration = left.second.after(since, bodies.rate), bodies.duration + bodies.hold - since
         return cls(leg, duration, left.edge, when, left, before, travel)
 
-    def before(self, chosen: Whole, left: Left | None) -> list[Part]:
-        """Rows of some until the load turns, and until the edge rests."""
-        rows, there = self.corner[:, None, chosen], np.ones((1, len(chosen)), bool)
+    def before(self, left: Left | None) -> list[Part]:
+        """Rows until the load turns, and until the edge rests."""
+        rows, there = self.corner[:, None], np.ones((1, len(self.when)), bool)
         if self.approach is None or left is None:
             return [(rows, there)]
-        last = self.approach.last[chosen]
-        earlier, crept = self.approach.columns[:, : int(last.max()), chosen], left.crept(last)
+        last = self.approach.last
+        earlier, crept = self.approach.columns[:, : int(last.max())], left.crept(last)
         there = np.concatenate((np.arange(earlier.shape[1])[:, None] < last, there))
         return [(np.concatenate((earlier, rows), axis=1), there), (crept, ~np.isnan(crept[0]))]
 
-    def carried_out(self, chosen: Whole, steps: Grid) -> tuple[March, LoadRamp, Array, Left | None]:
-        """The rows of some of the scenes, their ramp and how long it takes, and what is left in contact."""
-        bodies = self.leg.bodies.of_some(chosen)
-        leg, duration, left = self.leg.of_some(chosen, bodies), self.duration[chosen], None
-        until: Array | float = np.inf
-        if self.held is not None:
-            held = self.held.of_some(chosen, bodies)
-            corner = (held.edge - held.start) / bodies.zone
-            until = np.where(corner >= FAR, SHARE * corner, np.inf)
-            left = Left(held, steps.depths, held.edge)
-        found = retract(leg, self.radius[chosen], duration, steps, left, until)
-        if self.held is not None and (found.ending == HANDED).any():
-            size = math.floor(math.log2((held.start / bodies.zone)[found.ending == HANDED].min()))
-            ahead = math.ceil(math.log2(corner[found.ending == HANDED].max()))
+    @property
+    def ahead(self) -> Array:
+        """Travel to where the edge closed from."""
+        return self.travel if self.held is None else (self.held.edge - self.held.start) / self.leg.bodies.zone
+
+    def begun(self, steps: Grid) -> tuple[March, Left | None]:
+        """The rows, of some as far as they do not come by where the edge closed from; and what is left in
+        contact."""
+        if self.held is None:
+            return retract(self.leg, self.radius, self.duration, steps, None, np.inf), None
+        left = Left(self.held, steps.depths, self.held.edge)
+        until = np.where(self.ahead >= FAR, SHARE * self.ahead, np.inf)
+        return retract(self.leg, self.radius, self.duration, steps, left, until), left
+
+    def carried_out(self, found: March) -> tuple[March, LoadRamp, Array]:
+        """All rows, of starts from one power of two of zones, their ramp and how long it takes."""
+        bodies, duration, steps, held = self.leg.bodies, self.duration, found.grid, self.held
+        waits = found.ending == HANDED
+        if held is not None and waits.any():
+            size = math.floor(math.log2((held.start / bodies.zone)[waits].min()))
+            ahead = math.ceil(math.log2(self.ahead[waits].max()))
             beside = grid(int(steps.breaks[1]), size, "corner", steps.count, steps.sprung, ahead)
             later = found.handed_over(beside, held.start)
             follow(later, held.start, duration, Left(held, beside.depths, held.start), 0.0 * duration, np.inf)
             found = found.joined(later, held.start)
-        low = found.force[found.last, np.arange(len(chosen))] <= bodies.least
+        low = found.force[found.last, np.arange(len(duration))] <= bodies.least
         met = found.at(found.time, found.reached(-found.force, -bodies.least))
         duration = np.where(low, np.minimum(duration, met), duration)
         found.ending[(found.ending == ENDED) & ~low & np.isfinite(bodies.least)] = MISSED
         if self.approach is not None:
-            ending = self.approach.ending[chosen]
+            ending = self.approach.ending
             found.ending[ending != ENDED] = np.where(ending == MISSED, MISSED, FAILED)[ending != ENDED]
-            soft = 2.0 * self.radius[chosen] * bodies.relaxed * bodies.compliance > SOFTEST
+            soft = 2.0 * self.radius * bodies.relaxed * bodies.compliance > SOFTEST
             found.ending[soft & (bodies.turn > 0.0)] = SOFT
-        return found, leg, duration, left
+        return found, self.leg, duration
 
 
 def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
@@ -302,15 +309,23 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     touching = filled(touching)
     bodies, start = bodies.of_some(touching), start[touching]
     pair = (resolution, COUNT), (resolution // 2, COUNT - 1)
-    fine, coarse = (Retraction.of(bodies, start, *each, cycle) for each in pair)
-    sizes = np.floor(np.log2(np.array([fine.radius, start]) / bodies.zone))
-    for size, least in np.unique(sizes[:, np.isfinite(sizes).all(axis=0)], axis=1).T.tolist():
-        chosen = filled(np.flatnonzero((sizes == [[size], [least]]).all(axis=0)))
-        kind: Kind = "turned" if cycle else "opening"
+    whole = [Retraction.of(bodies, start, *each, cycle) for each in pair]
+    sizes = np.floor(np.log2(np.array([whole[0].radius, start]) / bodies.zone))
+    kind: Kind = "turned" if cycle else "opening"
+    for size in np.unique(sizes[0, np.isfinite(sizes).all(axis=0)]):
+        alike = filled(np.flatnonzero((sizes[0] == size) & np.isfinite(sizes[1])))
         steps = [grid(n, int(size), kind, count, bool(bodies.compliance.any())) for n, count in pair]
-        runs = [one.carried_out(chosen, each) for one, each in zip((fine, coarse), steps, strict=True)]
-        before = fine.before(chosen, runs[0][3])
-        found = answers([run[:3] for run in runs], fine.when[chosen], coarse.when[chosen], before)
-        for i, answer in zip(touching[chosen].tolist(), found, strict=True):
-            solutions[i] = answer
+        both = [one.of_some(alike) for one in whole]
+        (fine, left), (coarse, _) = (one.begun(each) for one, each in zip(both, steps, strict=True))
+        before = both[0].before(left)
+        for least in np.unique(sizes[1, alike]):
+            some = filled(np.flatnonzero(sizes[1, alike] == least))
+            ones = [one.of_some(some) for one in both]
+            runs = [
+                one.carried_out(rows.of_some(some)) for one, rows in zip(ones, (fine, coarse), strict=True)
+            ]
+            parts = [(rows[..., some], there[..., some]) for rows, there in before]
+            found = answers(runs, ones[0].when, ones[1].when, parts)
+            for i, answer in zip(touching[alike[some]].tolist(), found, strict=True):
+                solutions[i] = answer
     return solutions

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from validation.reference.batch.grid import Depths, Travel, gained
 from validation.reference.batch.machine import AtRest, fading
 from validation.reference.batch.march import CONVERGED, ENDED, FAILED, ROUNDING, March, secants
-from validation.reference.batch.scenes import Bodies, LoadRamp, filled
+from validation.reference.batch.scenes import Bodies, LoadRamp, SideBySide, filled
 from validation.reference.batch.zone import LAYERED, NEAR, quadrature
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ NO_TIME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
+class Held(SideBySide):
     """What an edge that closed has left in contact: rows (3 + n, S, B) of radius, time, and of what a spring
     takes of the penetration and of branch forces; ``last`` of each scene.
 
@@ -90,12 +90,6 @@ class Held:
         some = np.flatnonzero(asked)
         self.rows[:, self.last[some] + 1, some] = row[:, some]
         return replace(self, whole=np.where(asked, whole, self.whole), last=self.last + asked)
-
-    def of_some(self, chosen: Whole, bodies: Bodies) -> Held:
-        """Of some scenes."""
-        first, second = (one.of_some(chosen, bodies) for one in (self.first, self.second))
-        rows, whole, start = (part[..., chosen] for part in (self.rows, self.whole, self.start))
-        return Held(bodies, first, second, start, rows, whole, self.last[chosen], self.kinks[:, chosen])
 
     def last_rows(self, count: int) -> Held:
         """With that many rows before the last."""
@@ -266,7 +260,7 @@ def _gone_on(held: Held, closing: March, until: Array, resolution: int) -> Held:
         some = filled(np.flatnonzero((closing.ending == ENDED) & falls & (step > 0.0)))
         if len(some):
             closing.ending[some] = FAILED
-            few, top, wholes = held.of_some(some, bodies.of_some(some)), last.copy(), held.whole.copy()
+            few, top, wholes = held.of_some(some), last.copy(), held.whole.copy()
             for those, found, whole in _closing_on(few, step[some], until[some], resolution):
                 out, count = some[those], found.shape[1] - 1
                 held = held.with_room(int(last[out].max()) + count + 1)
@@ -407,6 +401,6 @@ def _closing_on(
                 part[some]
                 for part in (edge, zone, rounding, error, since, speed, fall, slope, step, first, until)
             )
-            local = local.of_some(some, local.bodies.of_some(some))
+            local = local.of_some(some)
         if not len(scenes):
             break
