@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from fem_solver.components import Components
 
@@ -132,59 +131,34 @@ class SurfaceRecord:
 
 
 def interpolated(x: Array, values: Array, at: Array) -> Array:
-    """Monotonic cubic interpolation of every row, continued by at most one interval."""
+    """Lines between the points of every row, continued by at most one interval."""
     if x.size < 2:
         return np.repeat(values[:, -1:], len(at), axis=1) if x.size else np.zeros((len(values), len(at)))
-    if not values.any():
-        return np.zeros((len(values), len(at)))
-    low, high = 2.0 * x[0] - x[1], 2.0 * x[-1] - x[-2]
-    # the two points on either side of each place make the cubic there
-    beside = np.searchsorted(x, at)[:, None] + np.arange(-2, 2)
-    used = np.unique(np.clip(beside, 0, len(x) - 1))
-    if used.size < 2:
-        used = np.arange(len(x))
-    with np.errstate(over="ignore"):  # over a difference lost in underflow: the slope there is then zero
-        return np.asarray(PchipInterpolator(x[used], values[:, used], axis=1)(np.clip(at, low, high)))
+    at = np.clip(at, 2.0 * x[0] - x[1], 2.0 * x[-1] - x[-2])
+    right = np.clip(np.searchsorted(x, at), 1, len(x) - 1)
+    share = (at - x[right - 1]) / (x[right] - x[right - 1])
+    return np.asarray((1.0 - share) * values[:, right - 1] + share * values[:, right])
 
 
 def averaged(x: Array, values: Array, bounds: Array) -> Array:
-    """Means of the same interpolation over adjoining intervals: what a jump adds to a sum over them stays."""
-    if x.size < 2 or not values.any():
+    """Means of the same lines over adjoining intervals: what a jump adds to a sum over them stays."""
+    if x.size < 2:
         return interpolated(x, values, bounds[1:])
     within = np.clip(bounds, x[0], x[-1])
-    with np.errstate(over="ignore"):  # as above
-        total = PchipInterpolator(x, values, axis=1).antiderivative()(within)
+    left = np.clip(np.searchsorted(x, within) - 1, 0, len(x) - 2)
+    passed = np.cumsum(0.5 * np.diff(x) * (values[:, 1:] + values[:, :-1]), axis=1)
+    total = np.insert(passed, 0, 0.0, axis=1)[:, left]
+    total += 0.5 * (within - x[left]) * (values[:, left] + interpolated(x, values, within))
     total += values[:, :1] * np.minimum(bounds - x[0], 0.0) + values[:, -1:] * np.maximum(bounds - x[-1], 0.0)
     width, there = np.diff(bounds), interpolated(x, values, bounds[1:])
     return np.divide(np.diff(total, axis=1), width, out=there, where=width > 0.0)
 
 
 def _needed(x: Array, values: Array, count: int) -> NDArray[np.bool_]:
-    """All points but every second of the first ones, where neither a line nor the interpolation misses it.
-
-    The interpolation takes its slopes from the intervals beside a point. Where one of them is far longer than
-    the other, points on a line alone would not keep it on that line.
-    """
+    """All points but every second of the first ones, where a line between its neighbours tells it."""
     kept = np.ones(len(x), dtype=bool)
     middle = np.arange(1, min(count, len(x) - 1), 2)
-    if not middle.size:
-        return kept
-    share = (x[middle] - x[middle - 1]) / (x[middle + 1] - x[middle - 1])
-    line = (1.0 - share) * values[:, middle - 1] + share * values[:, middle + 1]
-    allowed = _STRAIGHT * np.abs(values).max(axis=1, keepdims=True)
-    dropped = middle[(np.abs(values[:, middle] - line) <= allowed).all(axis=0)]
-    if not dropped.size:
-        return kept
-    at = 0.5 * np.stack([x[dropped - 1] + x[dropped], 2.0 * x[dropped], x[dropped] + x[dropped + 1]])
-    known = interpolated(x, values, at.ravel()).reshape(len(values), *at.shape)
-    kept[dropped] = False
-    asked = np.arange(len(dropped))
-    while asked.size:
-        places = at[:, asked]
-        left = interpolated(x[kept], values[:, kept], places.ravel()).reshape(len(values), *places.shape)
-        needed = asked[(np.abs(left - known[:, :, asked]) > allowed[:, None]).any(axis=(0, 1))]
-        kept[dropped[needed]] = True
-        # of those left out, a point that comes back changes the cubics at its next neighbours only
-        beside = np.isin(dropped, np.concatenate([dropped[needed] - 2, dropped[needed] + 2]))
-        asked = np.flatnonzero(beside & ~kept[dropped])
+    others = np.delete(np.arange(len(x)), middle)
+    missed = np.abs(values[:, middle] - interpolated(x[others], values[:, others], x[middle]))
+    kept[middle[(missed <= _STRAIGHT * np.abs(values).max(axis=1, keepdims=True)).all(axis=0)]] = False
     return kept
