@@ -158,6 +158,8 @@ def _needed(x: Array, values: Array, count: int) -> NDArray[np.bool_]:
     """All points but every second of the first ones, where a line between its neighbours tells it."""
     kept = np.ones(len(x), dtype=bool)
     middle = np.arange(1, min(count, len(x) - 1), 2)
+    if not middle.size:
+        return kept
     others = np.delete(np.arange(len(x)), middle)
     missed = np.abs(values[:, middle] - interpolated(x[others], values[:, others], x[middle]))
     kept[middle[(missed <= _STRAIGHT * np.abs(values).max(axis=1, keepdims=True)).all(axis=0)]] = False
