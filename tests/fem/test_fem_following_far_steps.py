@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -121,7 +122,7 @@ def test_means_of_lines_are_those_of_their_integral():
     bounds = np.array([0.5, 1.2, 1.3, 1.3, 2.0, 4.0])
     fine = np.linspace(0.0, 5.0, 500001)
     line = np.interp(fine, x, values[0])
-    expected = [line[(fine >= a) & (fine <= b)].mean() for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    expected = [line[(fine >= a) & (fine <= b)].mean() for a, b in pairwise(bounds)]
     assert averaged(x, values, bounds)[0] == pytest.approx(expected, abs=1e-4)
 
 
