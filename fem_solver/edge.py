@@ -18,8 +18,8 @@ from fem_solver.edge_path import NO_CONTACT, EdgeGeometry, EdgeMotion, EdgePosit
 
 _WIDEST_STRIDE = 0.5
 """Widest stride of a search, in shortest zones: the closure, a mean over a zone, hardly turns within it."""
-_MISSED = 2.0**-5
-"""First stride from where the edge is expected, in ways to there: what it misses by is mostly less."""
+_FIRST_STRIDE = 2.0**-5
+"""First stride from where the edge is expected, relative to its way to there: mostly it misses by less."""
 _NARROW_STRIDE = 2.0**-12
 """Shortest first stride, in node spacings: the interval between two roots is narrow next to the last one."""
 _LEAST_PRESSED = -1.0 + 1e-6
@@ -27,18 +27,18 @@ _LEAST_PRESSED = -1.0 + 1e-6
 
 
 def root_between(function: Callable[[float], float], ends: dict[float, float], xtol: float = 2e-12) -> float:
-    """The root between two places, given with the values there.
+    """The root between two places, given with the values there, within ``xtol``.
 
     Where the function is convex, or concave, it is no farther from a place than the value there over the
     smaller of the slopes to the nearest places on either side.
     """
-    known, way = dict(ends), math.copysign(1.0, ends[max(ends)])
+    known, sign = dict(ends), math.copysign(1.0, ends[max(ends)])
 
     def value(at: float) -> float:
         if at not in known:
             beside = max(x for x in known if x < at), min(x for x in known if x > at)
             known[at] = excess = function(at)
-            slope = min(way * (known[x] - excess) / (x - at) for x in beside)
+            slope = min(sign * (known[x] - excess) / (x - at) for x in beside)
             if abs(excess) <= xtol * slope:
                 known[at] = 0.0
         return known[at]
@@ -54,7 +54,7 @@ def root_between(function: Callable[[float], float], ends: dict[float, float], x
 class AdhesiveEdge:
     """Closure integral equal to the work of adhesion.
 
-    A search makes strides of at most ``widest`` nodes, the first one of at least ``narrowest``.
+    A search makes strides of at most ``widest`` nodes, the first one of at least ``first``.
     """
 
     def __init__(self, geometry: EdgeGeometry, work: float) -> None:
@@ -62,7 +62,7 @@ class AdhesiveEdge:
         # contact of less than one element cannot be distinguished from no contact
         self.lowest = 2.0
         self.widest = _WIDEST_STRIDE * max((geometry.shortest or 0.0) / geometry.spacing, 1.0)
-        self.narrowest = _NARROW_STRIDE
+        self.first = _NARROW_STRIDE
 
     def taken(self, problem: ContactProblem, s: float) -> float:
         """Energy per area that the edge takes up on its way to ``s``."""
@@ -95,7 +95,7 @@ class AdhesiveEdge:
         """Expand a bracket from ``s`` in the direction in which the closure moves the edge."""
         low, high = max(low, self.lowest), min(high, float(self.geometry.last))
         here = min(max(s, low), high)
-        stride = max(_MISSED * abs(here - problem.state.edge), self.narrowest)
+        stride = max(_FIRST_STRIDE * abs(here - problem.state.edge), self.first)
         return self._towards(problem, here, self._excess(problem, here), (low, high), stride)
 
     def _towards(
@@ -119,7 +119,7 @@ class AdhesiveEdge:
                 return EdgePosition(EdgeMotion.RESTING, self._root(problem, {here: excess, ahead: beyond}))
             # on by a quarter more than the slope asks for
             gained = (beyond - excess) * way
-            stride *= max(-1.25 * way * beyond / gained, _NARROW_STRIDE) if gained > 0.0 else 4.0
+            stride *= max(-1.25 * way * beyond / gained, _FIRST_STRIDE) if gained > 0.0 else 4.0
             here, excess = ahead, beyond
         return EdgePosition(EdgeMotion.ADVANCING if way > 0.0 else EdgeMotion.RECEDING, limit)
 

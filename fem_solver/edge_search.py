@@ -122,9 +122,9 @@ class EdgeSearch:
         expected = extrapolated(state.radius, self.dt, state.before) if takes_time else state.radius
         if adhesion is not None and not adhesion.reversible:
             return self.leaving(expected, low, high)
-        # an elastic edge that adheres rests wherever it is in equilibrium, and is sought from where it is
-        unique = self.setup.has_history or adhesion is None
-        return self.followed(expected if unique else state.radius, low, high)
+        # an elastic edge that adheres may be in equilibrium at two radii: it is sought from where it is
+        ahead = self.setup.has_history or adhesion is None
+        return self.followed(expected if ahead else state.radius, low, high)
 
     def extended(self, candidate: ContactCandidate) -> ContactCandidate:
         """An edge that has left the range of its search, followed to where it rests again, or is lost."""
@@ -214,7 +214,7 @@ class EdgeSearch:
         placement = self.setup.surfaces.around(radius)
         geometry, law = placement.geometry, self._law(placement, passed)
         if passed > 0.0:
-            law.narrowest = law.widest
+            law.first = law.widest
         problem = self.problem(placement)
         ends = geometry.position(low), geometry.position(high)
         found = self.candidate(problem, law.seek(problem, geometry.position(radius), *ends))
