@@ -53,6 +53,17 @@ def test_an_elastic_jump_does_the_stored_work(shape, before) -> None:  # type: i
         assert trace.external_work.max() == pytest.approx(8.0 / 15.0 * 0.019**2.5, rel=2e-6)
 
 
+@pytest.mark.parametrize("exponent", [20.0, 100.0])
+@pytest.mark.parametrize("steps", [(Table((0.0, 1.0), (-0.1, -0.1)),), (Ramp(-0.1, 0.02),)])
+def test_a_blunt_tip_comes_off(exponent, steps) -> None:  # type: ignore[no-untyped-def]
+    """Its radius is still large where what it is pressed in by is lost in rounding."""
+    scene = _scene(steps, 0.02, "relaxed", PowerLaw(exponent, 0.02 / 0.2**exponent))
+    trace = solve(scene, COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    assert trace.outcome.time == pytest.approx(0.0 if isinstance(steps[0], Table) else 1.0, abs=1e-11)
+    assert trace.counters.rejected_steps < 12
+
+
 def test_dashpots_do_not_move_in_no_time() -> None:
     trace = solve(
         _scene((Hold(1.0), Force(-0.002, 0.1), Ramp(-0.1, 1.0)), 0.02, material=RUBBER,

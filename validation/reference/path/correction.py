@@ -21,7 +21,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path.edge_law import EdgeLaw
-from validation.reference.path.equilibrium import pressed_force, pressed_radius
+from validation.reference.path.equilibrium import (
+    pressed_depth,
+    pressed_force,
+    pressed_radius,
+    touching_radius,
+)
 from validation.reference.path.numerics import DEGREE, ROUNDING, bracketed
 from validation.reference.path.path import Leg, Rows
 from validation.reference.path.rheology import IndentedBody
@@ -126,12 +131,13 @@ class Corrector:
     def noise(self) -> float:
         """Residual below which there is only rounding.
 
-        Where a load is given, that of the largest borne. The image of a thin layer is that many times its
-        surface, and as many times what is solved for it rounds.
+        Without adhesion a load that goes back to nothing rounds like the largest. The image of a thin layer
+        is that many times its surface, and as many times what is solved for it rounds.
         """
-        force, noise = abs(self.state.force), 10.0 * ROUNDING
-        if self.law.adhesion is None and self.leg.free and force > 0.0:
-            noise = max(noise, math.ulp(1.0) * self.borne / force)
+        noise, depths = 10.0 * ROUNDING, (self.state.depth, self.depth / SMALL_PART)
+        load, largest = (self.state.force, self.borne) if self.leg.free else depths
+        if self.law.adhesion is None and load:
+            noise = max(noise, math.ulp(1.0) * largest / abs(load))
         if self.body.image.is_layer and self.state.radius > 0.0:
             image, surface = np.abs(self.state.depths[1:]).max(), self.body.shape(self.state.radius)
             surface += abs(self.state.depth)
@@ -153,18 +159,19 @@ class Corrector:
     def least_radius(self) -> float:
         """Radius below which no contact is followed: one zone, at rest if its stress is fixed.
 
-        Without adhesion a plane tip is let go as a whole; other contacts end in a point. A force only tells a
-        penetration where it is not lost in rounding.
+        Without adhesion a plane tip is let go as a whole; other contacts end where the load is lost in the
+        rounding of the largest.
         """
-        end_in_a_point = self._vanishing if self.leg.control == "force" else 0.0
-        return self.law.zone or self.law.tip or end_in_a_point
+        return self.law.zone or self.law.tip or self._vanishing[self.leg.control == "force"]
 
     @cached_property
-    def _vanishing(self) -> float:
-        """Radius of an elastic contact whose force is lost in the rounding of the largest."""
-        body, radius = self.body, self.L_run / SMALL_PART
-        least = 2.0 * body.rheology.relaxed * ROUNDING * pressed_force(body, radius)
-        return max(pressed_radius(body, least, self.law.rim), STILL * self.L_run)
+    def _vanishing(self) -> tuple[float, float]:
+        """Radius of an elastic contact of which the penetration, or the force, is lost in rounding."""
+        body, rim, radius = self.body, self.law.rim, self.L_run / SMALL_PART
+        depth, force = ROUNDING * pressed_depth(body, radius), ROUNDING * pressed_force(body, radius)
+        return touching_radius(body, depth, rim), pressed_radius(
+            body, 2.0 * body.rheology.relaxed * force, rim
+        )
 
     def folds(self, way: float) -> bool:
         """Whether an edge that goes that way may run away."""
