@@ -73,6 +73,17 @@ SPRUNG = st.builds(
 )
 
 
+@pytest.mark.parametrize(("seed", "branches", "closing"), [(508, 2, 0.1), (519, 1, None), (520, 2, 0.1)])
+def test_a_root_on_the_flat_side_of_a_layer_is_found(seed, branches, closing):
+    """Secants take three evaluations there to halve what holds the root."""
+    sprung = SCATTERED | {"zones": (-6.0, -1.0), "spring": (-2.0, 2.0)}
+    (scene,) = drawn(1, seed, **sprung | {"branches": branches, "closing": closing})
+    (answer,) = batch.solve([scene])
+    assert answer.answered
+    if seed == 508:  # the others take the reference minutes
+        assert difference(scene, answer) < answer.errors["pull_off_force"]
+
+
 def cycles(**family):
     """Cycles of any indenter at speeds over four decades, with hysteresis and without."""
     alike = {"any_indenter": True, "cycle": True, "speeds": (-1.0, 3.0)}

@@ -124,24 +124,29 @@ def secants(
 ) -> tuple[Array, Array, Flags]:
     """Roots, slopes and whether they are found, of those asked for; each scene stops by itself.
 
-    A residual below its ``noise`` is none. Where a secant leads out of the two places between which the sign
-    changes, the next one is in their middle: over a layer that relaxes the residual bends sharply.
+    A residual below its ``noise`` is none. Once its sign has changed, the next place is in the middle where a
+    secant leads out of the two places between which it does, or where three places do not lie on a curve that
+    has an inverse of second order (Chandrupatla, Adv. Eng. Softw. 28, 145, 1997): over a layer that relaxes
+    the residual bends sharply, and secants from its flat side creep.
     """
     f, done = residual(one), ~asked
-    rising = np.sign(slope)
-    low, high = np.where(rising * f < 0.0, one, -np.inf), np.where(rising * f < 0.0, np.inf, one)
+    far, third, at_far, at_third = np.full((4, *one.shape), np.nan)  # of the other sign, and the one before
     two = np.where(asked, one - f / slope, one)
     done |= np.abs(two - one) <= CONVERGED * (np.abs(two) + scale)
     for _ in range(ITERATIONS):
         if done.all():
             break
         value = residual(two)
-        low, high = np.where(rising * value < 0.0, two, low), np.where(rising * value < 0.0, high, two)
+        same = value * f > 0.0
+        third, at_third = np.where(same, one, far), np.where(same, f, at_far)
+        far, at_far = np.where(same, far, one), np.where(same, at_far, f)
         moving = ~done & (two != one) & (value != f)
         slope = np.where(moving, (value - f) / (two - one), slope)
         change = np.where(moving, value / slope, 0.0)
-        astray = moving & np.isfinite(high - low) & ((two - change - low) * (two - change - high) > 0.0)
-        change = np.where(astray, two - 0.5 * (low + high), change)
+        place, share = (two - far) / (third - far), (value - at_far) / (at_third - at_far)
+        bent = (share**2 >= place) | ((1.0 - share) ** 2 >= 1.0 - place)
+        out = (change * (two - far) < 0.0) | (np.abs(change) > np.abs(two - far))
+        change = np.where(moving & (bent | out), 0.5 * (two - far), change)
         one, f, two = np.where(done, one, two), np.where(done, f, value), two - change
         done = done | ~(np.abs(change) > CONVERGED * (np.abs(two) + scale)) | (np.abs(value) < noise)
     return two, slope, done & np.isfinite(two)
