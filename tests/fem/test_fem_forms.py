@@ -136,7 +136,7 @@ def test_branch_loss_is_the_integral_over_the_step(dt):
     assert weights @ [before**2 / 3.0, before * dx, 3.0 * dx**2] == pytest.approx(loss, rel=1e-9)
 
 
-@pytest.mark.parametrize("dt", [1e-6, 0.69e-3, 0.71e-3, 1.0, 50.0])  # the series ends at 0.7e-3
+@pytest.mark.parametrize("dt", [1e-6, 0.69e-3, 0.71e-3, 0.99e-3, 1e-3, 1.0, 50.0])
 def test_a_bend_of_the_strain_within_a_step_adds_its_integrals(dt):
     modulus, b, dx, bend = Prony(0.0, np.array([3.0]), np.array([0.7])), 0.4, 0.3, 0.11
     t, w = np.polynomial.legendre.leggauss(80)
@@ -149,7 +149,8 @@ def test_a_bend_of_the_strain_within_a_step_adds_its_integrals(dt):
         return np.exp(-at * dt / 0.7) * b + at * weight @ (np.exp(-(at - s) * dt / 0.7) * rate)
 
     found = modulus.increment(dt).advance(np.array([[b]]), np.array([dx]), np.array([bend]))
-    assert found[0, 0] == pytest.approx(after(1.0, bend), rel=1e-10)
+    # a series ends at 0.7e-3: what it leaves out is most there
+    assert found[0, 0] == pytest.approx(after(1.0, bend), rel=2e-11 if dt == 0.69e-3 else 1e-12)
     straight, bent = (np.array([after(at, c) for at in share]) for c in (0.0, bend))
     lost = dt / 0.7 / 3.0 * weight @ (bent**2 - straight**2)
     found = modulus.bent_loss(dt, np.array([[b]]), np.array([dx]), np.array([bend]))
