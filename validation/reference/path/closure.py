@@ -58,7 +58,7 @@ WIDENING = 3.0
 """Ratio of the distances of breaks from the axis."""
 TERMS, TERMS_A_FACTOR = 6, 4.0
 """Terms of the series of the kernel."""
-_RING = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
+_RING = chebyshev_series(12)[0]
 
 EVEN = np.linspace(0.0, 1.0, 5)
 SHORTEST = 1e-3

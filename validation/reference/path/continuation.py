@@ -28,9 +28,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.correction import FILLED, SMALL_PART, Correction, Corrector, Ending, Fixed
+from validation.reference.path.correction import FILLED, NEARBY, Correction, Corrector, Ending, Fixed
 from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
-from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, bracketed
+from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
 from validation.reference.path.state import State, faded
 from validation.reference.path.trial import Arrival
@@ -41,14 +41,10 @@ Level = Callable[[float, float, float], float]
 
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
-FIRST_RADIUS = 1e-2
-"""Least radius of the first step of a new contact, in the scale of the radius."""
 REJECTED = 2.5
 """Error, in tolerances, above which a step is repeated."""
 LEAST_WEIGHT = 0.3
 """Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
-LEAST_SHARE = 0.1
-"""Of what all steps over one scale may add up to: shorter steps are those after a kink, and few."""
 RUNG = 2.0**0.25
 """Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
 LARGEST_GROWTH = 4
@@ -61,12 +57,8 @@ SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
 MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
-AFTER_TURN = 0.1
-"""First step after a turn, in the step before: nothing else tells whether it is short enough."""
 TOWARDS = 0.75
 """Share of the way to an event that a step goes at most if it does not end there."""
-SAME_FOLD = 0.1
-"""Change of the place of a fold foreseen, in tolerances, below which it is landed on."""
 
 
 SIGHTS = {
@@ -144,7 +136,7 @@ class Continuation(Corrector):
             self._restart()
             return
         leg, deepest = self.leg, NEGLIGIBLE * self.depth / SMALL_PART
-        a = min(max(touching_radius(self.body, deepest, self.law.rim), FIRST_RADIUS * self.L_run), self.L_run)
+        a = min(max(touching_radius(self.body, deepest, self.law.rim), NEARBY * self.L_run), self.L_run)
         load = pressed_depth(self.body, a)
         if leg.control == "force":
             load = 2.0 * self.body.rheology.glassy * pressed_force(self.body, a)
@@ -253,7 +245,7 @@ class Continuation(Corrector):
         if not self.leg.free:
             weight = max(LEAST_WEIGHT, way)
         elif self.leg.stands:
-            weight = 1.0 / max(LEAST_SHARE, way)
+            weight = 1.0 / max(SMALL_PART, way)
         return np.where(np.isfinite(errors), weight * errors / self.tolerance, math.inf)
 
     def _longest(self, errors: Array) -> tuple[int, int]:
@@ -263,7 +255,7 @@ class Continuation(Corrector):
         Beyond a bend of the path a parabola goes farther than a polynomial that reaches back over it.
         """
         rows = np.arange(1.0, len(errors) + 1.0)
-        rungs = np.floor(np.log(np.maximum(errors, 1e-5)) / (-(rows + 1.0) * math.log(RUNG)))
+        rungs = np.floor(np.log(np.maximum(errors, NEGLIGIBLE)) / (-(rows + 1.0) * math.log(RUNG)))
         rungs = np.clip(rungs, UNSEEN, LARGEST_GROWTH)
         rungs[: len(errors) > 1] = -math.inf  # one row knows no direction
         best = len(errors) - int(rungs[::-1].argmax())
@@ -383,7 +375,7 @@ class Continuation(Corrector):
         """Whether the place of a fold foreseen no longer changes."""
         vertex = float(path.place(at)[1]) * self.L
         change, self.vertex = abs(vertex - self.vertex), vertex
-        return change < SAME_FOLD * self.tolerance * self.L
+        return change < SMALL_PART * self.tolerance * self.L
 
     def _finish(self, plan: Plan, correction: Correction) -> None:
         """Take a step, and what its event asks for next."""
@@ -392,7 +384,7 @@ class Continuation(Corrector):
             plan.event = Ending.END  # an event that rounds onto it
         match plan.event:
             case Ending.TURN:  # the scales grow anew from there
-                self._restart(h=AFTER_TURN * plan.h)
+                self._restart(h=SMALL_PART * plan.h)
                 if self.leg.timed:
                     self.lasted, self.T_first = 0.0, self.h * self.T
             case Ending.DEPARTURE if self.state.radius == 0.0:

@@ -27,7 +27,7 @@ from validation.reference.path.equilibrium import (
     pressed_radius,
     touching_radius,
 )
-from validation.reference.path.numerics import DEGREE, ROUNDING, bracketed
+from validation.reference.path.numerics import DEGREE, ROUNDING, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Rows
 from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
@@ -35,8 +35,6 @@ from validation.reference.path.trial import Arrival, Trial
 
 Array = NDArray[np.float64]
 
-SMALL_PART = 0.1
-"""Scales of radius and penetration, in the largest of the run."""
 STILL = 1e-6
 """Travel of the edge, in zones, below which it is at rest."""
 SOLVED = 100.0
@@ -47,8 +45,8 @@ SECANTS = 12
 """Most secants: they converge in four, or do not."""
 SEEN = 1e-5
 """Least difference of two radii, in zones, that tells a slope beside the rounding of the residual."""
-UNFORESEEN = 1e-2
-"""Longest first step after a kink, whichever way the path then goes."""
+NEARBY = 1e-2
+"""Part of a zone or of the scale of the radius in which an edge is looked for that no row has foreseen."""
 FILLED = 1.0 - 1e-5
 """Zone of fixed stress, in the contact radius, at which the contact ends."""
 LARGEST_JUMP = 1e4
@@ -148,7 +146,7 @@ class Corrector:
     @property
     def least_scale(self) -> float:
         """Scale of the radius where the edge sets off."""
-        return self.law.zone or 1e-2 * self.L_run
+        return self.law.zone or NEARBY * self.L_run
 
     @property
     def still(self) -> float:
@@ -208,7 +206,7 @@ class Corrector:
 
         A resting edge (``rested``) that would move departs where its rest ends.
         """
-        near = self.L * (10.0 * h if len(self.rows) > 1 else UNFORESEEN)
+        near = self.L * (10.0 * h if len(self.rows) > 1 else NEARBY)
         size = max(1e-3 * h, SEEN) * min(self.L, self.law.zone or self.L)
         ends: dict[float, Arrival] = {}
 
@@ -306,8 +304,8 @@ class Corrector:
         ``known``: how well its place is.
         """
         values = []
-        for share in (0.01, 0.02):
-            size = max(share * (self.law.zone or self.state.radius), 100.0 * share * known)
+        for times in (1.0, 2.0):
+            size = times * max(NEARBY * (self.law.zone or self.state.radius), known)
             values.append(self.elsewhere(way * size)[1] * way)
         return not (values[0] >= 0.0 or values[1] >= values[0])  # none where its zone fills the contact
 

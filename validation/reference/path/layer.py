@@ -67,7 +67,7 @@ def image(layer: contact_scene.Layer, poisson_ratio: float, reach: float) -> Ima
     h = layer.thickness
     order = 12 + math.ceil(8.0 * reach / h)
     knots, series = chebyshev_series(order)
-    t, weights = gauss(60 + math.ceil(20.0 * reach / h))
+    t, weights = gauss(60 + math.ceil(LONGEST_WAVE * reach / h))
     t, weights = LONGEST_WAVE * t, LONGEST_WAVE * weights
     lacks = 2.0 / (math.pi * h) * weights * (1.0 - transfer(t, poisson_ratio, layer.base))
     waves = series @ np.cos(np.outer(reach / h * np.sqrt(0.5 * (1.0 + knots)), t))

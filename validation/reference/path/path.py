@@ -10,14 +10,16 @@ they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact_scene import Segment
 from contact_scene.loading import Control
-from validation.reference.path.numerics import DEGREE, NEGLIGIBLE, ORDERS, bracketed
+from validation.reference.path.numerics import DEGREE, NEGLIGIBLE, ORDERS, ROUNDING, bracketed
 
 Array = NDArray[np.float64]
 
@@ -49,6 +51,59 @@ class Leg:
         """Whether an indenter that is at the surface, and free of load, is pressed on from the start."""
         soon = self.start + NEGLIGIBLE * (self.end - self.start)
         return self.control == "force" or self.value(soon) > 0.0
+
+
+def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
+    """The jump of the load with which a load step begins, if it does."""
+    have, first = segment.present(penetration, force), segment.value(segment.start)
+    if abs(first - have) <= ROUNDING * max(abs(have), abs(first)):
+        return None
+
+    def value(share: float) -> float:
+        return have + (first - have) * share
+
+    return Leg(segment.control, value, 0.0, 1.0, False, None, segment.compliance)
+
+
+def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
+    """What a load step is made of between its kinks.
+
+    A row of a table is none where the lines that meet there are nearly a smooth curve, which they leave by an
+    eighth of the jump of the rate times the longer of them: there they are rounded.
+    """
+    marks = [*sorted({segment.start, *segment.kinks}), segment.end]
+    values, rates = [segment.value(at) for at in marks], [segment.rate(at) for at in marks[:-1]]
+    allowed = 8.0 * tolerance * (max(values) - min(values))
+    kept = [0]
+    for i in range(1, len(rates)):
+        longer = max(marks[i] - marks[i - 1], marks[i + 1] - marks[i])
+        if abs(rates[i] - rates[i - 1]) * longer > allowed:
+            kept.append(i)
+    for first, last in pairwise((*kept, len(rates))):
+        begin, end, rate = marks[first], marks[last], None
+        if segment.linear and segment.control == "penetration":
+            mean = (values[last] - values[first]) / (end - begin) if end > begin else 0.0
+            off = max(abs(each - mean) for each in rates[first:last])
+            rate = mean if off <= tolerance * abs(mean) else None
+        value = segment.value
+        if segment.linear and rate is None and last > first + 1:
+            value = rounded(value, np.array(marks[first : last + 1]), np.array(rates[first:last]))
+        if end - begin > ROUNDING * end:
+            yield Leg(segment.control, value, begin, end, True, rate, segment.compliance)
+
+
+def rounded(value: Callable[[float], float], marks: Array, rates: Array) -> Callable[[float], float]:
+    """Straight lines between marks with a parabola in place of each kink, half way to the next at most."""
+    width, at = marks[1:] - marks[:-1], marks[1:-1]
+    half, jump = 0.5 * np.minimum(width[:-1], width[1:]), rates[1:] - rates[:-1]
+    between = 0.5 * (at[1:] + at[:-1])
+
+    def smooth(now: float) -> float:
+        i = int(between.searchsorted(now))
+        away = float(half[i]) - abs(now - float(at[i]))
+        return value(now) + (float(jump[i] * away * away / (4.0 * half[i])) if away > 0.0 else 0.0)
+
+    return smooth
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ A load step is a jump, if the load has one, and legs in time between its kinks. 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,12 +34,12 @@ from contact_scene.run_control import (
     outcome_of_loss,
     outgrown_outcome,
 )
-from validation.reference.path.continuation import SAME_FOLD, Continuation, Level
-from validation.reference.path.correction import SMALL_PART, Ending
+from validation.reference.path.continuation import Continuation, Level
+from validation.reference.path.correction import Ending
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import FARTHER, elastic_start, farthest_reach, indented, scales
-from validation.reference.path.numerics import ROUNDING
-from validation.reference.path.path import Leg
+from validation.reference.path.numerics import SMALL_PART
+from validation.reference.path.path import Leg, jump, timed_legs
 from validation.reference.path.profiles import profile
 from validation.reference.path.recorder import EXTRA_COLUMNS, Recorder
 from validation.reference.path.state import State
@@ -56,59 +55,6 @@ def level(trigger: Trigger | None, state: State) -> Level | None:
         return None
     side = trigger.side(trigger.excess(state.depth, state.force, state.radius))
     return lambda depth, force, radius: -side * trigger.excess(depth, force, radius)
-
-
-def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
-    """The jump of the load with which a load step begins, if it does."""
-    have, first = segment.present(penetration, force), segment.value(segment.start)
-    if abs(first - have) <= ROUNDING * max(abs(have), abs(first)):
-        return None
-
-    def value(share: float) -> float:
-        return have + (first - have) * share
-
-    return Leg(segment.control, value, 0.0, 1.0, False, None, segment.compliance)
-
-
-def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
-    """What a load step is made of between its kinks.
-
-    A row of a table is none where the lines that meet there are nearly a smooth curve, which they leave by an
-    eighth of the jump of the rate times the longer of them: there they are rounded.
-    """
-    marks = [*sorted({segment.start, *segment.kinks}), segment.end]
-    values, rates = [segment.value(at) for at in marks], [segment.rate(at) for at in marks[:-1]]
-    allowed = 8.0 * tolerance * (max(values) - min(values))
-    kept = [0]
-    for i in range(1, len(rates)):
-        longer = max(marks[i] - marks[i - 1], marks[i + 1] - marks[i])
-        if abs(rates[i] - rates[i - 1]) * longer > allowed:
-            kept.append(i)
-    for first, last in pairwise((*kept, len(rates))):
-        begin, end, rate = marks[first], marks[last], None
-        if segment.linear and segment.control == "penetration":
-            mean = (values[last] - values[first]) / (end - begin) if end > begin else 0.0
-            off = max(abs(each - mean) for each in rates[first:last])
-            rate = mean if off <= tolerance * abs(mean) else None
-        value = segment.value
-        if segment.linear and rate is None and last > first + 1:
-            value = rounded(value, np.array(marks[first : last + 1]), np.array(rates[first:last]))
-        if end - begin > ROUNDING * end:
-            yield Leg(segment.control, value, begin, end, True, rate, segment.compliance)
-
-
-def rounded(value: Callable[[float], float], marks: Array, rates: Array) -> Callable[[float], float]:
-    """Straight lines between marks with a parabola in place of each kink, half way to the next at most."""
-    width, at = marks[1:] - marks[:-1], marks[1:-1]
-    half, jump = 0.5 * np.minimum(width[:-1], width[1:]), rates[1:] - rates[:-1]
-    between = 0.5 * (at[1:] + at[:-1])
-
-    def smooth(now: float) -> float:
-        i = int(between.searchsorted(now))
-        away = float(half[i]) - abs(now - float(at[i]))
-        return value(now) + (float(jump[i] * away * away / (4.0 * half[i])) if away > 0.0 else 0.0)
-
-    return smooth
 
 
 @dataclass
@@ -315,7 +261,7 @@ class PathRun:
     def _lose_contact(self, leg: Leg) -> None:
         """Contact ends here; the last row is the free surface, unless a force takes the indenter off."""
         state = self.tracker.state
-        self.recorder.lost(self.scene.ends_in_a_point, SAME_FOLD * self.tolerance * self.tracker.L)
+        self.recorder.lost(self.scene.ends_in_a_point, SMALL_PART * self.tolerance * self.tracker.L)
         self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
         held = leg.control != "force"
         if state.radius > 0.0 and (held or self.scene.ends_in_a_point):

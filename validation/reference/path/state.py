@@ -20,14 +20,12 @@ from numpy.typing import NDArray
 
 from validation.reference.path.closure import BASE
 from validation.reference.path.fields import NODES, TO_POWERS, Passages, along
-from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, powers
+from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, powers
 from validation.reference.path.rheology import IndentedBody, total
 
 Array = NDArray[np.float64]
 GRADING = 8.0
 """Ratio of the distances from the edge of breaks and cuts that see a layer relax."""
-LAYER = 2e-3
-"""Thickness of a layer, in zones, below which breaks are graded towards the edge for it."""
 FADED = 1e-2
 """Change, in tolerances and the field at the edge, below which two entries are joined: times their width, in
 zones or as seen from the edge, for it is integrals over the fields that count. And times zone over radius: it
@@ -108,7 +106,7 @@ class State:
 
     def _layers(self, travel: float, zone: float) -> tuple[Array, ...]:
         """The layer that relaxes behind the edge, and behind where it was before."""
-        thickest = LAYER * zone
+        thickest = BASE[1] * zone
         if not self.layer < thickest:
             return ()
         thinnest = max(self.layer, ROUNDING * zone)
@@ -121,7 +119,7 @@ def faded(state: State, body: IndentedBody, zone: float, tolerance: float) -> St
     """The state with entries joined that have come to agree."""
     if state.radius == 0.0 or len(state.surface.held) < 2:
         return state
-    size, relaxed = zone or 0.1 * state.radius, body.rheology.relaxed
+    size, relaxed = zone or SMALL_PART * state.radius, body.rheology.relaxed
     phi, G, carried = state.carried(body, size * np.array([-1.0, -ROUNDING, ROUNDING, 1.0]))
     field = np.abs(total(carried) + np.array([relaxed, relaxed, -1.0, -1.0]) * (phi @ state.depths - G))
     allowed = FADED * tolerance * size / state.radius * np.array([field[2:].max(), field[:2].max()])
