@@ -101,21 +101,9 @@ def creep_compliance(material: Material) -> CreepCompliance:
 
 
 def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, Array, Array]:
-    """Compliances ``J_k``, retardation times ``theta_k`` and their distances from the relaxation times.
+    """``J_k`` and ``theta_k`` (n,) in ascending times, and ``theta_k - tau_j`` at [k, j].
 
-    Parameters
-    ----------
-    relaxed : float
-        Relaxed modulus ``E0`` > 0.
-    moduli, times : ndarray, shape (n,)
-        Branch moduli > 0 and distinct, ascending relaxation times.
-
-    Returns
-    -------
-    compliances, retardation : ndarray, shape (n,)
-        Ascending in time.
-    distances : ndarray, shape (n, n)
-        ``theta_k - tau_j`` at [k, j], to full relative accuracy however close the two are.
+    The last (n, n) to full relative accuracy, however close two times are. Relaxation times ascend.
     """
     weights, retardation, distances = _rank_one_update(times, moduli / relaxed * times)
     return weights / relaxed, retardation, distances
@@ -124,19 +112,7 @@ def creep_spectrum(relaxed: float, moduli: Array, times: Array) -> tuple[Array, 
 def relaxation_spectrum(glassy: float, compliances: Array, times: Array) -> tuple[float, Array, Array]:
     """The inverse of :func:`creep_spectrum`: the same eigenproblem for ``1/theta_k`` and ``1/tau_k``.
 
-    Parameters
-    ----------
-    glassy : float
-        Glassy compliance ``Jg = J(0)`` > 0.
-    compliances, times : ndarray, shape (n,)
-        ``J_k`` > 0 and distinct, ascending retardation times.
-
-    Returns
-    -------
-    relaxed : float
-        Relaxed modulus ``E0 = 1/(Jg + sum J_k)``.
-    moduli, relaxation : ndarray, shape (n,)
-        Branch moduli and relaxation times, ascending in time.
+    ``E0 = 1/(Jg + sum J_k)``, branch moduli and relaxation times (n,), ascending as the retardation times.
     """
     relaxed = 1.0 / (glassy + float(np.sum(compliances)))
     rates = 1.0 / times[::-1]
@@ -145,16 +121,10 @@ def relaxation_spectrum(glassy: float, compliances: Array, times: Array) -> tupl
 
 
 def _rank_one_update(poles: Array, strengths: Array) -> tuple[Array, Array, Array]:
-    """Eigenvalues of ``diag(poles) + z z^T`` with ``z^2 = strengths``.
+    """``(v_k . z)^2/lambda_k`` and ``lambda_k`` (n,), ``lambda_k - poles[j]`` at [k, j].
 
-    Returns
-    -------
-    weights : ndarray, shape (n,)
-        ``(v_k . z)^2/eigenvalues[k]``.
-    eigenvalues : ndarray, shape (n,)
-        Ascending, one above each pole.
-    distances : ndarray, shape (n, n)
-        ``eigenvalues[k] - poles[j]`` at [k, j].
+    Of the eigenvalues ``lambda`` and vectors ``v`` of ``diag(poles) + z z^T`` with ``z^2 = strengths``; one
+    eigenvalue lies above each pole.
     """
     if len(poles) == 0:
         return np.empty(0), np.empty(0), np.empty((0, 0))

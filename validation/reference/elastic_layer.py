@@ -86,15 +86,7 @@ class Response:
 
 @dataclass(frozen=True)
 class ElasticLayer:
-    """Elastic contact on a layer, by unit plane modulus ``E* = E/(1 - nu^2)``.
-
-    Parameters
-    ----------
-    layer : Layer
-    poisson : float
-        Poisson's ratio; without influence on a frictionless base.
-    indenter : Indenter
-    """
+    """Elastic contact on a layer, by unit plane modulus ``E* = E/(1 - nu^2)``."""
 
     layer: Layer
     poisson: float

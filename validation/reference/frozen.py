@@ -33,16 +33,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FrozenRetraction:
-    """Instant retraction from the relaxed equilibrium at ``start`` (a penetration).
-
-    Parameters
-    ----------
-    material, indenter : Material, Indenter
-    work : float
-        Work of adhesion.
-    start : float
-        ``D_B``.
-    """
+    """Instant retraction from the relaxed equilibrium at the penetration ``start``, ``D_B``."""
 
     material: Material
     indenter: Indenter

@@ -41,16 +41,7 @@ class ElasticContact:
 
 @dataclass(frozen=True)
 class JKR:
-    """Elastic contact with an adhesive edge of vanishing extent.
-
-    Parameters
-    ----------
-    indenter : Indenter
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-    work : float
-        Work of adhesion ``dg``.
-    """
+    """Elastic contact with an adhesive edge of vanishing extent; ``work``: of adhesion, ``dg``."""
 
     indenter: Indenter
     plane_modulus: float

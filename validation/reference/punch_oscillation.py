@@ -23,66 +23,21 @@ Array = NDArray[np.float64]
 def dynamic_stiffness(
     material: Material, radius: float, angular_frequency: ArrayLike
 ) -> NDArray[np.complex128]:
-    """``2 a E*(w)``, storage + i loss.
-
-    Parameters
-    ----------
-    material : Material
-    radius : float
-        Radius of the punch.
-    angular_frequency : array_like
-
-    Returns
-    -------
-    ndarray of complex
-        Force over length, of the shape of ``angular_frequency``.
-    """
+    """``2 a E*(w)``, storage + i loss, of the shape of ``angular_frequency``."""
     relaxed, moduli, times = plane_spectrum(material)
     lag = 1j * np.asarray(angular_frequency, float)[..., None] * times
     return np.asarray(2.0 * radius * (relaxed + lag / (1.0 + lag) @ moduli))
 
 
 def loss_per_cycle(material: Material, radius: float, angular_frequency: float, amplitude: float) -> float:
-    """Work lost in a steady cycle, ``pi A^2 Im(2 a E*(w))``.
-
-    Parameters
-    ----------
-    material : Material
-    radius : float
-        Radius of the punch.
-    angular_frequency : float
-    amplitude : float
-        Of the penetration.
-
-    Returns
-    -------
-    float
-        Energy.
-    """
+    """Work lost in a steady cycle, ``pi A^2 Im(2 a E*(w))``."""
     return float(np.pi * amplitude**2 * dynamic_stiffness(material, radius, angular_frequency).imag)
 
 
 def force(
     material: Material, radius: float, angular_frequency: float, amplitude: float, time: ArrayLike
 ) -> Array:
-    """``F(t)`` of ``D = A sin(w t)`` from rest at ``t = 0``; same shape as ``time``.
-
-    Parameters
-    ----------
-    material : Material
-    radius : float
-        Radius of the punch.
-    angular_frequency : float
-    amplitude : float
-        Of the penetration.
-    time : array_like
-        Time since the start of the load.
-
-    Returns
-    -------
-    ndarray
-        Force, of the shape of ``time``.
-    """
+    """``F(t)`` of ``D = A sin(w t)`` from rest at ``t = 0``; same shape as ``time``."""
     relaxed, moduli, times = plane_spectrum(material)
     t = np.asarray(time, float)
     phase = angular_frequency * t

@@ -74,20 +74,7 @@ class RatedEdge:
         return opening_speed(self.adhesion, release_rate)
 
     def departure(self, radius: float, penetration: float, rate: float) -> float:
-        """Time at which a pinned edge starts to open while the penetration falls.
-
-        Parameters
-        ----------
-        radius, penetration : float
-            At time 0.
-        rate : float
-            At which the penetration falls, a length per time.
-
-        Returns
-        -------
-        float
-        """
-
+        """Time at which a pinned edge starts to open while the penetration falls at ``rate``."""
         from scipy.optimize import brentq
 
         def lack(time: float) -> float:
@@ -103,23 +90,9 @@ class RatedEdge:
     def radii(
         self, radius: float, penetration: float, rate: float, times: Array, smallest: float = 0.0
     ) -> Array:
-        """Contact radius while the penetration falls at ``rate``.
+        """Contact radius at rising ``times`` (n,) while the penetration falls at ``rate``.
 
-        Parameters
-        ----------
-        radius, penetration : float
-            At time 0, where the edge is at rest or about to open.
-        rate : float
-            Speed of retraction.
-        times : ndarray, shape (n,)
-            Rising, from 0 on.
-        smallest : float
-            Radius at which the integration ends.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            NaN after the contact has shrunk to ``smallest``.
+        From an edge at rest, or about to open, at time 0; NaN after it has shrunk to ``smallest``.
         """
         from scipy.integrate import solve_ivp
 

@@ -201,37 +201,13 @@ def radius_at(rising: Callable[[float], float], target: float) -> float:
 
 
 def unit_force(indenter: Indenter, contact_radius: ArrayLike, penetration: ArrayLike) -> Array:
-    """``F/E* = 2 (a D - H(a))`` for any contact radius and penetration, adhesive or not.
-
-    Parameters
-    ----------
-    indenter : Indenter
-    contact_radius, penetration : array_like
-
-    Returns
-    -------
-    ndarray
-        Area, of the broadcast shape of the two.
-    """
+    """``F/E* = 2 (a D - H(a))``, an area, for any contact radius and penetration, adhesive or not."""
     a = np.asarray(contact_radius, float)
     return 2.0 * (a * np.asarray(penetration, float) - depth_integral(indenter, a))
 
 
 def force(indenter: Indenter, contact_radius: ArrayLike, plane_modulus: float) -> Array:
-    """``F(a) = 2 E* (a G(a) - H(a))``, the adhesionless force: ``2 E* n H(a)`` for a power ``n``.
-
-    Parameters
-    ----------
-    indenter : Indenter
-    contact_radius : array_like
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-
-    Returns
-    -------
-    ndarray
-        Force, of the shape of ``contact_radius``.
-    """
+    """``F(a) = 2 E* (a G(a) - H(a))``, the adhesionless force: ``2 E* n H(a)`` for a power ``n``."""
     if (law := indenter.power) is not None:
         with np.errstate(over="ignore"):
             return np.asarray(2.0 * plane_modulus * law[0] * depth_integral(indenter, contact_radius))
@@ -244,19 +220,6 @@ def stored_energy(
     """``U = E* int_0^a (D - G(x))^2 dx`` at any contact radius and penetration.
 
     ``dU/dD = F`` and ``dU/da = E* (D - G(a))^2 = q(a)^2/E*``.
-
-    Parameters
-    ----------
-    indenter : Indenter
-    contact_radius : float
-    penetration : float
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-
-    Returns
-    -------
-    float
-        Energy.
     """
     g = transform(indenter)
     strained = penetration * (penetration * contact_radius - 2.0 * g.integral(contact_radius))
@@ -269,20 +232,6 @@ def pressure(indenter: Indenter, r: ArrayLike, contact_radius: float, plane_modu
     ``p = (E*/pi) int_r^a G'(x)/sqrt(x^2 - r^2) dx
     = (E* n c k_n/pi) a^(n-2) b 2F1(1, 1 - n/2; 3/2; b^2/a^2)``, ``b^2 = a^2 - r^2``;
     for the cone ``(E*/2) cot(alpha) arcosh(a/r)``, infinite at the tip.
-
-    Parameters
-    ----------
-    indenter : Indenter
-    r : ndarray
-        Radius of the points.
-    contact_radius : float
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-
-    Returns
-    -------
-    ndarray
-        Pressure, of the shape of ``r``.
     """
     from scipy.special import hyp2f1
 

@@ -41,36 +41,11 @@ Array = NDArray[np.float64]
 
 
 def opening(material: Material, zone: float, speed: ArrayLike) -> Array:
-    """``G/dg`` of an edge that recedes at ``speed > 0``.
-
-    Parameters
-    ----------
-    material : Material
-    zone : float
-        Length ``da`` of the process zone.
-    speed : array_like
-        Of the edge, length over time; > 0.
-
-    Returns
-    -------
-    ndarray
-        ``G/dg``, of the shape of ``speed``.
-    """
+    """``G/dg`` of an edge with a ``zone`` of length ``da`` that recedes at ``speed > 0``; its shape."""
     relaxed = 1.0 / material.relaxed_plane_modulus
     return relaxed / mean_creep(material, zone / np.asarray(speed, float))
 
 
 def closing(material: Material, zone: float, speed: ArrayLike) -> Array:
-    """``G/dg`` of an edge that advances at ``speed > 0``.
-
-    Parameters
-    ----------
-    material, zone, speed
-        As of :func:`opening`.
-
-    Returns
-    -------
-    ndarray
-        ``G/dg``, of the shape of ``speed``.
-    """
+    """``G/dg`` of an edge that advances at ``speed > 0``; same shape as ``speed``."""
     return material.relaxed_plane_modulus / mean_relaxation(material, zone / np.asarray(speed, float))

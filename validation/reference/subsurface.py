@@ -92,22 +92,6 @@ class Density:
 
         Points within 1e-12 contact radii of the surface are evaluated that deep, which keeps the
         values at the edge of a punch, where the stress is infinite, finite.
-
-        Parameters
-        ----------
-        r : ndarray
-            Radius of the points.
-        z : ndarray
-            Height of the points, negative inside the body.
-        plane_modulus : float
-            ``E* = E/(1 - nu^2)``.
-        poisson : float
-            Poisson's ratio.
-
-        Returns
-        -------
-        Field
-            Of the broadcast shape of ``r`` and ``z``.
         """
         r, z = np.broadcast_arrays(np.asarray(r, float), np.asarray(z, float))
         if np.any(z > 0.0) or np.any(r < 0.0):
@@ -143,18 +127,6 @@ def density(indenter: Indenter, contact_radius: float, penetration: float, plane
     """``q = E* (D - G(x))`` of any indenter held at contact radius and penetration.
 
     Exact for flat punch, cone and sphere; other shapes are interpolated by 256 parabolas.
-
-    Parameters
-    ----------
-    indenter : Indenter
-    contact_radius : float
-    penetration : float
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-
-    Returns
-    -------
-    Density
     """
     exact = isinstance(indenter, FlatPunch | Cone | Sphere)
 
@@ -185,26 +157,9 @@ def contact(
     plane_modulus: float,
     poisson: float,
 ) -> Field:
-    """Field under any indenter held at contact radius ``a`` and penetration ``D``, adhesive or not.
+    """Field at points ``(r, z)`` under any indenter held at contact radius and penetration, adhesive or not.
 
-    Parameters
-    ----------
-    r : ndarray
-        Radius of the points.
-    z : ndarray
-        Height of the points, negative inside the body.
-    indenter : Indenter
-    contact_radius : float
-    penetration : float
-    plane_modulus : float
-        ``E* = E/(1 - nu^2)``.
-    poisson : float
-        Poisson's ratio.
-
-    Returns
-    -------
-    Field
-        Of the broadcast shape of ``r`` and ``z``.
+    Of the broadcast shape of radii ``r >= 0`` and heights ``z <= 0``.
     """
     held = density(indenter, contact_radius, penetration, plane_modulus)
     return held.field(r, z, plane_modulus, poisson)

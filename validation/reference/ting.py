@@ -60,18 +60,7 @@ def ramp_integral(material: Material, indenter: Indenter, rate: float, covered: 
 
 @dataclass(frozen=True)
 class Ting:
-    """Ramp up, hold, ramp down.
-
-    Parameters
-    ----------
-    material, indenter : Material, Indenter
-    rise, peak : float
-        Speed ``V`` > 0 of the approach and the time ``tp`` at which it ends.
-    fall : float
-        Speed ``W`` > 0 of the retraction.
-    hold : float
-        Duration ``th - tp`` of the hold.
-    """
+    """Up at ``rise`` (``V``) until ``peak`` (``tp``), a ``hold`` of ``th - tp``, down at ``fall`` (``W``)."""
 
     material: Material
     indenter: Indenter
