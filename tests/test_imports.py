@@ -108,14 +108,12 @@ def sources() -> dict[str, ast.Module]:
 def imports(module: str, tree: ast.Module) -> Iterator[Import]:
     """All imports of a module."""
 
-    def walk(node: ast.AST, deferred: bool) -> Iterator[tuple[ast.AST, bool]]:
-        yield node, deferred
-        typing = isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
+    left: list[tuple[ast.AST, bool]] = [(tree, False)]
+    while left:
+        node, deferred = left.pop()
+        typing = node.body if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test) else ()
         inside = deferred or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
-        for child in ast.iter_child_nodes(node):
-            yield from walk(child, inside or (typing and child in node.body))
-
-    for node, deferred in walk(tree, False):
+        left += [(child, inside or child in typing) for child in ast.iter_child_nodes(node)]
         match node:
             case ast.Import(names):
                 yield from (Import(module, one.name, "", node.lineno, deferred) for one in names)
@@ -261,9 +259,10 @@ OWN_EVIDENCE = {
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="one process for each command would take seconds")
 def test_a_command_loads_its_own_evidence_alone():
+    """Asked of one process a command, split from one that has loaded the parts of SciPy they share."""
     commands = [name for name in COMMANDS if name != "report"]
     code = (
-        "import importlib, os, sys, crosscontact.commands.solve\n"
+        "import importlib, os, sys, scipy.interpolate, crosscontact.commands.solve\n"
         f"for command in {commands}:\n"
         "    if os.fork() == 0:\n"
         "        importlib.import_module(f'crosscontact.commands.{command}')\n"
