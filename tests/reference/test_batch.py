@@ -31,7 +31,7 @@ from contact_scene import (
 from validation.cases import load
 from validation.reference import batch
 from validation.reference.batch import grid, solver
-from validation.reference.batch.march import FAILED, REASONS, SOFT
+from validation.reference.batch.march import FAILED, JUMPED, REASONS, SOFT
 from validation.reference.path import Options
 from validation.reference.path import solve as by_reference
 
@@ -82,6 +82,28 @@ def test_a_root_on_the_flat_side_of_a_layer_is_found(seed, branches, closing):
     assert answer.answered
     if seed == 508:  # the others take the reference minutes
         assert difference(scene, answer) < answer.errors["pull_off_force"]
+
+
+@pytest.mark.parametrize(("seed", "branches", "closing"), [(507, 1, None), (528, 1, None), (517, 1, 0.1)])
+def test_a_contact_may_be_lost_at_once(seed, branches, closing):
+    """At the next radius ``I > w`` then at the row before already, and no time is left to be found."""
+    sprung = SCATTERED | {"zones": (-6.0, -1.0), "spring": (-2.0, 2.0)}
+    (scene,) = drawn(1, seed, **sprung | {"branches": branches, "closing": closing})
+    [answer], trace = batch.solve([scene]), by_reference(scene)
+    assert answer.detached
+    assert answer.pull_off_force == pytest.approx(-trace.force.min(), rel=answer.errors["pull_off_force"])
+    assert answer.time[-1] == pytest.approx(trace.time[-1], rel=answer.errors["detachment_time"] + 1e-6)
+
+
+def test_an_edge_that_jumps_as_it_closes_has_no_answer():
+    """By the reference too, from 0.188 to 0.322; on a spring three times as stiff it does not."""
+    family = Family(any_indenter=True, cycle=True, speeds=(-1.0, 3.0), zones=(-3.0, -1.7), spring=(-0.3, 2.0))
+    scene = family.scene(np.random.default_rng(43))
+    [answer] = batch.solve([scene])
+    assert answer.reason == REASONS[JUMPED]
+    assert not answer.answered
+    stiffer = Machine(3.0 * scene.loading.machine.stiffness)
+    assert batch.solve([replace(scene, loading=replace(scene.loading, machine=stiffer))])[0].answered
 
 
 def cycles(**family):
@@ -145,14 +167,14 @@ def test_random_scenes_are_answered_as_by_the_reference(scene):
 @settings(max_examples=8)
 def test_branches_scattered_over_six_decades_are_answered_as_by_the_reference(scene):
     """Of which the shortest may relax in a millionth of a hold, or the longest not at all."""
-    assert_as_by_the_reference(scene, "zones", "differ", "found", "softer", "not reached", most=1e-3)
+    assert_as_by_the_reference(scene, "zones", "differ", "found", "soft", "not reached", most=1e-3)
 
 
 @given(scene=SPRUNG_CYCLES)
 @settings(max_examples=8)
 def test_random_cycles_on_springs_are_answered_as_by_the_reference(scene):
     """Some with a dwell, and some of these turned by a force."""
-    assert_as_by_the_reference(scene, "zones", "differ", "found", "softer")
+    assert_as_by_the_reference(scene, "zones", "differ", "found", "soft")
 
 
 @given(scene=SPRUNG)

@@ -26,12 +26,13 @@ ROUNDED = 1e-15
 """Share of the penetration that is lost in rounding, and so the time in which it is driven."""
 ROOM = 128
 """Rows for which there is room at first."""
-GOING, DETACHED, ENDED, SHORT, FAILED, MISSED, SOFT, HANDED = range(8)
+GOING, DETACHED, ENDED, SHORT, FAILED, MISSED, SOFT, HANDED, JUMPED = range(9)
 REASONS = {
     SHORT: "the contact shrinks to one and a half process zones before it is lost",
     FAILED: "the time at which the edge gets somewhere is not found",
     MISSED: "the force that ends a ramp is not reached",
     SOFT: "a spring so much softer than the contact that the edge hardly knows when the load turns",
+    JUMPED: "a spring so soft that the edge jumps as it closes",
 }
 
 
@@ -259,7 +260,10 @@ class March(SideBySide):
         return self.columns[3]
 
     def root(self, k: int, step: Opening | Closing, first: Array) -> tuple[Array, Flags]:
-        """The time of a row, that of the row before where none is found, and of which scenes it is."""
+        """The time of a row, that of the row before where none is found, and of which scenes it is.
+
+        Where none is, as ``I > w`` there already at the row before, the edge jumps.
+        """
         travel, going = step.travel, self.going
         step.follow(self.time[travel.first : k], self.left[travel.first : k])
         if k == 1:
@@ -273,8 +277,9 @@ class March(SideBySide):
                 guess = np.where(guess > now, guess, straight)
         noise = ROUNDING * self.radius[0] / self.leg.bodies.zone
         t, slope, found = secants(step, guess, self.slope, self.lost, noise, going)
-        self.ending[going & ~found] = FAILED
-        going = going & found
+        none, going = going & ~found, going & found
+        if none.any():
+            self.ending[none] = np.where(step(self.time[k - 1]) > 0.0, JUMPED, FAILED)[none]
         self.slope = np.where(going & (slope != 0.0), slope, self.slope)
         self.last[going] = k
         return np.where(going, t, self.time[k - 1]), going

@@ -22,6 +22,7 @@ from validation.reference.batch.march import (
     FAILED,
     GOING,
     HANDED,
+    JUMPED,
     MISSED,
     REASONS,
     ROUNDING,
@@ -77,7 +78,8 @@ def approach(bodies: Bodies, stage: Array, start: Array, steps: Grid) -> tuple[M
         t, going = rows.root(k, Closing(bodies, drive, travel, a), 0.0 * start)
         D, _, b = state = drive(t)
         rows.add(k, t, a, state, cover.whole(t, D, cover.faded(t)) - a * b, D - b / bodies.moduli)
-        rows.ending[going & (t <= before)] = FAILED
+        jumps = going & (t <= before) | (rows.ending == JUMPED)
+        rows.ending[jumps] = np.where(bodies.compliance > 0.0, JUMPED, FAILED)[jumps]
         rows.ending[going & (t > before) & ((t >= bodies.turn) | (rows.force[k] >= bodies.level))] = ENDED
     return rows, leg
 
@@ -154,7 +156,7 @@ def follow(
         state = drive(t)
         left_there = bodies.released(state[0], state[2] + own * state[1])
         rows.add(k, t, a, state, total * state[1], left_there)
-        lost = going & (t <= before)
+        lost = going & (t <= before) | (rows.ending == JUMPED)
         rows.ending[lost] = np.where(rows.force[k - 1] < 0.0, DETACHED, FAILED)[lost]  # it adheres
         rows.ending[going & (t > before) & ((t >= duration) | (rows.force[k] <= bodies.least))] = ENDED
         rows.ending[rows.going & (steps.g[k] >= until)] = HANDED
@@ -293,7 +295,9 @@ class Retraction(SideBySide):
         found.ending[(found.ending == ENDED) & ~low & np.isfinite(bodies.least)] = MISSED
         if self.approach is not None:
             ending = self.approach.ending
-            found.ending[ending != ENDED] = np.where(ending == MISSED, MISSED, FAILED)[ending != ENDED]
+            found.ending[ending != ENDED] = np.where(np.isin(ending, (MISSED, JUMPED)), ending, FAILED)[
+                ending != ENDED
+            ]
             soft = 2.0 * self.radius * bodies.relaxed * bodies.compliance > SOFTEST
             found.ending[soft & (bodies.turn > 0.0)] = SOFT
         return found, self.leg, duration
