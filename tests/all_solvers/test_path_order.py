@@ -1,7 +1,9 @@
 """Order of the path of the edge in a step over many process zones: error of its moments against step length.
 
 The edge is known, ``a = 1 + exp(-t)``; each solver is given rows on it, as its run keeps them, and the end of
-the next step. Faults: ``support/faults/path_order.py``.
+the next step. No check of a scene sees an order one lower: the step control answers with a few per cent more
+steps, and on ``pdms-retraction-100nm`` no observable moves by more than the error of the true solver. With
+wrong moments finite elements find no end on a scene, which takes minutes.
 """
 
 from __future__ import annotations
@@ -11,8 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.faults.injection import seeded, stale
-from support.faults.path_order import FAULTS
+from support.faults.injection import gives, seeded, table, takes, times
 
 from bem_solver.motion import BentPath
 from fem_solver.edge_path import EdgePolynomial
@@ -69,8 +70,35 @@ def test_the_path_has_its_order(solver):
     assert has_its_order(solver)
 
 
-def test_every_fault_has_its_function():
-    assert stale(FAULTS) == []
+def _three_kept(true):
+    def append(self, *row):
+        true(self, *row)
+        self.table = self.table[-3:]
+
+    return append
+
+
+ONE_LESS, ONE_KEPT = "path through one row less", "one row less kept for the path"
+FAULTS = table("bem", "bem_solver", [
+    ("straight path", "motion:BentPath.through",
+     lambda true: lambda cls, rows, edge, duration, end, *_: cls.straight(edge, end)),
+    ("points passed a tenth too early", "motion:BentPath.left", times(1.1)),
+])  # fmt: skip
+FAULTS += table("fem", "fem_solver", [
+    ("straight path", "edge_path:EdgePolynomial.through", takes(before=lambda _: ())),
+    (ONE_LESS, "edge_path:EdgePolynomial.through", takes(before=lambda rows: rows[:1])),
+    (ONE_KEPT, "state:ComponentState.rows_and_this", gives(lambda rows: rows[:1])),
+    ("nodes passed at the end of the step", "edge_path:EdgePolynomial.passed",
+     gives(lambda share: np.where(share > 0.0, 1.0, 0.0))),
+    ("nodes passed 1 % too early", "edge_path:EdgePolynomial.passed", times(0.99)),
+])  # fmt: skip
+FAULTS += table("reference", "validation.reference.path", [
+    ("points passed 1 % too early", "numerics:inverse", times(0.99)),
+    (ONE_LESS, "path:Rows.segment", takes(order=lambda order: order - 1)),
+    ("parabolic path", "path:Rows.segment", takes(order=lambda _: 2)),
+    ("straight path", "path:Rows.segment", takes(order=lambda _: 1)),
+    (ONE_KEPT, "path:Rows.append", _three_kept),
+])  # fmt: skip
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.key)

@@ -132,10 +132,7 @@ def _plain(member: Any) -> Callable[..., Any]:
 
 
 def stale(faults: Iterable[Fault]) -> list[str]:
-    """Faults whose function is gone, or takes what its wrong version does not take; one line each.
-
-    The latter would break every run down, which looks like a fault that is caught.
-    """
+    """Faults whose function is gone, or takes what its wrong version does not take; one line each."""
     lines = []
     for fault in faults:
         try:
@@ -181,9 +178,13 @@ def _empty_caches() -> None:
 
 @contextmanager
 def seeded(fault: Fault) -> Iterator[Calls]:
-    """Put the wrong function wherever the true one is bound, count its calls, and put the true one back."""
+    """Put the wrong function wherever the true one is bound, count its calls, and put the true one back.
+
+    Raises as :func:`stale` lists: a wrong version that does not fit would look like a fault that is caught.
+    """
     owner, name = located(fault.target)
     true = vars(owner)[name]
+    _bind(_plain(true), fault.broken)
     calls = Calls()
 
     def counted(function: Callable[..., Any]) -> Callable[..., Any]:
