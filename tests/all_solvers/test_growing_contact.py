@@ -1,7 +1,7 @@
 """While the penetration does not fall, a contact without adhesion is as large as an elastic one (Ting).
 
 From first touch, whatever has been pressed or held before: the surface ahead of the edge has crept, far
-beyond the radius at which it was touched first.
+beyond the radius at which it was touched first. Held, its force follows the material (Lee and Radok).
 """
 
 from __future__ import annotations
@@ -9,10 +9,12 @@ from __future__ import annotations
 import math
 from itertools import product
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from support.invariants.coarse_solvers import SOLVERS
 
+import crosscontact as cc
 from contact_scene import Branch, Cone, Hold, Indenter, Loading, Material, PowerLaw, Ramp, Scene, Sphere
 
 RUBBER = Material(1.5e6, 0.49, (Branch(1.5e7, 1.0),))
@@ -46,3 +48,18 @@ def test_radius_of_a_contact_pressed_again(solver, shape):
     expected = radius(trace.penetration)
     accuracy = ACCURACY.get(solver) or max(SOLVERS[solver].declared(scene), 2e-3)
     assert_allclose(trace.contact_radius, expected, rtol=0.0, atol=accuracy * expected[-1])
+
+
+@pytest.mark.parametrize("solver", ["reference", "bem", pytest.param("fem", marks=pytest.mark.slow)])
+def test_force_of_a_sphere_held_in_follows_the_power_law(solver):
+    """Lee and Radok: ``F = 4/3 sqrt(R) D^(3/2) E(t/a_T)/(1 - nu^2)`` after a step without adhesion."""
+    law = cc.PowerLawRelaxation(exponent=0.3, modulus=2.0, time=1.0, range=(1e-2, 1e2), error=1e-5)
+    warm = cc.at_temperature(law.material(0.5), cc.WLF(17.44, 51.6, 373.15), 375.0)
+    scene = cc.Scene(warm, cc.Sphere(1.0), cc.Loading("jump-in", 0.01, (cc.Hold(10.0),)))
+    trace = cc.solve(scene, solver=solver).trace
+    time = trace.time * 10 ** (17.44 * 1.85 / (51.6 + 1.85))  # in units of the reference temperature
+    inside = time >= 1e-2
+    assert inside.sum() > 20
+    assert time.max() > 10.0
+    force = 4.0 / 3.0 * 0.01**1.5 / 0.75 * 2.0 * time[inside] ** -0.3
+    np.testing.assert_allclose(trace.force[inside], force, rtol=1e-4)

@@ -1,8 +1,10 @@
-"""How the run of any solver begins, reports its progress, stops where it is told to, and ends."""
+"""How the run of any solver begins, stops and ends; the memory it leaves; divisions of the quick suite."""
 
 from __future__ import annotations
 
+import gc
 import math
+import tracemalloc
 from itertools import product
 
 import numpy as np
@@ -12,8 +14,11 @@ from support.paper_scenes import WORK, scene
 
 import bem_solver
 from contact_scene import Adhesion, Force, ForceRamp, Hold, Material, OutcomeKind, Ramp, SceneError
+from validation import cases, scenes, solvers
 from validation.reference import path as reference
+from validation.runs.pool import quick_resolution, run_all
 from validation.solvers import solver
+from validation.solvers.base import QUICK_DIVISIONS
 
 every_solver = pytest.mark.parametrize("name", ["bem", "fem", "reference"])
 PRESS = scene(Ramp(0.022, 0.02), start="relaxed", at=0.02)
@@ -108,3 +113,50 @@ def test_options_are_checked(options, wrong):
     with pytest.raises(SceneError, match=next(iter(wrong))) as error:
         options(**wrong)
     assert "allowed" in str(error.value)
+
+
+LEAST = 2**21
+"""Bytes that may wait for the garbage collection, which seldom looks at old objects."""
+
+
+@pytest.mark.parametrize(
+    "scene", ["elastic-relaxed", pytest.param("pdms-retraction-100nm", marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize("solver", solvers.SOLVERS)
+def test_a_finished_run_is_freed_without_the_garbage_collection(solver, scene):
+    case, method = cases.load(scene), solvers.solver(solver)
+    method.load()
+    method.solve(case.scene, 4, max_steps=3)  # what is looked up once a process
+    gc.collect()
+    tracemalloc.start()
+    gc.disable()
+    try:
+        method.solve(case.scene, 4, max_steps=30)
+        left, _ = tracemalloc.get_traced_memory()
+        gc.collect()
+        waited = left - tracemalloc.get_traced_memory()[0]
+    finally:
+        gc.enable()
+        tracemalloc.stop()
+    assert waited < LEAST
+
+
+@pytest.mark.parametrize("name", scenes.suite("quick"))
+@pytest.mark.parametrize("solver", solvers.SOLVERS)
+def test_no_solver_is_finer_than_by_default_nor_than_the_suite_asks(solver, name):
+    case = cases.load(name)
+    default, chosen = solvers.solver(solver).default_resolution(case.scene), quick_resolution(case, solver)
+    assert chosen == (default if solver == "fem" else min(default, QUICK_DIVISIONS))
+
+
+def test_a_quick_run_is_that_of_its_resolution():
+    case = cases.load("elastic-glassy")
+    found = run_all([(case, "bem")], quick=True)["elastic-glassy", "bem"]
+    coarse = solvers.solver("bem").solve(case.scene, QUICK_DIVISIONS)
+    assert found.trace is not None
+    assert found.trace.counters.steps == coarse.counters.steps
+    assert found.trace.force.tolist() == coarse.force.tolist()
+
+
+def test_a_solver_that_is_not_known_here_chooses_itself():
+    assert quick_resolution(cases.load("elastic-glassy"), "another") is None
