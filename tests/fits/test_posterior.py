@@ -117,7 +117,7 @@ def test_a_long_step_before_the_edge_sets_off_does_not_see_what_is_behind_it():
 def test_a_search_in_batches_ends_with_the_reference(monkeypatch):
     """A batch solver whose forces are wrong by a noise or so misleads the search and not the fit: the
     reference carries out all of it, its further starts included."""
-    runs, curve, guess = [], synthetic(retraction(), 0.02), retraction(work=6e-4, zone=0.03)
+    runs, curve, guess = [], synthetic(retraction(), 0.01), retraction(work=6e-4, zone=0.03)
 
     def counted(*arguments):
         runs.append(1)
