@@ -22,7 +22,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import roots_jacobi
 
 from contact_scene import Sphere
-from validation.reference.jkr import JKR, ElasticContact, NoEquilibrium
+from validation.reference.jkr import JKR, ElasticContact, largest_radius
 
 _NODES, _WEIGHTS = roots_jacobi(24, 0.5, -0.5)  # weight (1 - x)^(1/2) (1 + x)^(-1/2)
 
@@ -89,20 +89,8 @@ class FiniteZone:
         NoEquilibrium
             If the penetration is below the least possible.
         """
-        low = self.pull_off_penetration_control()
-        if penetration < low.penetration:
-            raise NoEquilibrium(f"no equilibrium at {penetration:g}, the least is {low.penetration:g}")
-        high = 2.0 * low.contact_radius
-        while self.state(high).penetration < penetration:
-            high *= 2.0
-        root = brentq(
-            lambda a: self.state(a).penetration - penetration,
-            low.contact_radius,
-            high,
-            xtol=1e-300,
-            rtol=1e-14,
-        )
-        return self.state(float(root))
+        low = self.pull_off_penetration_control().contact_radius
+        return self.state(largest_radius(lambda a: self.state(a).penetration, penetration, low))
 
     def pull_off_force_control(self) -> ElasticContact:
         """The state of largest tension."""

@@ -98,7 +98,7 @@ class JKR:
         NoEquilibrium
             Beyond the pull-off of :meth:`pull_off_penetration_control`.
         """
-        return self.state(self._largest(self.penetration, penetration, self._limit(0.5)))
+        return self.state(largest_radius(self.penetration, penetration, self._limit(0.5)))
 
     def at_force(self, force: float) -> ElasticContact:
         """The state stable under a dead load (largest radius).
@@ -108,7 +108,7 @@ class JKR:
         NoEquilibrium
             Beyond the pull-off of :meth:`pull_off_force_control`.
         """
-        return self.state(self._largest(self.force, force, self._limit(1.5)))
+        return self.state(largest_radius(self.force, force, self._limit(1.5)))
 
     def _limit(self, multiple: float) -> float:
         """``a`` with ``a G'(a) = multiple * S(a)``."""
@@ -121,17 +121,23 @@ class JKR:
         s = np.sqrt(2.0 * np.pi * self.work / self.plane_modulus)
         return float((multiple * s / (n * c * sneddon.shape_factor(n))) ** (1.0 / (n - 0.5)))
 
-    @staticmethod
-    def _largest(curve: Callable[[float], Array], target: float, low: float) -> float:
-        """Root of ``curve(a) = target`` on the rising branch that starts at ``low``."""
-        from scipy.optimize import brentq
 
-        least = float(curve(low))
-        if target < least:
-            raise NoEquilibrium(f"no equilibrium at {target:g}, the least possible is {least:g}")
-        if target == least:
-            return low
-        high = max(2.0 * low, 1e-300)
-        while curve(high) < target:
-            high *= 2.0
-        return float(brentq(lambda a: float(curve(a)) - target, low, high, xtol=1e-300, rtol=1e-15))
+def largest_radius(curve: Callable[[float], Array | float], target: float, low: float) -> float:
+    """Radius at which a curve of equilibria reaches its target, on the rising branch that starts at ``low``.
+
+    Raises
+    ------
+    NoEquilibrium
+        If the target is below the least possible.
+    """
+    from scipy.optimize import brentq
+
+    least = float(curve(low))
+    if target < least:
+        raise NoEquilibrium(f"no equilibrium at {target:g}, the least possible is {least:g}")
+    if target == least:
+        return low
+    high = max(2.0 * low, 1e-300)
+    while curve(high) < target:
+        high *= 2.0
+    return float(brentq(lambda a: float(curve(a)) - target, low, high, xtol=1e-300, rtol=1e-15))

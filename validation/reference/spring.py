@@ -26,7 +26,7 @@ from scipy.optimize import brentq, minimize_scalar
 from contact_scene import Indenter, Sphere
 from validation.reference import sneddon
 from validation.reference.finite_zone import FiniteZone
-from validation.reference.jkr import JKR, ElasticContact, NoEquilibrium
+from validation.reference.jkr import JKR, ElasticContact, largest_radius
 
 
 @dataclass(frozen=True)
@@ -61,14 +61,8 @@ class SpringContact:
         NoEquilibrium
             Beyond :meth:`pull_off`.
         """
-        limit = self.pull_off()
-        if stage < self.stage(limit):
-            raise NoEquilibrium(f"no equilibrium at {stage:g}, the least stage is {self.stage(limit):g}")
-        low, high = limit.contact_radius, 2.0 * limit.contact_radius
-        while self.stage(self.law.state(high)) < stage:
-            high *= 2.0
-        radius = brentq(lambda a: self.stage(self.law.state(a)) - stage, low, high, xtol=1e-300, rtol=1e-14)
-        return self.law.state(float(radius))
+        low = self.pull_off().contact_radius
+        return self.law.state(largest_radius(lambda a: self.stage(self.law.state(a)), stage, low))
 
     def lost_in_snap(self) -> float:
         """Energy lost when contact is lost at the limit point, at constant stage."""

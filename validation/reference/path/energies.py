@@ -96,7 +96,7 @@ class Course:
         """Derivatives (l, 8)."""
         coefficients = self.coefficients
         for _ in range(order):
-            coefficients = coefficients[1:] * np.arange(1, len(coefficients))[:, None]
+            coefficients = derivative(coefficients)
         return powers(u, len(coefficients) - 1) @ coefficients
 
 

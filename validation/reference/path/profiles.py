@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from contact_scene import Indenter, SurfaceProfile
@@ -72,7 +73,8 @@ def pressure(body: IndentedBody, state: State, radius: Array) -> Array:
         span = np.diff(t)[:, None]
         share = (r * np.cosh(t[:-1, None] + span * NODES) - breaks[first:-1, None]) / width[first:, None]
         sharp = jumps[first:] @ (1.0 / np.sqrt((outer - r) * (outer + r)))
-        return -(sharp + float((span * WEIGHTS * _values(slopes[:, first:], share)).sum())) / math.pi
+        smooth = (span * WEIGHTS * polyval(share, slopes[:, first:, None], tensor=False)).sum()
+        return -float(sharp + smooth) / math.pi
 
     return np.array([at(r) for r in np.maximum(radius, AXIS * a).tolist()])
 
@@ -93,7 +95,7 @@ def gap(body: IndentedBody, state: State, radius: Array) -> Array:
         t = np.arcsin(np.append(breaks[:last] / r, 1.0))
         span = np.diff(t)[:, None]
         share = (r * np.sin(t[:-1, None] + span * NODES) - breaks[:last, None]) / width[:last, None]
-        return 2.0 / math.pi * float((span * WEIGHTS * _values(d[:, :last], share)).sum())
+        return 2.0 / math.pi * float((span * WEIGHTS * polyval(share, d[:, :last, None], tensor=False)).sum())
 
     return np.array([at(r) if r > a else 0.0 for r in np.maximum(radius, AXIS * far).tolist()])
 
@@ -102,14 +104,6 @@ def _panels(field: Callable[[Array], Array], breaks: Array) -> Array:
     """Coefficients (6, l) of the polynomials in the panels between breaks, of the share of the panel."""
     at = breaks[:-1, None] + np.diff(breaks)[:, None] * NODES
     return np.asarray(TO_POWERS @ field(at.ravel()).reshape(at.shape).T)
-
-
-def _values(coefficients: Array, share: Array) -> Array:
-    """Values (l, m) of a polynomial for each panel."""
-    value = np.zeros_like(share)
-    for order in coefficients[::-1]:
-        value = value * share + order[:, None]
-    return value
 
 
 def _breaks(body: IndentedBody, state: State, low: float, high: float) -> Array:
