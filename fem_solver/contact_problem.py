@@ -176,7 +176,8 @@ class ContactProblem:
         here, state = self.placement, self.state
         low, high = self._changing(s)
         nodes, index = slice(low, high), np.arange(low, high)
-        share = np.minimum(np.maximum(s + 1.0 - index, 0.0), 1.0)  # of full contact at the end
+        share, begun = (np.minimum(np.maximum(at + 1.0 - index, 0.0), 1.0) for at in (s, state.edge))
+        profiles = here.profile_within(nodes, np.where(share > 0.0, share, begun))
         released = self._released_in_part(low, high)
         opens, at = False, np.zeros(0)
         if not self.at_once:
@@ -191,7 +192,7 @@ class ContactProblem:
             def each(values: Array) -> Array:
                 return np.concatenate([values] * several, axis=-1) if several > 1 else values
 
-            unit, profile = each(here.unit[nodes]), each(here.profile[nodes])
+            unit, profile = each(here.unit[nodes]), each(profiles)
             change = np.repeat(penetrations - state.penetration, count)
             bent = np.repeat(self._bent(penetrations), count)
             start = each(state.components[nodes]), each(state.branches[:, nodes])
@@ -225,8 +226,9 @@ class ContactProblem:
         node, state = self._partly, self.state
         if node is None or node >= high:
             return None
-        contact = state.penetration * self.placement.unit[node] - self.placement.profile[node]
-        return PartlyReleased(node - low, float(state.edge - math.floor(state.edge)), float(contact))
+        share, here = float(state.edge - math.floor(state.edge)), slice(node, node + 1)
+        contact = state.penetration * self.placement.unit[here] - self.placement.profile_within(here, share)
+        return PartlyReleased(node - low, share, float(contact[0]))
 
     def accepted(self, s: float) -> ComponentState:
         """The state at the end of the step."""
@@ -396,19 +398,16 @@ class ContactProblem:
         work = float(shift.closure(first, here.forces(y, first), gap))
         return work / float(lower + (s - m) * (upper - lower))
 
-    def pressed_in(self, s: float, before: bool = False) -> float:
+    def pressed_in(self, s: float, inside: bool = False) -> float:
         """Depth by which the indenter presses beyond the surface at the edge: zero without adhesion.
 
         Beyond the edge where the step begins it is that beyond the free surface, within it what the pressure
         there would be relieved by. Both are ``D - p(a) + rho(a)``, with the depth ``p`` at which elastic
-        contact ends there, and ``rho`` what the past leaves, linear in ``p`` between components. ``before``
-        tells which of the two it is where the edge rests.
+        contact ends there, and ``rho`` what the past leaves, linear in ``p`` between components.
         """
         self.evaluations += 1
-        radius = self.geometry.radius(s)
-        places, left = self._left_inside if before or radius < self.state.radius else self._left_outside
-        depth = self.placement.depth(radius)
-        penetration, inside = self.penetration(s), left is self._left_inside[1]
+        places, left = self._left_inside if inside else self._left_outside
+        depth, penetration = self.placement.depth(self.geometry.radius(s)), self.penetration(s)
         bent = self._bends / self.modulus * self._bent(penetration) if inside else 0.0
         return penetration - depth + bent + float(np.interp(depth, places, left))
 

@@ -135,12 +135,16 @@ class PressedEdge(AdhesiveEdge):
         super().__init__(geometry, 0.0)
         self.lowest, self.widest = NO_CONTACT, math.inf
         self._least = max(geometry.position(plane_tip), _LEAST_PRESSED)
+        self._inside = False
 
     def _excess(self, problem: ContactProblem, s: float) -> float:
-        return -problem.pressed_in(s)
+        return -problem.pressed_in(s, self._inside)
 
     def seek(self, problem: ContactProblem, s: float, low: float, high: float) -> EdgePosition:
-        """Follow the edge from where it is: outwards if it presses there, inwards if it pulls."""
+        """Follow the edge from where it is: outwards if it presses there, inwards if it pulls.
+
+        The residual beyond it is another one than within, and it is sought first where it is expected.
+        """
         before, pressed = problem.state.edge, problem.control == "force" and problem.value > 0.0
         if problem.control == "force" and not pressed:  # bears nothing
             rests = before == NO_CONTACT and problem.value == 0.0
@@ -148,15 +152,20 @@ class PressedEdge(AdhesiveEdge):
         if before == NO_CONTACT and not pressed and problem.pressed_in(self._least) <= 0.0:
             return EdgePosition(EdgeMotion.RESTING, NO_CONTACT)
         low, high = max(low, self._least), min(high, float(self.geometry.last))
-        here = min(max(before, low), high)
-        excess = self._excess(problem, here)
-        if here == before and (excess >= 0.0 or here == high):
-            excess = -problem.pressed_in(here, before=True)
-            if excess < 0.0 or (excess == 0.0 and here > self._least):
-                return EdgePosition(EdgeMotion.RESTING, here)
-        if excess == 0.0:  # at the least contact
-            return EdgePosition(EdgeMotion.RECEDING, NO_CONTACT)
-        found = self._towards(problem, here, excess, (low, high), max(abs(s - here), 1.0))
+        motions = {}
+        for self._inside in (s < before, s >= before):
+            ends = (low, min(before, high)) if self._inside else (max(before, low), high)
+            if ends[0] > ends[1]:
+                continue
+            here = min(max(s, ends[0]), ends[1])
+            stride = max(_FIRST_STRIDE * abs(s - before), self.first) if s != before else 1.0
+            found = self._towards(problem, here, self._excess(problem, here), ends, stride)
+            if found.motion is EdgeMotion.RESTING or found.s != before:
+                break
+            motions[self._inside] = found.motion
+        else:  # neither beyond nor within
+            rests = motions[True] is EdgeMotion.ADVANCING
+            found = EdgePosition(EdgeMotion.RESTING if rests else EdgeMotion.RECEDING, before)
         if found.motion is not EdgeMotion.RECEDING or found.s > self._least:
             return found
         if pressed:  # some contact bears it

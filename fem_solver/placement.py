@@ -207,6 +207,24 @@ class Placement:
         ends, sites = self.geometry.effective[node - 1 : node + 2], self.positions[node : node + 2]
         return float(2.0 * sites.sum() / (ends[0] + 2.0 * ends[1] + ends[2]) * self.geometry.radius(s))
 
+    def profile_within(self, nodes: slice, share: Any) -> Array:
+        """``profile`` of nodes of whose radii a share is in contact, over that share.
+
+        The depth at which contact ends goes in a line over the radii of each, in proportion to the node's.
+        With adhesion it is the node's throughout: the closure takes the gap at nodes.
+        """
+        return np.asarray(self.profile[nodes] * (1.0 - (1.0 - share) * self._rise[nodes]))
+
+    @cached_property
+    def _rise(self) -> Array:
+        """Half of what that depth rises by over the radii of each node, over its mean; shape (n,)."""
+        radii, rise = self.geometry.ends, np.zeros(len(self.unit))
+        if self.geometry.zone is None:
+            depth = self._depth_over(self._shape(radii[radii <= self._largest[0]]))
+            inner, outer = depth[:-1], depth[1:]
+            np.divide(outer - inner, outer + inner, out=rise[: len(outer)], where=outer + inner > 0.0)
+        return rise
+
     @cached_property
     def depths(self) -> Array:
         """That of each component; shape (n,)."""

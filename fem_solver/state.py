@@ -168,10 +168,10 @@ def _on_nodes(
 def _node_in_part(state: ComponentState, placement: Placement, solid: Components) -> NodeParts:
     """The partly released node; the first one, free, without contact."""
     node = math.floor(state.edge) + 1
-    imposed = state.penetration * placement.unit[node] - placement.profile[node]
+    share, here = state.edge - math.floor(state.edge), slice(node, node + 1)
+    imposed = state.penetration * placement.unit[here] - placement.profile_within(here, share)
     mean = state.components[node : node + 1], state.branches[:, node : node + 1]
-    contact = np.array([imposed]), state.held[:, None]
-    return NodeParts(solid, state.edge - math.floor(state.edge), mean, contact)
+    return NodeParts(solid, share, mean, (imposed, state.held[:, None]))
 
 
 def nodal_forces(state: ComponentState, placement: Placement, solid: Components) -> Array:

@@ -37,8 +37,11 @@ from fem_solver import Options, solve
 from meshes import EdgeMeshes
 from validation.cases import load
 from validation.fields.moments import FieldRequest, record_fields
+from validation.measure.curves import distance
+from validation.measure.windows import windows
 from validation.reference import sneddon
 from validation.solvers import SOLVERS
+from validation.solvers.base import RunOptions
 
 
 @cache
@@ -315,9 +318,12 @@ def test_relaxation_times_over_many_decades(times):
 
 
 def test_penetration_under_a_force_bends_within_steps():
-    """Against Lee and Radok's dual: straight steps end 1.9e-4 off, and many begin at next to no force."""
+    """Against Lee and Radok's dual: straight steps end 1.9e-4 off.
+
+    Where radii of a node have the depth of all of it, the edge swings between two nodes without end.
+    """
     creeping = load("cone-force-ramp").scene
-    trace = solve(creeping, SOLVERS["fem"].mesh(creeping))
+    trace = solve(creeping, SOLVERS["fem"].mesh(creeping), Options(max_steps=250))
 
     def square(time):
         after = max(time, 0.0)
@@ -328,7 +334,7 @@ def test_penetration_under_a_force_bends_within_steps():
     depth = 0.5 * math.pi * radius / math.tan(math.radians(60.0))
     assert trace.penetration[-1] == pytest.approx(depth, rel=1e-4)
     assert trace.contact_radius[-1] == pytest.approx(radius, rel=1.5e-4)
-    assert trace.counters.steps < 350
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
 
 
 def test_contact_of_a_blunt_tip_grows_in_every_step_under_a_growing_force():
@@ -338,6 +344,25 @@ def test_contact_of_a_blunt_tip_grows_in_every_step_under_a_growing_force():
     trace = solve(asked, SOLVERS["fem"].mesh(asked))
     assert trace.outcome.kind is OutcomeKind.COMPLETED
     assert np.diff(trace.contact_radius).min() > 1e-6 * trace.contact_radius[-1]
+
+
+def test_contact_in_a_part_of_the_first_element_is_as_wide_as_hertz_says():
+    """Where radii of a node had the depth of all of it, it was up to 17 times as wide."""
+    asked = Scene(RUBBER, Sphere(1.0), Loading("jump-in", 0.0, (ForceRamp(1e-9, 1.0), ForceRamp(1.0, 1.0))))
+    trace = solve(asked, SOLVERS["fem"].mesh(asked))
+    early = (trace.time > 0.0) & (trace.time < 1e-2 * RUBBER.branches[0].time)
+    hertz = np.cbrt(0.75 * trace.force[early] / RUBBER.glassy_plane_modulus)
+    assert np.all(np.abs(trace.contact_radius[early] / hertz - 1.0) < 0.15)
+    assert trace.counters.steps < 250
+
+
+@pytest.mark.slow
+def test_an_adhering_edge_goes_by_the_depth_of_nodes_that_its_closure_sees():
+    """With the depth of the part of a node in contact, the radius is off by 4.9e-4 of the largest."""
+    asked = load("force-4").scene
+    reference, trace = (SOLVERS[name]._solve(asked, None, RunOptions()) for name in ("reference", "fem"))
+    among = windows(asked.loading, reference)
+    assert distance(trace, reference, "contact_radius", among).rms < 3.7e-4
 
 
 def test_options_are_checked():
