@@ -88,14 +88,9 @@ class NodeParts:
     contact: VariablesOfParts
 
     @property
-    def free_known(self) -> bool:
-        """Whether the mean tells what the free radii have been through."""
-        return 1.0 - self.share >= _LEAST_SHARE
-
-    @property
     def free(self) -> VariablesOfParts:
         """The free radii; where they are too few for the mean to tell, radii that are released now."""
-        if not self.free_known:
+        if 1.0 - self.share < _LEAST_SHARE:
             return self.released
         (v, b), (imposed, held) = self.mean, self.contact
         return (v - self.share * imposed) / (1.0 - self.share), (b - self.share * held) / (1.0 - self.share)

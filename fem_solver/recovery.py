@@ -30,17 +30,13 @@ import scipy.sparse as sparse
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
-from skfem import Basis, BilinearForm, ElementTriP2
+from skfem import Basis, ElementTriP2
+from skfem.models.poisson import mass
 
 from fem_solver import forms
 from fem_solver.halfspace import SYMMETRIC
 
 Array = NDArray[np.float64]
-
-
-@BilinearForm
-def _mass(u: Any, v: Any, w: Any) -> Array:
-    return u * v
 
 
 _AS_FINE, _SHARPNESS = 2.0, 8
@@ -88,7 +84,7 @@ class Recovery:
         ab, bc, ca = mesh.t2f + vertices
         parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
         self.triangles = np.concatenate([np.stack(part, axis=1) for part in parts])
-        self._factor = splu(_mass.assemble(self._basis).tocsc(), **SYMMETRIC)
+        self._factor = splu(mass.assemble(self._basis).tocsc(), **SYMMETRIC)
         self._dx = self._basis.dx.ravel()
         self._weights = forms.volume_weights(basis)
         self.volumes: Array = self._weights.sum(axis=1)

@@ -73,7 +73,8 @@ class DyadicInterval:
         """Start with steps of at most ``dt``; never go below ``shortest``."""
         self.floor = shortest
         first = max(min(dt, self.ceiling), self.least)
-        self.step = _power_below(first / (self.end - self.start))
+        share = first / (self.end - self.start)
+        self.step = min(Fraction(2) ** (math.frexp(share)[1] - 1), Fraction(1))
 
     def halve(self) -> None:
         """Try again with half the step, if it may be halved."""
@@ -115,10 +116,6 @@ class DyadicInterval:
         return max(self.floor, _ROUNDING * math.ulp(self._at(position)))
 
 
-def _power_below(share: float) -> Fraction:
-    return min(Fraction(2) ** (math.frexp(share)[1] - 1), Fraction(1))
-
-
 def missed_peak(earlier: float, rise: float, fall: float, length: float) -> float:
     """What may lie above the last row within the step to it, for a concave curve.
 
@@ -152,14 +149,6 @@ class SlopeErrorEstimator:
                 allowed = self.tolerance * scales[name]
                 worst = max(worst, 0.5 * abs(slope - self.slopes[name]) * dt / allowed)
         return worst
-
-    def accept(self, slopes: dict[str, float]) -> None:
-        """Store the slopes of an accepted step."""
-        self.slopes = slopes
-
-    def reset(self) -> None:
-        """Drop the slopes at a kink or a jump."""
-        self.slopes = {}
 
 
 _SPREAD = 256

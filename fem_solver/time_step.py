@@ -107,11 +107,6 @@ class SteppedStates:
         """The last accepted state."""
         return self.recorder.last
 
-    @property
-    def _has_rate(self) -> bool:
-        """Whether the energy that an opening edge takes up follows its speed."""
-        return self.setup.adhesion is not None and self.setup.adhesion.rate is not None
-
     def force_scale(self, force: float, singular: float, radius: float) -> float:
         """Force to which errors of the force are relative.
 
@@ -133,7 +128,7 @@ class SteppedStates:
 
     def slopes_jump(self) -> None:
         """Behind a kink or a jump the slopes before it tell nothing."""
-        self.estimator.reset()
+        self.estimator.slopes = {}
         self.setup.state = replace(self.setup.state, sunk=None)
 
     def _commit(self, candidate: ContactCandidate, contact: bool = True, bent: float = 0.0) -> None:
@@ -380,7 +375,7 @@ class SteppedStates:
         interval.advance()
         self._commit(contact)
         self.before = None if jumped else before
-        self.estimator.accept(slopes)
+        self.estimator.slopes = slopes
         if jumped:
             self.slopes_jump()
         moved = abs(self.state.radius - radius)
@@ -469,7 +464,7 @@ class SteppedStates:
     def _take_back(self, before: StepBefore, interval: DyadicInterval) -> None:
         """Return to the begin of the last step, to take it in parts."""
         self.time = before.time
-        self.estimator.accept(before.slopes)
+        self.estimator.slopes = before.slopes
         self.recorder.take_back(before.totals)
         self.setup.state = before.state
         self.counters.steps -= 1
@@ -485,7 +480,9 @@ class SteppedStates:
         problem = candidate.problem
         landed = self.search(dt, problem.control, problem.value).extended(candidate)
         if not landed.in_equilibrium or self._below_zone(landed) or self._zone_fills_contact(landed):
-            if self._has_rate and landed.edge.motion is not EdgeMotion.ADVANCING:
+            adhesion = self.setup.adhesion
+            rated = adhesion is not None and adhesion.rate is not None
+            if rated and landed.edge.motion is not EdgeMotion.ADVANCING:
                 self._end_in_step(segment, dt)
             self._contact_lost(landed)
         if abs(landed.radius - self.state.radius) > self.setup.travel(self.state.radius):
