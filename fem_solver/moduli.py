@@ -48,7 +48,8 @@ def phi(y: Array) -> Array:
 def mean_phi(y: Array) -> Array:
     """``(1 - phi(y))/y``, the mean over a time of the mean so far of what decays; 1/2 at 0."""
     short, long = np.minimum(y, _SHORT), np.maximum(y, _SHORT)
-    return np.where(y > _SHORT, (1.0 - phi(long)) / long, 0.5 - short / 6.0 + short**2 / 24.0)
+    series = 0.5 - short / 6.0 + short**2 / 24.0 - short**3 / 120.0
+    return np.where(y > _SHORT, (1.0 - phi(long)) / long, series)
 
 
 @dataclass(frozen=True)
