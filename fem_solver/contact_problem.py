@@ -178,7 +178,8 @@ class ContactProblem:
         nodes, index = slice(low, high), np.arange(low, high)
         share, begun = (np.minimum(np.maximum(at + 1.0 - index, 0.0), 1.0) for at in (s, state.edge))
         profiles = here.profile_within(nodes, np.where(share > 0.0, share, begun))
-        released = self._released_in_part(low, high)
+        shallower = np.where(begun > 0.0, profiles - here.profile_within(nodes, begun), 0.0)
+        released = self._released_in_part(low, profiles)
         opens, at = False, np.zeros(0)
         if not self.at_once:
             path = self._path(s)
@@ -196,7 +197,9 @@ class ContactProblem:
             change = np.repeat(penetrations - state.penetration, count)
             bent = np.repeat(self._bent(penetrations), count)
             start = each(state.components[nodes]), each(state.branches[:, nodes])
-            passage = NodePassage(self.solid, *start, state.held, accounts, strips=strips, ways=several)
+            passage = NodePassage(
+                self.solid, *start, state.held, accounts, each(shallower), strips=strips, ways=several
+            )
 
             def imposed(theta: Array) -> Array:
                 return (state.penetration + theta * (change + (theta - 1.0) * bent)) * unit - profile
@@ -221,14 +224,13 @@ class ContactProblem:
         """Shares of the step at which the edge, on its way to ``s``, is at radii."""
         return np.ones_like if self.at_once else self._path(s).passed
 
-    def _released_in_part(self, low: int, high: int) -> PartlyReleased | None:
-        """The node in contact in part at the begin, if it is one of ``low..high-1``."""
+    def _released_in_part(self, low: int, profiles: Array) -> PartlyReleased | None:
+        """The node in contact in part at the begin, if it is one of those from ``low`` on."""
         node, state = self._partly, self.state
-        if node is None or node >= high:
+        if node is None or node >= low + len(profiles):
             return None
-        share, here = float(state.edge - math.floor(state.edge)), slice(node, node + 1)
-        contact = state.penetration * self.placement.unit[here] - self.placement.profile_within(here, share)
-        return PartlyReleased(node - low, share, float(contact[0]))
+        contact = state.penetration * self.placement.unit[node] - profiles[node - low]
+        return PartlyReleased(node - low, float(state.edge - math.floor(state.edge)), float(contact))
 
     def accepted(self, s: float) -> ComponentState:
         """The state at the end of the step."""

@@ -198,10 +198,11 @@ class NodePassage:
 
     Without energies there may be several ``ways``, for as many penetrations: the nodes of one behind those of
     another. ``held`` are the branch variables of the partly released node if it were in contact: (branches,)
-    those at the begin of the step, (branches, 1) those at its end, with energies. ``opening`` is the work of
-    the forces on the gap; that of the indenter is counted elsewhere. ``beyond`` is what radii that the edge
-    has passed in the step, and those of the same node on their side before, hold beyond the means (see
-    ``borders``); ``strips`` those of the partly released node, where they are known.
+    those at the begin of the step, (branches, 1) those at its end, with energies. What stays in
+    contact is ``shallower`` than its node was: no strain. ``opening`` is the work of the forces on the gap;
+    that of the indenter is counted elsewhere. ``beyond`` is what radii that the edge has passed in the step,
+    and those of the same node on their side before, hold beyond the means (see ``borders``); ``strips``
+    those of the partly released node, where they are known.
     """
 
     solid: Components
@@ -209,6 +210,7 @@ class NodePassage:
     b: Array
     held: Array
     accounts: bool
+    shallower: Array | float = 0.0
     dissipated: float = 0.0
     opening: float = 0.0
     beyond: VariablesOfParts | None = None
@@ -249,7 +251,8 @@ class NodePassage:
         partly: PartlyReleased | None,
     ) -> None:
         """All nodes go linearly to their ends together, in no time or from nothing."""
-        reached = share * imposed + (1.0 - share) * free
+        relaxed = self.solid.modulus.relaxed / self.solid.modulus.glassy
+        reached = share * (imposed + (1.0 - relaxed) * self.shallower) + (1.0 - share) * free
         if partly is not None:
             at, here = partly.at, self._on_each(partly.at)
             reached[here] = self._reached_in_part(partly, float(share[at]), imposed[here])
@@ -273,7 +276,8 @@ class NodePassage:
                 return (b - (1.0 - after) * self._free_from(at, partly.share, after)[:, None]) / after
             if at == top:
                 v, b = np.array([partly.contact]), self._held_up_to(after)[:, None]
-        return self.solid.linear(v, b, dt, imposed[top : top + 1])
+                return self.solid.linear(v, b, dt, imposed[top : top + 1])
+        return self.solid.linear(v, b, dt, (imposed + self.shallower)[top : top + 1])
 
     def _reached_in_part(self, partly: PartlyReleased, share: float, imposed: Array) -> Array:
         """Mean of the node in contact in part after a change in no time.
@@ -328,7 +332,7 @@ class NodePassage:
     ) -> None:
         """Nodes left behind from shares ``first`` of the step to ``last``, the first of them in part."""
         begun, reached, length = imposed(first), imposed(last), (last - first) * dt
-        self.linear(first * dt, np.where(first > 0.0, begun, self.v))
+        self.linear(first * dt, np.where(first > 0.0, begun + self.shallower, self.v))
         contact = self.b.copy()  # of the radii in contact
         if partly < len(first) // self.ways:
             contact[:, self._on_each(partly)] = self.held[:, None]

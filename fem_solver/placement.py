@@ -208,9 +208,8 @@ class Placement:
         return float(2.0 * sites.sum() / (ends[0] + 2.0 * ends[1] + ends[2]) * self.geometry.radius(s))
 
     def profile_within(self, nodes: slice, share: Any) -> Array:
-        """``profile`` of nodes of whose radii a share is in contact, over that share.
+        """``profile`` of the radii in contact of nodes, a share of them: it goes in a line over the radii.
 
-        The depth at which contact ends goes in a line over the radii of each, in proportion to the node's.
         With adhesion it is the node's throughout: the closure takes the gap at nodes.
         """
         return np.asarray(self.profile[nodes] * (1.0 - (1.0 - share) * self._rise[nodes]))

@@ -356,6 +356,15 @@ def test_contact_in_a_part_of_the_first_element_is_as_wide_as_hertz_says():
     assert trace.counters.steps < 250
 
 
+@pytest.mark.parametrize("steps", [(Force(1e-7, 1.0),), (ForceRamp(1e-7, 1e-2),)])
+def test_radii_that_stay_in_contact_take_no_strain_from_the_depth_of_their_node(steps):
+    """A force that drops on a glass: with such a strain the radius was 7 % too small."""
+    glass = Material(1e3, 0.5, (Branch(3e6, 1e-2),))
+    asked = Scene(glass, Sphere(1e-4), Loading("jump-in", 0.0, (Force(1e-5, 10.0), *steps)))
+    trace = solve(asked, SOLVERS["fem"].mesh(asked))
+    assert trace.contact_radius[trace.time <= 10.002][-1] == pytest.approx(1.7784e-5, rel=3e-4)
+
+
 @pytest.mark.slow
 def test_an_adhering_edge_goes_by_the_depth_of_nodes_that_its_closure_sees():
     """With the depth of the part of a node in contact, the radius is off by 4.9e-4 of the largest."""
