@@ -266,3 +266,13 @@ def test_fine_steps_of_a_cone_under_a_rising_force() -> None:
     trace = solve(load("cone-force-ramp").scene, Options(resolution=32))
     assert trace.outcome.kind is OutcomeKind.COMPLETED
     assert trace.contact_radius[-1] == pytest.approx(0.49392095, rel=1e-7)
+
+
+@pytest.mark.parametrize(("force", "rate"), [(1e-9, 1e-7), (1e-10, 1.0)])
+def test_a_first_load_that_is_far_below_the_largest(force: float, rate: float) -> None:
+    """A point, which bears no load, was tried as the contact at its end."""
+    loading = Loading("jump-in", 0.0, (ForceRamp(force, rate), ForceRamp(1.0, 1.0)))
+    trace = solve(Scene(ELASTIC, Sphere(1.0), loading), COARSE)
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    hertz = np.cbrt(0.75 * trace.force / ELASTIC.relaxed_plane_modulus)
+    assert np.allclose(trace.contact_radius, hertz, rtol=1e-6)

@@ -217,7 +217,8 @@ class Corrector:
             return ends[a].residual
 
         rests = self.law.rests(self.state.radius)
-        if rests or self.law.adhesion is None:
+        bears = self.state.radius > 0.0 or self.leg.control != "force"  # a point bears none
+        if bears and (rests or self.law.adhesion is None):
             trial = self.trial(0.0, self.chord(p, 0.0))
             ends[0.0] = self.arrive(trial, p)
             pulled, speed = ends[0.0].pull(-self.noise if rests and not rested else self.noise), 0.0
