@@ -152,7 +152,6 @@ class PressedEdge(AdhesiveEdge):
         if before == NO_CONTACT and not pressed and problem.pressed_in(self._least) <= 0.0:
             return EdgePosition(EdgeMotion.RESTING, NO_CONTACT)
         low, high = max(low, self._least), min(high, float(self.geometry.last))
-        motions = {}
         for self._inside in (s < before, s >= before):
             ends = (low, min(before, high)) if self._inside else (max(before, low), high)
             if ends[0] > ends[1]:
@@ -162,9 +161,9 @@ class PressedEdge(AdhesiveEdge):
             found = self._towards(problem, here, self._excess(problem, here), ends, stride)
             if found.motion is EdgeMotion.RESTING or found.s != before:
                 break
-            motions[self._inside] = found.motion
-        else:  # neither beyond nor within
-            rests = motions[True] is EdgeMotion.ADVANCING
+        else:  # neither beyond nor within; the least contact is over where nothing presses it
+            there = problem.pressed_in(before, inside=True)
+            rests = there > 0.0 or (there == 0.0 and before > self._least)
             found = EdgePosition(EdgeMotion.RESTING if rests else EdgeMotion.RECEDING, before)
         if found.motion is not EdgeMotion.RECEDING or found.s > self._least:
             return found
