@@ -208,20 +208,18 @@ class Placement:
         return float(2.0 * sites.sum() / (ends[0] + 2.0 * ends[1] + ends[2]) * self.geometry.radius(s))
 
     def profile_within(self, nodes: slice, share: Any) -> Array:
-        """``profile`` of the radii in contact of nodes, a share of them: it goes in a line over the radii.
-
-        With adhesion it is the node's throughout: the closure takes the gap at nodes.
-        """
+        """``profile`` of the inner share of radii; with adhesion of the node, as closures see gaps there."""
+        if self.geometry.zone is not None:
+            return self.profile[nodes]
         return np.asarray(self.profile[nodes] * (1.0 - (1.0 - share) * self._rise[nodes]))
 
     @cached_property
     def _rise(self) -> Array:
-        """Half of what that depth rises by over the radii of each node, over its mean; shape (n,)."""
+        """Half the rise of ``depth`` over each node's radii, in a line, over its mean there; shape (n,)."""
         radii, rise = self.geometry.ends, np.zeros(len(self.unit))
-        if self.geometry.zone is None:
-            depth = self._depth_over(self._shape(radii[radii <= self._largest[0]]))
-            inner, outer = depth[:-1], depth[1:]
-            np.divide(outer - inner, outer + inner, out=rise[: len(outer)], where=outer + inner > 0.0)
+        depth = self._depth_over(self._shape(radii[radii <= self._largest[0]]))
+        inner, outer = depth[:-1], depth[1:]
+        np.divide(outer - inner, outer + inner, out=rise[: len(outer)], where=outer + inner > 0.0)
         return rise
 
     @cached_property
