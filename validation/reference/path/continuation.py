@@ -28,7 +28,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.correction import FILLED, NEARBY, Correction, Corrector, Ending, Fixed
+from validation.reference.path.correction import FILLED, Correction, Corrector, Ending, Fixed
 from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
 from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
@@ -41,10 +41,14 @@ Level = Callable[[float, float, float], float]
 
 FIRST_STEP = 1e-3
 """First step of a leg, in parts of the shortest time and of the zone."""
+FIRST_RADIUS = 1e-2
+"""Least radius of the first step of a new contact, in the scale of the radius."""
 REJECTED = 2.5
 """Error, in tolerances, above which a step is repeated."""
 LEAST_WEIGHT = 0.3
 """Of what a short step is mispredicted by: it stays in the fields over its way, but the force shows it."""
+LEAST_SHARE = 0.1
+"""Of what all steps over one scale may add up to: shorter steps are those after a kink, and few."""
 RUNG = 2.0**0.25
 """Ratio of neighbouring changes of the step; the lower one is taken, so that rounding chooses none."""
 LARGEST_GROWTH = 4
@@ -57,8 +61,12 @@ SMALLEST_STEP = 1e-10
 """Below it the edge condition has no root to be found here: see what became of the contact."""
 MOVING = 3e-3
 """Share of the radius in the direction of the path from which on a step ends at a radius."""
+AFTER_TURN = 0.1
+"""First step after a turn, in the step before: nothing else tells whether it is short enough."""
 TOWARDS = 0.75
 """Share of the way to an event that a step goes at most if it does not end there."""
+SAME_FOLD = 0.1
+"""Change of the place of a fold foreseen, in tolerances, below which it is landed on."""
 
 
 SIGHTS = {
@@ -136,7 +144,7 @@ class Continuation(Corrector):
             self._restart()
             return
         leg, deepest = self.leg, NEGLIGIBLE * self.depth / SMALL_PART
-        a = min(max(touching_radius(self.body, deepest, self.law.rim), NEARBY * self.L_run), self.L_run)
+        a = min(max(touching_radius(self.body, deepest, self.law.rim), FIRST_RADIUS * self.L_run), self.L_run)
         load = pressed_depth(self.body, a)
         if leg.control == "force":
             load = 2.0 * self.body.rheology.glassy * pressed_force(self.body, a)
@@ -245,7 +253,7 @@ class Continuation(Corrector):
         if not self.leg.free:
             weight = max(LEAST_WEIGHT, way)
         elif self.leg.stands:
-            weight = 1.0 / max(SMALL_PART, way)
+            weight = 1.0 / max(LEAST_SHARE, way)
         return np.where(np.isfinite(errors), weight * errors / self.tolerance, math.inf)
 
     def _longest(self, errors: Array) -> tuple[int, int]:
@@ -375,7 +383,7 @@ class Continuation(Corrector):
         """Whether the place of a fold foreseen no longer changes."""
         vertex = float(path.place(at)[1]) * self.L
         change, self.vertex = abs(vertex - self.vertex), vertex
-        return change < SMALL_PART * self.tolerance * self.L
+        return change < SAME_FOLD * self.tolerance * self.L
 
     def _finish(self, plan: Plan, correction: Correction) -> None:
         """Take a step, and what its event asks for next."""
@@ -384,7 +392,7 @@ class Continuation(Corrector):
             plan.event = Ending.END  # an event that rounds onto it
         match plan.event:
             case Ending.TURN:  # the scales grow anew from there
-                self._restart(h=SMALL_PART * plan.h)
+                self._restart(h=AFTER_TURN * plan.h)
                 if self.leg.timed:
                     self.lasted, self.T_first = 0.0, self.h * self.T
             case Ending.DEPARTURE if self.state.radius == 0.0:

@@ -25,9 +25,7 @@ ROUNDING = 1e-12
 NEGLIGIBLE = 1e-9
 """Part of a whole that changes nothing that is asked for, and is not yet lost in rounding."""
 SMALL_PART = 0.1
-"""Of a whole, what is small beside it: scales of a run in the largest radius and penetration; what a short
-step adds to errors of a hold; the step after a turn in the one before; how far a fold that is landed on still
-moves, in tolerances."""
+"""Of a whole, what is small beside it: scales of a run in the largest radius and penetration."""
 
 
 def gauss(count: int) -> tuple[Array, Array]:

@@ -34,7 +34,7 @@ from contact_scene.run_control import (
     outcome_of_loss,
     outgrown_outcome,
 )
-from validation.reference.path.continuation import Continuation, Level
+from validation.reference.path.continuation import SAME_FOLD, Continuation, Level
 from validation.reference.path.correction import Ending
 from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.equilibrium import FARTHER, elastic_start, farthest_reach, indented, scales
@@ -261,7 +261,7 @@ class PathRun:
     def _lose_contact(self, leg: Leg) -> None:
         """Contact ends here; the last row is the free surface, unless a force takes the indenter off."""
         state = self.tracker.state
-        self.recorder.lost(self.scene.ends_in_a_point, SMALL_PART * self.tolerance * self.tracker.L)
+        self.recorder.lost(self.scene.ends_in_a_point, SAME_FOLD * self.tolerance * self.tracker.L)
         self._end(OutcomeKind.DETACHED, NO_STABLE_CONTACT)
         held = leg.control != "force"
         if state.radius > 0.0 and (held or self.scene.ends_in_a_point):
