@@ -89,6 +89,19 @@ def test_a_tabulated_profile_converges_to_the_shape_it_samples(indenter):
     assert_allclose(sneddon.contact_radius(fine, depth), x, rtol=1e-12)
 
 
+@pytest.mark.parametrize("times", [2.9, 3.1, 1e3, 1e6])
+def test_far_from_a_kinked_table_its_transform_is_as_exact_as_near(times):
+    """At a million of its radii ``G`` was twice as large, ``H`` 2,800 times: what rows add cancels."""
+    radii, heights = np.array([0.0, 1e-5, 2e-5, 1e-4]), (0.0, 1e-6, 1.2e-5, 2e-5)
+    tip = TabulatedProfile(tuple(radii), heights)
+    points, weights = np.polynomial.legendre.leggauss(40)
+    width, x = np.diff(radii)[:, None], times * radii[-1]
+    r = radii[:-1, None] + 0.5 * width * (1.0 + points)
+    rise = 0.5 * width * weights * tip.slope(r)
+    assert_allclose(sneddon.depth(tip, x), (rise / np.sqrt(1.0 - (r / x) ** 2)).sum(), rtol=1e-9)
+    assert_allclose(sneddon.depth_integral(tip, x), (rise * np.sqrt(x**2 - r**2)).sum(), rtol=1e-9)
+
+
 @pytest.mark.parametrize("indenter", SHAPES, ids=ids)
 def test_round_trips(indenter):
     law = jkr.JKR(indenter, MODULUS, WORK)

@@ -276,3 +276,14 @@ def test_a_first_load_that_is_far_below_the_largest(force: float, rate: float) -
     assert trace.outcome.kind is OutcomeKind.COMPLETED
     hertz = np.cbrt(0.75 * trace.force / ELASTIC.relaxed_plane_modulus)
     assert np.allclose(trace.contact_radius, hertz, rtol=0.0, atol=1e-5 * hertz[-1])
+
+
+def test_a_tip_that_is_far_smaller_than_the_unit_of_length() -> None:
+    """The largest contact of a tip of microns was sought from one metre on, where its table was rounding."""
+    gel = Material(2e4, 0.5, (Branch(3e4, 0.01), Branch(2e4, 1.0), Branch(1e4, 100.0)))
+    tip = TabulatedProfile((0.0, 1e-5, 2e-5, 1e-4), (0.0, 1e-6, 1.2e-5, 2e-5))
+    loading = Loading("jump-in", 0.0, (Ramp(1.9e-5, 1.9e-5), Ramp(-1.9e-5, 1.9e-5)))
+    trace = solve(Scene(gel, tip, loading), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    deepest = int(np.argmax(trace.penetration))
+    assert sneddon.depth(tip, trace.contact_radius[deepest]) == pytest.approx(1.9e-5, rel=1e-4)

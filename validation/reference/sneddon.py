@@ -26,6 +26,8 @@ from numpy.typing import ArrayLike, NDArray
 from contact_scene import FlatPunch, Indenter, Sphere, TabulatedProfile
 
 Array = NDArray[np.float64]
+FAR = 3.0
+"""Radius, in the last of a table, from which on eight points of Gauss between rows err by rounding alone."""
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _POINTS, _WEIGHTS = 0.5 * (_POINTS + 1.0), 0.5 * _WEIGHTS
 
@@ -83,25 +85,37 @@ class PiecewiseTransform:
     """Transform of a slope ``c0 + c1 r + c2 r^2``, whose coefficients change at each of the knots.
 
     ``knots`` has shape (m,) and rises from 0, ``changes`` (3, m). Both transforms are sums over the knots
-    within ``x`` of what a change from there on contributes.
+    within ``x`` of what a change from there on contributes. Seen from far these cancel: there they are sums
+    over ``points`` between the knots, and the last of these, of the ``rises`` of the profile.
     """
 
     knots: Array
     changes: Array
+    points: Array
+    rises: Array
+    last: float
 
     def __call__(self, x: Array) -> Array:
         at = np.asarray(x, float)
-        safe = np.where(at > 0.0, at, 1.0)
-        within = int(np.searchsorted(self.knots, safe.max(initial=0.0)))
+        far = at > FAR * self.knots[-1]
+        near = np.where((at > 0.0) & ~far, at, self.knots[1])
+        within = int(np.searchsorted(self.knots, near.max(initial=0.0)))
         knots, (c0, c1, c2) = self.knots[:within], self.changes[:, :within]
-        r = np.minimum(knots, safe[..., None])
-        angle, root = self._beyond(r, safe[..., None])
-        total = angle @ c0 + root @ (c1 + 0.5 * c2 * knots) + 0.5 * safe**2 * (angle @ c2)
+        r = np.minimum(knots, near[..., None])
+        angle, root = self._beyond(r, near[..., None])
+        total = angle @ c0 + root @ (c1 + 0.5 * c2 * knots) + 0.5 * near**2 * (angle @ c2)
+        if far.any():
+            angle, root = self._beyond(self.points, np.where(far, at, np.inf)[..., None])
+            total = np.where(far, (1.0 / root) @ self.rises + self.last * angle[..., -1], total)
         return np.where(at > 0.0, at * total, 0.0)
 
     def integral(self, x: float) -> float:
         if x <= 0.0:
             return 0.0
+        if x > FAR * self.knots[-1]:
+            angle, root = self._beyond(self.points, x)
+            beyond = x * x * angle[-1] - self.points[-1] * root[-1]
+            return float(root @ self.rises + 0.5 * self.last * beyond)
         r = np.minimum(self.knots, x)
         angle, root = self._beyond(r, x)
         c0, c1, c2 = self.changes
@@ -155,9 +169,14 @@ def _tabulated(indenter: TabulatedProfile) -> PiecewiseTransform:
     parabola = np.array(
         [first - c1 * left + c2 * left * right, c1 - c2 * (left + right), c2]
     )  # Newton's form about left and right, in powers of r
-    beyond = np.array([[float(indenter.slope(right[-1]))], [0.0], [0.0]])
+    end = float(last[-1])
     before = np.hstack((np.zeros((3, 1)), parabola))
-    return PiecewiseTransform(np.array(indenter.radii), np.hstack((parabola, beyond)) - before)
+    changes = np.column_stack((parabola, (end, 0.0, 0.0))) - before
+    points = left[:, None] + h[:, None] * _POINTS
+    rises = h[:, None] * _WEIGHTS * indenter.slope(points)
+    return PiecewiseTransform(
+        np.array(indenter.radii), changes, np.append(points, right[-1]), np.append(rises, 0.0), end
+    )
 
 
 def depth(indenter: Indenter, x: ArrayLike) -> Array:
