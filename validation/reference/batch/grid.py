@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from itertools import permutations
 from typing import Literal
 
 import numpy as np
@@ -206,12 +205,9 @@ def panels(breaks: Whole, panel: Whole, newest: Whole | int) -> tuple[Whole, Who
 
 def lagrange(nodes: Array, at: Array) -> Array:
     """Weights (m, n) of values at nodes (m, n) for places (m,)."""
-    weights = np.ones(nodes.shape)
-    for i in range(nodes.shape[1]):
-        for j in range(nodes.shape[1]):
-            if i != j:
-                weights[:, i] *= (at - nodes[:, j]) / (nodes[:, i] - nodes[:, j])
-    return weights
+    same = np.eye(nodes.shape[1], dtype=bool)
+    apart = np.where(same, 1.0, nodes[:, :, None] - nodes[:, None])
+    return np.asarray(np.where(same, 1.0, (at[:, None] - nodes)[:, None] / apart).prod(axis=2))
 
 
 def gained(rows: Array, known: Flags) -> tuple[Array, Array]:
@@ -224,10 +220,13 @@ def gained(rows: Array, known: Flags) -> tuple[Array, Array]:
     at = past + np.multiply.outer(LAYERED, now - past)
     weights, slopes = np.ones((2, len(rows), *at.shape))
     slopes *= 0.0
-    for i, j in permutations(range(len(rows)), 2):
-        apart = np.where(known[j], rows[i] - rows[j], 1.0)
-        slopes[i] = np.where(known[j], (slopes[i] * (at - rows[j]) + weights[i]) / apart, slopes[i])
-        weights[i] *= np.where(known[j], (at - rows[j]) / apart, 1.0)
+    for j, (row, there) in enumerate(zip(rows, known, strict=True)):
+        others = np.arange(len(rows)) != j
+        apart = np.where(there, rows[others] - row, 1.0)[:, None]
+        slopes[others] = np.where(
+            there, (slopes[others] * (at - row) + weights[others]) / apart, slopes[others]
+        )
+        weights[others] *= np.where(there, (at - row) / apart, 1.0)
     parts = slopes * (now - past)
     parts[:, :-1] *= np.expand_dims(SHARES[:-COUNT], tuple(range(1, at.ndim)))
     parts[:-1, -1], parts[-1, -1] = -weights[:-1, -1], 1.0 - weights[-1, -1]

@@ -7,12 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 
 from validation.reference.batch.grid import ROWS, Grid, Travel, panels
 from validation.reference.batch.scenes import Bodies, LoadRamp, SideBySide, State
 from validation.reference.batch.zone import SHORTEST, quadrature
-from validation.reference.path.numerics import derivative, horner
+from validation.reference.path.numerics import derivative
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.intp]
@@ -337,7 +338,7 @@ class March(SideBySide):
     def at(self, values: Array, place: Array) -> Array:
         """Values at travels (..., B) of each scene."""
         panel, u = self.panel(place)
-        return horner(self.polynomials(values, panel), u)
+        return polyval(u, self.polynomials(values, panel), tensor=False)
 
     def largest(self, values: Array) -> tuple[Array, Array]:
         """Travel and value (B,) where rows are largest, between them too."""
@@ -349,13 +350,13 @@ class March(SideBySide):
             panel = np.minimum(np.maximum(panel, 0), np.maximum(self.last - 1, 0))
             curve = self.polynomials(values, panel)
             slopes, bends = derivative(curve), derivative(derivative(curve))
-            near = horner(curve, u).argmax(axis=0)
+            near = polyval(u, curve, tensor=False).argmax(axis=0)
             middle = np.clip(near, 1, len(u) - 2) / (len(u) - 1.0)
             for _ in range(3):
-                slope, bend = horner(slopes, middle), horner(bends, middle)
+                slope, bend = polyval(middle, slopes, tensor=False), polyval(middle, bends, tensor=False)
                 middle = np.where(bend < 0.0, np.clip(middle - slope / bend, 0.0, 1.0), middle)
             middle = np.where((near == 0) | (near == len(u) - 1), near / (len(u) - 1.0), middle)
-            value, begin = horner(curve, middle), self.travel(panel)
+            value, begin = polyval(middle, curve, tensor=False), self.travel(panel)
             better = value > most
             place = np.where(better, begin + middle * (self.travel(panel + 1) - begin), place)
             most = np.where(better, value, most)
@@ -367,7 +368,7 @@ class March(SideBySide):
         curve, low, high = self.polynomials(values, panel), np.zeros(len(panel)), np.ones(len(panel))
         for _ in range(50):
             middle = 0.5 * (low + high)
-            above = horner(curve, middle) > level
+            above = polyval(middle, curve, tensor=False) > level
             low, high = np.where(above, low, middle), np.where(above, middle, high)
         begin = self.travel(panel)
         return begin + high * (self.travel(panel + 1) - begin)

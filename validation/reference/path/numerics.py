@@ -11,7 +11,6 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -28,6 +27,7 @@ SMALL_PART = 0.1
 """Of a whole, what is small beside it: scales of a run in the largest radius and penetration."""
 
 
+@cache
 def gauss(count: int) -> tuple[Array, Array]:
     """Points and weights on [0, 1]."""
     points, weights = np.polynomial.legendre.leggauss(count)
@@ -36,7 +36,11 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 def chebyshev(x: Array, order: int) -> Array:
     """Chebyshev's polynomials (order, m)."""
-    return np.asarray(chebvander(x, order - 1).T, float)
+    values, twice = np.ones((order, *x.shape)), 2.0 * x
+    values[1:2] = x
+    for n in range(2, order):
+        values[n] = values[n - 1] * twice - values[n - 2]
+    return values
 
 
 @cache
