@@ -40,48 +40,99 @@ STEPS = RETRACTION.loading.steps
 COLUMNS = "time", "penetration", "force", "contact_radius"
 
 
-def drawn(count: int, seed: int = 0, **family):
+def drawn(count: int, seed: int | list[int] = 0, **family):
     """Random retractions."""
     rng = np.random.default_rng(seed)
     return [Family(**family).scene(rng) for _ in range(count)]
 
 
-FREE = st.builds(
-    lambda seed, branches: drawn(
-        1, seed, branches=branches, zones=(-6.0, -1.2), works=(-4.3, -2.8), any_indenter=True, decades=3.0
-    )[0],
-    st.integers(0, 2**32 - 1),
-    st.integers(0, 4),
-)
+def changed(**parts):
+    """The retraction with other parts."""
+    loading = {key: parts.pop(key) for key in ("start", "penetration", "steps", "machine") if key in parts}
+    return replace(RETRACTION, loading=replace(RETRACTION.loading, **loading), **parts)
 
 
-SPRUNG = st.builds(
-    lambda seed, branches, closing: drawn(
-        1,
-        seed,
-        branches=branches,
-        zones=(-5.0, -1.2),
-        works=(-4.3, -2.8),
-        any_indenter=True,
-        decades=3.0,
-        closing=closing,
-        spring=(-2.0, 2.0),
-    )[0],
-    st.integers(0, 2**32 - 1),
-    st.integers(0, 4),
-    st.sampled_from([None, 0.3]),
-)
+ADHESION = RETRACTION.adhesion
+
+
+def held(times, moduli, speeds, hold, zone, **machine):
+    """A cycle with a hold of a sphere of a contact of 0.2, with hysteresis."""
+    branches = tuple(Branch(0.75 * E, time) for E, time in zip(moduli, times, strict=True))
+    steps = Ramp(0.035, speeds[0]), Hold(hold), Ramp(-20.0, speeds[1])
+    work = 9e-4
+    loading = Loading("jump-in", 0.0, steps, **machine)
+    return Scene(Material(0.75, 0.5, branches), Sphere(1.0), loading, Adhesion(work, zone, 0.1 * work))
+
+
+def over_decades(ratio, quickness):
+    """A retraction whose edge waits for long and then goes at once."""
+    zone, work = 1e-7, 8e-3 * ratio / (9.0 * np.pi)
+    depth = 0.01 - np.sqrt(0.2 * np.pi * work)
+    return changed(
+        material=Material(0.75, 0.5, (Branch(0.75 * (1.0 / ratio - 1.0), 1.0),)),
+        adhesion=Adhesion(work, zone),
+        start="relaxed",
+        penetration=depth,
+        steps=(Ramp(depth - 1.0, quickness * zone),),
+    )
+
+
+OVER_DECADES, SLOW = "cycles, speeds over four decades", "cycles, slow turns"
+SHORT_ZONE, ON_A_SPRING = "cycles, zone 1e-5 of the radius", "retractions on a spring"
+NEEDED = {
+    (OVER_DECADES, 36): 0.00449320486,
+    (SHORT_ZONE, 20): 0.00316476458,
+    (OVER_DECADES, 7): 0.0162683816,
+    (OVER_DECADES, 39): 0.0107944601,
+    (OVER_DECADES, 17): 0.00999956747,
+    (ON_A_SPRING, 79): 0.00317393504,
+    (SLOW, 2): 0.000219090648,
+}
+"""Pull-off forces of families of the benchmark and seeds."""
+CORNER = {"any_indenter": True, "cycle": True, "dwell": True, "zones": (-3.0, -1.2)}
+FIXED = {
+    "flat side": (
+        drawn(
+            1,
+            508,
+            **SCATTERED | {"zones": (-6.0, -1.0), "spring": (-2.0, 2.0), "branches": 2, "closing": 0.1},
+        )[0],
+        None,
+        0.00555881135,
+    ),
+    "turn in the zone": (drawn(1, 8, **CORNER, speeds=(-1.0, 3.0), closing=0.3)[0], 32, 0.00372670529),
+    "long hold": (held((0.34,), (3.0,), (0.26, 0.26), 300.0, 4e-6), 32, 0.0164277224),
+    "by chance": (drawn(210, 4711, cycle=True, speeds=(-1.0, 3.0))[209], 24, 0.0120285778),
+    "over decades, 0.01": (over_decades(0.01, 10.0), 128, 0.00132305162),
+    "over decades, 0.1": (over_decades(0.1, 0.01), 128, 0.000310115648),
+    "over decades, 0.03": (over_decades(0.03, 0.02), 128, 0.000371986621),
+} | {
+    key: (FAMILIES[key[0]].scene(np.random.default_rng(key[1])), 32, tension)
+    for key, tension in NEEDED.items()
+}
+"""Scenes, a resolution of the reference at which it knows their pull-off force well, and that force."""
+
+
+def off(name, answer):
+    """Relative difference of the pull-off force from the known one."""
+    return abs(answer.pull_off_force / FIXED[name][2] - 1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FIXED)
+def test_what_is_known_is_what_the_reference_finds(name):
+    scene, resolution, known = FIXED[name]
+    assert -by_reference(scene, Options(resolution=resolution)).force.min() == pytest.approx(known, rel=2e-7)
 
 
 @pytest.mark.parametrize(("seed", "branches", "closing"), [(508, 2, 0.1), (519, 1, None), (520, 2, 0.1)])
 def test_a_root_on_the_flat_side_of_a_layer_is_found(seed, branches, closing):
     """Secants take three evaluations there to halve what holds the root."""
     sprung = SCATTERED | {"zones": (-6.0, -1.0), "spring": (-2.0, 2.0)}
-    (scene,) = drawn(1, seed, **sprung | {"branches": branches, "closing": closing})
-    (answer,) = batch.solve([scene])
+    [answer] = batch.solve(drawn(1, seed, **sprung | {"branches": branches, "closing": closing}))
     assert answer.answered
     if seed == 508:  # the others take the reference minutes
-        assert difference(scene, answer) < answer.errors["pull_off_force"]
+        assert off("flat side", answer) < answer.errors["pull_off_force"]
 
 
 @pytest.mark.parametrize(("seed", "branches", "closing"), [(507, 1, None), (528, 1, None), (517, 1, 0.1)])
@@ -106,14 +157,19 @@ def test_an_edge_that_jumps_as_it_closes_has_no_answer():
     assert batch.solve([replace(scene, loading=replace(scene.loading, machine=stiffer))])[0].answered
 
 
-def cycles(**family):
-    """Cycles of any indenter at speeds over four decades, with hysteresis and without."""
-    alike = {"any_indenter": True, "cycle": True, "speeds": (-1.0, 3.0)}
-    return st.builds(
-        lambda seed, closing: drawn(1, seed, **alike, **family, closing=closing)[0],
-        st.integers(0, 2**32 - 1),
-        st.sampled_from([None, 0.3]),
+def together(*kinds):
+    """Scenes of each kind, some of each, that one seed draws: they are solved in one batch."""
+    return st.integers(0, 2**32 - 1).map(
+        lambda seed: [
+            scene for i, (count, kind) in enumerate(kinds) for scene in drawn(count, [seed, i], **kind)
+        ]
     )
+
+
+def by_branches(**kind):
+    """Two scenes of each number of branches, of any indenter and zone, with hysteresis and without."""
+    anything = {"zones": (-6.0, -1.2), "works": (-4.3, -2.8), "any_indenter": True, "decades": 3.0} | kind
+    return [(1, anything | {"branches": n, "closing": closing}) for n in range(5) for closing in (None, 0.3)]
 
 
 def scattered(**family):
@@ -136,30 +192,35 @@ SCATTERED_SCENES = st.one_of(
     scattered(cycle=True, dwell=True, zones=(-4.0, -1.0)),
     scattered(cycle=True, dwell=True, zones=(-4.0, -1.0), spring=(-0.3, 2.0)),
 )
-CYCLES, DWELLS = cycles(zones=(-3.0, -1.7)), cycles(zones=(-3.0, -1.2), dwell=True)
-SPRUNG_CYCLES = st.one_of(
-    cycles(zones=(-3.0, -1.7), spring=(-1.0, 2.0)), cycles(zones=(-3.0, -1.7), spring=(-1.0, 2.0), dwell=True)
-)
+CYCLE = {"any_indenter": True, "cycle": True, "speeds": (-1.0, 3.0), "zones": (-3.0, -1.7)}
+CYCLES = [(4, CYCLE), (4, CYCLE | {"closing": 0.3})]
+DWELLS = [(3, CYCLE | {"dwell": True, "closing": closing, "zones": (-3.0, -1.2)}) for closing in (None, 0.3)]
+SPRUNG_CYCLES = [
+    (2, CYCLE | {"spring": (-1.0, 2.0), "dwell": dwell, "closing": closing})
+    for dwell in (False, True)
+    for closing in (None, 0.3)
+]
 SLOW_TURNS = st.builds(
     lambda seed: FAMILIES["cycles, slow turns"].scene(np.random.default_rng(seed)), st.integers(0, 2**32 - 1)
 )
 
 
-def assert_as_by_the_reference(scene, *reasons, most=1e-4):
+def assert_as_by_the_reference(scenes, *reasons, most=1e-4):
     """Pull-off within the estimate, or what the reference leaves by default, and ``most`` at all; no
     answer for one of these reasons alone."""
-    [answer] = batch.solve([scene])
-    if answer.answered:
-        assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, most)
-    else:
-        assert any(reason in answer.reason for reason in reasons)
+    for scene, answer in zip(scenes, batch.solve(scenes), strict=True):
+        if answer.answered:
+            assert answer.errors["pull_off_force"] < 10.0 * most
+            assert difference(scene, answer) < min(answer.errors["pull_off_force"] + 1e-5, most)
+        else:
+            assert any(reason in answer.reason for reason in reasons)
 
 
-@given(scene=FREE)
-@settings(max_examples=10)
-def test_random_scenes_are_answered_as_by_the_reference(scene):
+@given(scenes=together(*by_branches()))
+@settings(max_examples=1)
+def test_random_scenes_are_answered_as_by_the_reference(scenes):
     """Retractions from a relaxed start, of any indenter and up to four branches."""
-    assert_as_by_the_reference(scene, "zones")
+    assert_as_by_the_reference(scenes, "zones")
 
 
 @pytest.mark.slow
@@ -167,21 +228,21 @@ def test_random_scenes_are_answered_as_by_the_reference(scene):
 @settings(max_examples=8)
 def test_branches_scattered_over_six_decades_are_answered_as_by_the_reference(scene):
     """Of which the shortest may relax in a millionth of a hold, or the longest not at all."""
-    assert_as_by_the_reference(scene, "zones", "differ", "found", "soft", "not reached", most=1e-3)
+    assert_as_by_the_reference([scene], "zones", "differ", "found", "soft", "not reached", most=1e-3)
 
 
-@given(scene=SPRUNG_CYCLES)
-@settings(max_examples=8)
-def test_random_cycles_on_springs_are_answered_as_by_the_reference(scene):
+@given(scenes=together(*SPRUNG_CYCLES))
+@settings(max_examples=1)
+def test_random_cycles_on_springs_are_answered_as_by_the_reference(scenes):
     """Some with a dwell, and some of these turned by a force."""
-    assert_as_by_the_reference(scene, "zones", "differ", "found", "soft")
+    assert_as_by_the_reference(scenes, "zones", "differ", "found", "soft")
 
 
-@given(scene=SPRUNG)
-@settings(max_examples=10)
-def test_random_springs_are_answered_as_by_the_reference(scene):
+@given(scenes=together(*by_branches(spring=(-2.0, 2.0))))
+@settings(max_examples=1)
+def test_random_springs_are_answered_as_by_the_reference(scenes):
     """A hundred times softer than the contact to a hundred times stiffer, with hysteresis and without."""
-    assert_as_by_the_reference(scene, "zones")
+    assert_as_by_the_reference(scenes, "zones")
 
 
 @pytest.mark.parametrize("stiffness", [0.02, 1.0])
@@ -230,23 +291,16 @@ def test_a_spring_as_stiff_as_none_is_none():
 
 def test_contact_is_lost_when_it_is_lost():
     """Fields with a bend at the largest time left 7e-5 of it, and on a spring 1e-4 of the force."""
-    for scene in (*drawn(4, 5), *drawn(4, 5, spring=(-2.0, 2.0))):
-        coarse, fine = (batch.solve([scene], n)[0] for n in (16, 48))
+    scenes = *drawn(4, 5), *drawn(4, 5, spring=(-2.0, 2.0))
+    for coarse, fine in zip(*(batch.solve(scenes, n) for n in (16, 32)), strict=True):
         assert coarse.time[-1] == pytest.approx(fine.time[-1], rel=2e-6)
 
 
-@given(scene=CYCLES)
-@settings(max_examples=8)
-def test_random_cycles_are_answered_as_by_the_reference(scene):
-    """Cycles with hysteresis and without, at speeds over four decades."""
-    assert_as_by_the_reference(scene, "zones")
-
-
-@given(scene=DWELLS)
-@settings(max_examples=6)
-def test_random_dwells_are_answered_as_by_the_reference(scene):
-    """Cycles with a hold, some of which turn at a force."""
-    assert_as_by_the_reference(scene, "zones", "differ")
+@given(scenes=together(*CYCLES, *DWELLS))
+@settings(max_examples=1)
+def test_random_cycles_are_answered_as_by_the_reference(scenes):
+    """At speeds over four decades, with hysteresis and without; some with a hold, some turned by a force."""
+    assert_as_by_the_reference(scenes, "zones", "differ")
 
 
 @pytest.mark.parametrize("name", ["dwell-1", "dwell-10"])
@@ -266,21 +320,9 @@ def test_an_edge_closes_on_while_the_load_is_held(name):
 
 def test_the_place_where_the_load_turned_may_be_anywhere_in_the_zone():
     """A corner of what the edge left; without panels there the force was 1.7e-4 off, finer rows or not."""
-    family = Family(
-        any_indenter=True, cycle=True, dwell=True, zones=(-3.0, -1.2), speeds=(-1.0, 3.0), closing=0.3
-    )
-    scene = family.scene(np.random.default_rng(8))
-    assert difference(scene, batch.solve([scene])[0], 32) < 7e-5
-    assert difference(scene, batch.solve([scene], 32)[0], 32) < 2e-5
-
-
-def held(times, moduli, speeds, hold, zone, **machine):
-    """A cycle with a hold of a sphere of a contact of 0.2, with hysteresis."""
-    branches = tuple(Branch(0.75 * E, time) for E, time in zip(moduli, times, strict=True))
-    steps = Ramp(0.035, speeds[0]), Hold(hold), Ramp(-20.0, speeds[1])
-    work = 9e-4
-    loading = Loading("jump-in", 0.0, steps, **machine)
-    return Scene(Material(0.75, 0.5, branches), Sphere(1.0), loading, Adhesion(work, zone, 0.1 * work))
+    scene = FIXED["turn in the zone"][0]
+    assert off("turn in the zone", batch.solve([scene])[0]) < 7e-5
+    assert off("turn in the zone", batch.solve([scene], 32)[0]) < 2e-5
 
 
 def test_an_edge_closes_on_after_a_hold_up_to_whose_end_it_closed():
@@ -303,10 +345,9 @@ def test_a_contact_shorter_than_its_zone_costs_no_other():
 
 def test_a_hold_may_be_long():
     """Eight decades of the first step of an edge that closes on: there was room for 140 steps alone."""
-    scene = held((0.34,), (3.0,), (0.26, 0.26), 300.0, 4e-6)
-    answers = [batch.solve([scene], n)[0] for n in (16, 48)]
+    answers = [batch.solve([FIXED["long hold"][0]], n)[0] for n in (16, 24)]
     assert all(answer.answered for answer in answers)
-    assert difference(scene, answers[0], 32) < 1e-5
+    assert off("long hold", answers[0]) < 1e-5
 
 
 def test_a_hold_of_what_is_relaxed_only_takes_time():
@@ -400,20 +441,11 @@ def test_rows_lie_on_the_curve_of_the_reference():
     assert (answer.force[-1], answer.contact_radius[-1]) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(("ratio", "quickness"), [(0.01, 10.0), (0.1, 0.01), (0.03, 0.02)])
-def test_an_edge_whose_times_go_over_decades(ratio, quickness):
+@pytest.mark.parametrize("name", ["over decades, 0.01", "over decades, 0.1", "over decades, 0.03"])
+def test_an_edge_whose_times_go_over_decades(name):
     """Extrapolated times came before those known, and secants leapt about a bend of the residual."""
-    zone, work = 1e-7, 8e-3 * ratio / (9.0 * np.pi)
-    depth = 0.01 - np.sqrt(0.2 * np.pi * work)
-    scene = changed(
-        material=Material(0.75, 0.5, (Branch(0.75 * (1.0 / ratio - 1.0), 1.0),)),
-        adhesion=Adhesion(work, zone),
-        start="relaxed",
-        penetration=depth,
-        steps=(Ramp(depth - 1.0, quickness * zone),),
-    )
-    [answer] = batch.solve([scene])
-    assert difference(scene, answer, 128) < 1e-6  # its default resolution knows it to 8e-6, 64 to 6e-7
+    [answer] = batch.solve([FIXED[name][0]])
+    assert off(name, answer) < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -429,27 +461,31 @@ def test_an_edge_that_waits_is_not_taken_for_lost(run, point):
     assert answer.reason == REASONS[FAILED]
 
 
+def test_scenes_that_need_the_constants_of_the_grid_are_answered():
+    """In one batch; each is one of the next test."""
+    for key, answer in zip(NEEDED, batch.solve([FIXED[key][0] for key in NEEDED]), strict=True):
+        assert off(key, answer) < 1e-5
+
+
 @pytest.mark.parametrize(
     ("module", "constant", "coarser", "family", "seed"),
     [
-        (solver, "FAR", 1e9, "cycles, speeds over four decades", 36),
-        (solver, "FAR", 1e9, "cycles, zone 1e-5 of the radius", 20),
-        (solver, "SHARE", 0.3, "cycles, speeds over four decades", 7),
-        (grid, "DEEPER", 16.0, "cycles, speeds over four decades", 39),
-        (grid, "WIDEST", grid.WIDEST | {"turned": 2.4}, "cycles, speeds over four decades", 17),
-        (grid, "SPRUNG", 1.0, "retractions on a spring", 79),
-        (grid, "WIDEST", grid.WIDEST | {"corner": 3.6}, "cycles, speeds over four decades", 7),
-        (grid, "WIDEST", grid.WIDEST | {"closing": 1.2}, "cycles, slow turns", 2),
+        (solver, "FAR", 1e9, OVER_DECADES, 36),
+        (solver, "FAR", 1e9, SHORT_ZONE, 20),
+        (solver, "SHARE", 0.3, OVER_DECADES, 7),
+        (grid, "DEEPER", 16.0, OVER_DECADES, 39),
+        (grid, "WIDEST", grid.WIDEST | {"turned": 2.4}, OVER_DECADES, 17),
+        (grid, "SPRUNG", 1.0, ON_A_SPRING, 79),
+        (grid, "WIDEST", grid.WIDEST | {"corner": 3.6}, OVER_DECADES, 7),
+        (grid, "WIDEST", grid.WIDEST | {"closing": 1.2}, SLOW, 2),
     ],
 )
 def test_no_constant_of_the_grid_could_be_coarser(monkeypatch, module, constant, coarser, family, seed):
     """An error beyond 1e-5, where the edge opens by the place from which it closed, or no answer."""
-    scene = FAMILIES[family].scene(np.random.default_rng(seed))
-    tension = -by_reference(scene, Options(resolution=32)).force.min()
-    assert batch.solve([scene])[0].pull_off_force == pytest.approx(tension, rel=1e-5)
     monkeypatch.setattr(solver, "grid", grid.grid.__wrapped__)
     monkeypatch.setattr(module, constant, coarser)
-    assert batch.solve([scene])[0].pull_off_force != pytest.approx(tension, rel=1e-5)
+    [answer] = batch.solve([FIXED[family, seed][0]])
+    assert not off((family, seed), answer) < 1e-5  # NaN where there is none
 
 
 def test_more_rows_leave_less_where_the_edge_comes_by_the_place_from_which_it_closed():
@@ -457,7 +493,7 @@ def test_more_rows_leave_less_where_the_edge_comes_by_the_place_from_which_it_cl
     scenes = drawn(152, 7, cycle=True, speeds=(-1.0, 3.0))
     some = [scenes[i] for i in (82, 85, 62, 151, 106, 71)]
     coarse, fine, finest = (
-        np.array([answer.pull_off_force for answer in batch.solve(some, n)]) for n in (16, 48, 64)
+        np.array([answer.pull_off_force for answer in batch.solve(some, n)]) for n in (16, 32, 48)
     )
     assert np.abs(coarse / finest - 1.0).max() < 1e-6
     assert np.abs(fine / finest - 1.0).max() < 2e-7
@@ -465,9 +501,8 @@ def test_more_rows_leave_less_where_the_edge_comes_by_the_place_from_which_it_cl
 
 def test_what_two_resolutions_agree_on_by_chance_is_not_known_so_well():
     """At the pull-off they do, to half of the error; within a zone of it they do not."""
-    scene = drawn(210, 4711, cycle=True, speeds=(-1.0, 3.0))[209]
-    [answer] = batch.solve([scene])
-    assert difference(scene, answer, 24) < answer.errors["pull_off_force"] < 2e-5
+    [answer] = batch.solve([FIXED["by chance"][0]])
+    assert off("by chance", answer) < answer.errors["pull_off_force"] < 2e-5
 
 
 def test_a_ramp_that_ends_in_contact():
@@ -501,29 +536,21 @@ def same(one: batch.Solution, other: batch.Solution) -> bool:
 
 def test_neither_order_nor_company_changes_an_answer():
     scenes = [
-        *drawn(24, branches=2),
+        *drawn(16, branches=2),
         *drawn(8, zones=(-6.0, -1.2), any_indenter=True),
         *drawn(8, cycle=True),
         *drawn(8, spring=(-2.0, 2.0), branches=2, closing=0.5),
         *drawn(8, spring=(-1.0, 2.0), cycle=True, dwell=True),
         *drawn(8, cycle=True, dwell=True),
-        *drawn(24, 11, cycle=True, zones=(-4.0, -1.7), speeds=(-4.0, -1.0), works=(-5.0, -3.0))[1:],
+        *drawn(12, 11, cycle=True, zones=(-2.2, -1.7), speeds=(-4.0, -1.0), works=(-5.0, -3.0)),
     ]
-    together = batch.solve(scenes)
+    answers = batch.solve(scenes)
     order = np.random.default_rng(1).permutation(len(scenes))
-    for i, answer in zip(order, batch.solve([scenes[i] for i in order]), strict=True):
-        assert same(answer, together[i])
-    for i in range(0, len(scenes), 6):
-        assert same(batch.solve([scenes[i]])[0], together[i])
+    for some in (order[: len(order) // 2], *([i] for i in range(5, len(scenes), 10))):
+        for i, answer in zip(some, batch.solve([scenes[i] for i in some]), strict=True):
+            assert same(answer, answers[i])
 
 
-def changed(**parts):
-    """The retraction with other parts."""
-    loading = {key: parts.pop(key) for key in ("start", "penetration", "steps", "machine") if key in parts}
-    return replace(RETRACTION, loading=replace(RETRACTION.loading, **loading), **parts)
-
-
-ADHESION = RETRACTION.adhesion
 REFUSED = {
     "adhesion": changed(adhesion=None),
     "cohesive stress": changed(adhesion=Adhesion(ADHESION.work, stress=0.05)),

@@ -338,7 +338,7 @@ class March(SideBySide):
     def at(self, values: Array, place: Array) -> Array:
         """Values at travels (..., B) of each scene."""
         panel, u = self.panel(place)
-        return polyval(u, self.polynomials(values, panel), tensor=False)
+        return np.asarray(polyval(u, self.polynomials(values, panel), tensor=False), float)
 
     def largest(self, values: Array) -> tuple[Array, Array]:
         """Travel and value (B,) where rows are largest, between them too."""
