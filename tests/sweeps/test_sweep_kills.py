@@ -31,9 +31,9 @@ linspace = [1.0, 2.0, 6]
 [[coordinates]]
 name = "depth"
 key = "loading.steps.0.to"
-linspace = [0.011, 0.02, 40]
+linspace = [0.011, 0.02, 20]
 """
-RUNS = 6 * 40
+RUNS = 6 * 20
 """Of the plan: so many that a signal comes before the last, on any machine."""
 SCENE = """
 [material]
