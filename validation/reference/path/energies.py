@@ -135,7 +135,7 @@ def course(arrival: Arrival, after: State, first: Array, before: tuple[float, Ar
         coefficients[: len(spent), SEPARATION] = spent
         coefficients[0, SEPARATION] = first[SEPARATION]
     if trial.leg.control == "force" and trial.leg.timed:
-        coefficients[: COLLOCATION + 1, FORCE] = through_nodes(trial.leg.value, trial.state.time, clock)
+        coefficients[: COLLOCATION + 1, FORCE] = through_nodes(trial.leg.value, trial.state.parameter, clock)
     force, depth = coefficients[: COLLOCATION + 1, [FORCE, DEPTH]].T
     power = np.convolve(force, derivative(depth))
     coefficients[0, WORK] = first[WORK]

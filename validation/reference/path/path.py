@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Leg:
-    """From parameter ``start`` to ``end``; ``rate``: of a penetration that is linear in time."""
+    """From ``start`` to ``end``, times since the load step began; ``rate``: of a linear penetration."""
 
     control: Control
     value: Callable[[float], float]
@@ -35,6 +35,7 @@ class Leg:
     timed: bool
     rate: float | None = None
     compliance: float = 0.0
+    origin: float = 0.0
 
     @property
     def free(self) -> bool:
@@ -65,7 +66,7 @@ def jump(segment: Segment, penetration: float, force: float) -> Leg | None:
     return Leg(segment.control, value, 0.0, 1.0, False, None, segment.compliance)
 
 
-def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
+def timed_legs(segment: Segment, tolerance: float, origin: float) -> Iterator[Leg]:
     """What a load step is made of between its kinks.
 
     A row of a table is none where the lines that meet there are nearly a smooth curve, which they leave by an
@@ -89,7 +90,7 @@ def timed_legs(segment: Segment, tolerance: float) -> Iterator[Leg]:
         if segment.linear and rate is None and last > first + 1:
             value = rounded(value, np.array(marks[first : last + 1]), np.array(rates[first:last]))
         if end - begin > ROUNDING * end:
-            yield Leg(segment.control, value, begin, end, True, rate, segment.compliance)
+            yield Leg(segment.control, value, begin, end, True, rate, segment.compliance, origin)
 
 
 def rounded(value: Callable[[float], float], marks: Array, rates: Array) -> Callable[[float], float]:

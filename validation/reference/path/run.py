@@ -152,7 +152,7 @@ class PathRun:
         loading, tracker, cursor = self.scene.loading, self.tracker, LoadingCursor()
         while not cursor.done(loading):
             state = tracker.state
-            segment = cursor.segment(loading, state.time, state.depth, state.force)
+            segment = cursor.segment(loading, 0.0, state.depth, state.force)  # in its own time
             if segment.control == "force" and state.radius == 0.0:
                 segment = self._set_down(segment)
             if self.outcome is None:
@@ -178,11 +178,11 @@ class PathRun:
 
     def _load_step(self, segment: Segment, cursor: LoadingCursor) -> None:
         """One load step: its jump, then its legs in time."""
-        tracker, length = self.tracker, segment.end - segment.start
-        if 0.0 < self.tolerance * length < math.ulp(segment.end):
+        tracker, length, origin = self.tracker, segment.end, self.tracker.state.time
+        if 0.0 < self.tolerance * length < math.ulp(origin + length):
             reason = (
                 f"time steps of {self.tolerance * length:.2g}, in a load step of length {length:.3g}, "
-                f"are lost in the rounding of the time {segment.end:.3g}"
+                f"are lost in the rounding of the time {origin + length:.3g}"
             )
             self._end(OutcomeKind.OUT_OF_RANGE, reason)
             return
@@ -197,7 +197,7 @@ class PathRun:
             if self.outcome is not None or cursor.triggered(segment, state.depth, state.force, state.radius):
                 return
         tracker.level = level(segment.trigger, state)
-        for leg in timed_legs(segment, self.tolerance):
+        for leg in timed_legs(segment, self.tolerance, origin):
             if self._follow(leg, segment, cursor) is Ending.LEVEL or self.outcome is not None:
                 return
         if segment.trigger is not None:
@@ -225,7 +225,7 @@ class PathRun:
             if self.outcome is None:
                 self._ends_with(kind, leg)
             if self.progress is not None and leg.timed:
-                self.progress(float(cursor.share(self.scene.loading, segment, tracker.state.time)))
+                self.progress(float(cursor.share(self.scene.loading, segment, tracker.state.parameter)))
             if kind is Ending.LEVEL:
                 self.recorder.level("trigger")
             if self.outcome is not None or kind in (Ending.END, Ending.LEVEL):

@@ -423,7 +423,7 @@ class Arrival:
             surface = fields.passed(surface, sweep, elapsed, left, not opens, G, rheology.moduli)
         return State(
             parameter=parameter,
-            time=parameter if leg.timed else state.time,
+            time=leg.origin + parameter if leg.timed else state.time,
             depths=depths if leg.free else np.append(leg.value(parameter), depths[1:]),
             radius=trial.radius,
             force=leg.value(parameter) if leg.control == "force" else self.force,
