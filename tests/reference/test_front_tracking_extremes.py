@@ -1,6 +1,7 @@
 """Scenes at the ends of the allowed range end with an answer, an error of the scene or a reason."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -287,3 +288,45 @@ def test_a_tip_that_is_far_smaller_than_the_unit_of_length() -> None:
     assert trace.outcome.kind is OutcomeKind.DETACHED
     deepest = int(np.argmax(trace.penetration))
     assert sneddon.depth(tip, trace.contact_radius[deepest]) == pytest.approx(1.9e-5, rel=1e-4)
+
+
+def test_an_edge_that_comes_back_is_sought_no_closer_than_its_surface_is_known() -> None:
+    """What it had left behind was off by a thousand times what the steps after the turn were to be off by."""
+    gel = Material(2e4, 0.5, (Branch(3e4, 0.01), Branch(2e4, 1.0), Branch(1e4, 100.0)))
+    loading = Loading("jump-in", 0.0, (Ramp(1e-4, 1e-4), Oscillate(2e-5, 6.0, 5.0)))
+    trace = solve(Scene(gel, Sphere(1e-3), loading), Options(resolution=32))
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.counters.steps < 1100
+
+
+@pytest.mark.parametrize("exponent", [50.0, 100.0])
+def test_the_first_contact_of_a_blunt_tip(exponent: float) -> None:
+    """A tenth of the largest radius was deep enough to begin with: 1e-50 of the largest penetration."""
+    loading = Loading("jump-in", 0.0, (Ramp(0.05, 0.02), Ramp(-0.05, 0.02)))
+    tip = PowerLaw(exponent, 0.02 / 0.2**exponent)
+    trace = solve(Scene(ONE, tip, loading), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    deepest = int(np.argmax(trace.penetration))
+    assert trace.contact_radius[deepest] == pytest.approx(sneddon.contact_radius(tip, 0.05), rel=1e-6)
+
+
+@pytest.mark.parametrize("slower", [1e-6, 1.0])
+@pytest.mark.parametrize("part", [1e-9, 1e-10])
+def test_a_first_ramp_that_is_far_below_the_deepest(part: float, slower: float) -> None:
+    """The first step of a contact was to end deeper than the ramp does, at a radius where there is none."""
+    steps = Ramp(0.05 * part, 0.02 * slower), Hold(1.0), Ramp(0.05, 0.02), Ramp(-0.1, 0.02)
+    trace = solve(Scene(ONE, Sphere(1.0), Loading("jump-in", 0.0, steps)), COARSE)
+    exact = Ting(ONE, Sphere(1.0), 0.02, 2.5, 0.02)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    begun = 1.0 + 2.5 * part / slower
+    assert trace.force.max() == pytest.approx(float(exact.force(2.5)), rel=1e-4)
+    assert trace.time[-1] - begun == pytest.approx(exact.detachment(), rel=1e-4)
+
+
+def test_a_load_step_has_a_time_of_its_own() -> None:
+    """After a slow load step the times of a quick one rounded: its budget was spent in a millionth of it."""
+    steps = ForceRamp(1e-8, 1e-12), ForceRamp(0.01, 0.01)
+    trace = solve(Scene(ONE, Sphere(1.0), Loading("jump-in", 0.0, steps)), replace(COARSE, max_steps=1000))
+    quick = solve(Scene(ONE, Sphere(1.0), Loading("jump-in", 0.0, steps[1:])), COARSE)
+    assert trace.outcome.kind is OutcomeKind.COMPLETED
+    assert trace.contact_radius[-1] == pytest.approx(quick.contact_radius[-1], rel=1e-4)

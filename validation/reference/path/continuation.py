@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.reference.path.correction import FILLED, Correction, Corrector, Ending, Fixed
-from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state, touching_radius
+from validation.reference.path.equilibrium import pressed_depth, pressed_force, start_state
 from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, bracketed
 from validation.reference.path.path import Leg, Predictor, Rows
 from validation.reference.path.state import State, faded
@@ -120,8 +120,7 @@ class Continuation(Corrector):
         """A new leg: a kink of the path."""
         self.leg, self.T_leg, self.T = leg, T_leg, T_leg
         self.L, self.lasted = min(self.L_run, self.least_scale), 0.0
-        self.state = replace(self.state, parameter=leg.start)
-        state = self.state
+        state = self.state = replace(self.state, parameter=leg.start)
         self.rows = Rows.at(state.force, state.depths)
         if state.radius == 0.0 and state.depth >= 0.0 and leg.presses:
             self._touch()
@@ -143,19 +142,18 @@ class Continuation(Corrector):
             self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
             self._restart()
             return
-        leg, deepest = self.leg, NEGLIGIBLE * self.depth / SMALL_PART
-        a = min(max(touching_radius(self.body, deepest, self.law.rim), FIRST_RADIUS * self.L_run), self.L_run)
-        load = pressed_depth(self.body, a)
-        if leg.control == "force":
-            load = 2.0 * self.body.rheology.glassy * pressed_force(self.body, a)
-        whole, start = leg.end - leg.start, leg.value(leg.start)
-        change = leg.value(leg.end) - start
+        leg, body, rheology = self.leg, self.body, self.body.rheology
+        whole, start, forced = leg.end - leg.start, leg.value(leg.start), leg.control == "force"
+        change, soft = leg.value(leg.end) - start, rheology.relaxed / rheology.glassy if forced else 1.0
+        a = max(self.pressed_to(NEGLIGIBLE * self.depth / SMALL_PART, False), FIRST_RADIUS * self.L_run)
+        if change > 0.0:  # the leg may end at less
+            a = min(a, self.pressed_to(SMALL_PART * soft * change, forced))
+        load = 2.0 * rheology.glassy * pressed_force(body, a) if forced else pressed_depth(body, a)
         p = whole * min(load / (abs(change) or load), 1.0)
         if change > load:
             p = bracketed(lambda at: leg.value(leg.start + at) - start - load, 0.0, whole)
-        elastic = min(self.T_leg, self.body.rheology.shortest)
-        self.T_first, self.L = max(2.0 * p, elastic, 1e-300) if leg.timed else SMALL_PART, a
-        self.T, self.lasted = self.T_first, 0.0
+        self.T_first = max(2.0 * p, min(self.T_leg, rheology.shortest), 1e-300) if leg.timed else SMALL_PART
+        self.T, self.L, self.lasted = self.T_first, a, 0.0
         way = np.array([p / self.T, a / self.L])
         self._restart(way / np.hypot(*way), float(np.hypot(*way)))
         self.moving = True
@@ -198,10 +196,10 @@ class Continuation(Corrector):
 
     @property
     def let_go(self) -> bool:
-        """Whether a contact without adhesion has come to a force that is nothing."""
+        """Whether a contact without adhesion has come to a force that is nothing beside what it has borne."""
         forces = self.rows.table[-2:, 3]
         falling = len(forces) > 1 and forces[1] < forces[0]
-        return falling and self.law.adhesion is None and forces[1] <= ROUNDING * self.largest_force
+        return falling and self.law.adhesion is None and forces[1] <= ROUNDING * self.borne
 
     # a step ---
 

@@ -104,7 +104,7 @@ class Corrector:
     leg: Leg = None  # type: ignore[assignment]
     rows: Rows = None  # type: ignore[assignment]
     T: float = 1.0
-    L: float = 1.0
+    L: float = 0.0
     slopes: dict[Fixed, float] = field(default_factory=dict)
     borne: float = 0.0
     evaluations: int = 0
@@ -145,13 +145,13 @@ class Corrector:
 
     @property
     def least_scale(self) -> float:
-        """Scale of the radius where the edge sets off."""
-        return self.law.zone or NEARBY * self.L_run
+        """Scale of the radius where an edge sets off: that at which what it left was known, or its zone."""
+        return self.law.zone or max(NEARBY * self.L_run, self.L)
 
     @property
     def still(self) -> float:
         """Travel that changes nothing an edge can see."""
-        return STILL * self.least_scale
+        return STILL * (self.law.zone or NEARBY * self.L_run)
 
     @property
     def least_radius(self) -> float:
@@ -165,11 +165,13 @@ class Corrector:
     @cached_property
     def _vanishing(self) -> tuple[float, float]:
         """Radius of an elastic contact of which the penetration, or the force, is lost in rounding."""
-        body, rim, radius = self.body, self.law.rim, self.L_run / SMALL_PART
-        depth, force = ROUNDING * pressed_depth(body, radius), ROUNDING * pressed_force(body, radius)
-        return touching_radius(body, depth, rim), pressed_radius(
-            body, 2.0 * body.rheology.relaxed * force, rim
-        )
+        body, radius = self.body, self.L_run / SMALL_PART
+        depth, force = pressed_depth(body, radius), 2.0 * body.rheology.relaxed * pressed_force(body, radius)
+        return self.pressed_to(ROUNDING * depth, False), self.pressed_to(ROUNDING * force, True)
+
+    def pressed_to(self, load: float, forced: bool) -> float:
+        """Radius of the relaxed contact without adhesion at a penetration or under a force."""
+        return (pressed_radius if forced else touching_radius)(self.body, load, self.law.rim)
 
     def folds(self, way: float) -> bool:
         """Whether an edge that goes that way may run away."""
@@ -211,7 +213,7 @@ class Corrector:
         ends: dict[float, Arrival] = {}
 
         def function(a: float) -> float:
-            if not self.least_radius <= self.state.radius + a <= self.law.rim:
+            if a and not self.least_radius <= self.state.radius + a <= self.law.rim:
                 return math.nan
             ends[a] = self.arrive(self.trial(a, self.chord(p, a)), p)
             return ends[a].residual

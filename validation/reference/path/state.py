@@ -83,8 +83,7 @@ class State:
         """Edges of the table strictly between two distances from the edge."""
         edges = self.surface.edges
         first, last = edges.searchsorted(low, side="right"), edges.searchsorted(high, side="left")
-        edges = edges[first:last]
-        return edges
+        return edges[first:last]
 
     def cuts(self, travel: float, knots: Array) -> Array:
         """Distances on the way, in its order, between which profile and fields passed are smooth."""
