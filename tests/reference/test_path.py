@@ -54,7 +54,7 @@ def test_an_accepted_row_satisfies_the_next_step(name, near, monkeypatch):
         way, basis = np.zeros(5), np.zeros(5)
         travel = trial.direction * 1e-9 * tracker.law.zone
         way[1], basis[1] = travel, 1.0
-        segment = PathSegment(travel, way, 0.0 * way, 0.0 * way, basis)
+        segment = PathSegment(travel, way, 0.0 * way, 0.0 * way[:, None], basis)
         again = Trial(tracker.body, tracker.law, state, tracker.leg, segment)
         worst.append(again.arrive(0.0).residual - arrival.residual)
 

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from contact_scene import Branch, Material
 from validation.reference.path.closure import LONGEST, closure, zone_length
 from validation.reference.path.fields import Points
-from validation.reference.path.memory import PATH_AT_NODES, ConstantRate, collocation
+from validation.reference.path.memory import ConstantRate, collocated
 from validation.reference.path.numerics import bracketed, dip, inverse
 from validation.reference.path.rheology import rheology
 from validation.reference.path.solver import estimated_errors
@@ -122,8 +122,9 @@ def test_closure_against_the_double_integral(ratio: float, accuracy: float) -> N
 def test_memory_by_collocation_is_that_of_a_ramp(time: float) -> None:
     times, moduli, clock = np.array([time]), np.array([0.3]), np.array([0.0, 0.5, 0.4, 0.1, 0.0])
     exact = ConstantRate(times, clock, moduli, 0.1, 0.7).end
-    values = np.column_stack((0.7 * (PATH_AT_NODES @ clock), np.zeros(9)))
-    end = collocation(times, clock, moduli, np.array([0.1]), values).given.end
+    depths = 0.7 * clock[:, None]
+    depths[0] = 0.1
+    end = collocated(times, clock, moduli, depths).end
     assert end[1] == pytest.approx(exact[1], rel=1e-12)
     assert end[0] == pytest.approx(exact[0], rel=1e-6, abs=1e-7)
 
@@ -156,7 +157,10 @@ def test_a_bracketed_root() -> None:
 
 def test_no_points_are_points():
     """A zone of fixed stress may lie within what the edge has not passed (``instruments:633``)."""
-    assert Points(np.zeros((0, 9)), np.zeros((0, 3)), np.zeros(0), np.zeros((0, 2))).course.shape == (0, 27)
+    points = Points(np.zeros((0, 9)), np.zeros((0, 3)), np.zeros(0), np.zeros((0, 2)))
+    motion = collocated(np.ones(2), np.linspace(0.0, 1.0, 5), np.ones(2), np.ones((5, 3)))
+    gained, depth = motion.during(points, np.zeros((0, 1)), np.zeros((0, 2)))
+    assert (gained.shape, depth.shape) == ((0, 2), (0,))
 
 
 @pytest.mark.parametrize("radius", [1e-9, 0.0331, 0.7, 41.0])

@@ -190,12 +190,6 @@ class Points:
     G: Array
     begun: Array
 
-    @cached_property
-    def course(self) -> Array:
-        """Products of the powers of ``u`` with the functions (m, c (K + 1))."""
-        each = self.u_powers[:, :, None] * self.phi[:, None, :]
-        return each.reshape(len(each), each.shape[1] * each.shape[2])
-
 
 @dataclass(frozen=True, eq=False)
 class Passed(Points):

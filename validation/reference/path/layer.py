@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 import contact_scene
 from validation.reference.elastic_layer import transfer
-from validation.reference.path.numerics import chebyshev, chebyshev_series, gauss
+from validation.reference.path.numerics import chebyshev_series, gauss
 
 Array = NDArray[np.float64]
 
@@ -52,10 +52,11 @@ class Image:
         return len(self.coupling) > 1
 
     def functions(self, x: Array) -> Array:
-        """``phi`` (m, K + 1) at radii (m,)."""
+        """``phi`` (m, K + 1) at radii (m,), by ``T_n(2 y^2 - 1) = cos(2 n arccos y)``."""
         phi = np.ones((len(x), len(self.coupling)))
         if self.is_layer:
-            phi[:, 1:] = chebyshev(2.0 * (x / self.reach) ** 2 - 1.0, len(self.axes)).T @ self.axes
+            angle = 2.0 * np.arccos(np.minimum(x / self.reach, 1.0))
+            phi[:, 1:] = np.cos(np.outer(angle, np.arange(len(self.axes)))) @ self.axes
         return phi
 
 

@@ -7,9 +7,10 @@ stands while the load jumps, it follows by collocation of
 
     dg/du + (t'(u)/tau_k) g = E_k D'(u),    g(0) = 0,
 
-which is as good for branches much faster than the step as for slow ones. It is linear in ``D``, so that a
-penetration known but for its end value, under a force or a spring, costs a second right-hand side; for more
-of them it is the same one.
+which is as good for branches much faster than the step as for slow ones. It is linear in ``D``, and solved
+for each power of ``u``: a point of a layer, which has a penetration ``phi . (D, C)`` of its own, is one of a
+half-space then, and of a penetration known but for its end value, under a force or a spring, both parts gain
+alike.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from validation.reference.path.numerics import DEGREE, powers
+from validation.reference.path.numerics import DEGREE, powers, total
 
 Array = NDArray[np.float64]
 
@@ -36,16 +37,8 @@ NODES = 0.5 * (1.0 - np.cos(np.pi * np.arange(COLLOCATION + 1) / COLLOCATION))
 _NODE_POWERS = powers(NODES, COLLOCATION)
 PATH_AT_NODES = _NODE_POWERS[:, : DEGREE + 1]
 _TO_POWERS = np.linalg.inv(_NODE_POWERS)
-_SLOPES = (
-    np.hstack(
-        (
-            np.zeros((COLLOCATION + 1, 1)),
-            powers(NODES, COLLOCATION - 1) * np.arange(1, COLLOCATION + 1),
-        )
-    )
-    @ _TO_POWERS
-)
-_PACE, _EYE = _SLOPES @ PATH_AT_NODES, np.eye(COLLOCATION + 1)
+_RATES = np.roll(_NODE_POWERS, 1, axis=1) * np.arange(COLLOCATION + 1)
+_FROM_NOTHING = np.vstack((0.0 * _RATES[:1], _RATES[1:]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,19 +53,25 @@ class Clock:
         """Length of the step."""
         return float(self.clock.sum())
 
+    @cached_property
+    def fading(self) -> Array:
+        """What is left of branch forces (n,) at the end."""
+        return np.asarray(np.exp(-self.duration / self.times))
+
     def elapsed(self, u_powers: Array) -> Array:
         """Times (m, 1) since the step began; not outside of it, where rounding would grow without bound."""
         elapsed = u_powers[:, : DEGREE + 1] @ self.clock
         return np.minimum(np.maximum(elapsed, 0.0), self.duration)[:, None]
 
 
-class OnCourse(Protocol):
-    """Points (m,) on the way."""
+class OnTheWay(Protocol):
+    """Points (m,) on the way, by powers of ``u`` (m, 9) and functions (m, K + 1)."""
 
     @property
-    def course(self) -> Array:
-        """Powers of ``u`` times functions (m, c (K + 1))."""
-        ...
+    def u_powers(self) -> Array: ...
+
+    @property
+    def phi(self) -> Array: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +86,7 @@ class ConstantRate(Clock):
     def _pace(self) -> Array:
         return -self.rate * self.moduli * self.times
 
-    def during(self, _: OnCourse, elapsed: Array, faded: Array) -> tuple[Array, Array]:
+    def during(self, _: OnTheWay, elapsed: Array, faded: Array) -> tuple[Array, Array]:
         """Gains (m, n) and ``D`` (m,) on the way; ``faded``: ``exp(-t/tau) - 1``."""
         return self._pace * faded, self.depth + self.rate * elapsed[:, 0]
 
@@ -104,55 +103,49 @@ class ConstantRate(Clock):
 
 @dataclass(frozen=True, eq=False)
 class Collocated(Clock):
-    """A step on which gains and penetrations, ``paths`` (c, K + 1, n + 1), are polynomials of ``u``.
+    """A step of penetrations ``depths`` (c + 1, K + 1) in powers of ``u``.
 
-    ``layers`` (K + 1, n): what fades as ``exp(-t/tau)`` from the start, beside the gains. ``ends``
-    (K + 1, n + 1): all of it at the end.
+    ``gains`` (9 c, n): by each of these powers but the first, as polynomials of ``u``. ``layers`` (c, n):
+    what fades as ``exp(-t/tau)`` from the start, beside them, if any does. ``ends`` (c, n): all of it at the
+    end.
     """
 
-    paths: Array
-    layers: Array
+    gains: Array
+    layers: Array | None
     ends: Array
+    depths: Array
 
-    def during(self, points: OnCourse, _: Array, faded: Array) -> tuple[Array, Array]:
+    def under(self, depths: Array) -> Collocated:
+        """The step in the same time under others."""
+        return Collocated(self.times, self.clock, self.gains, self.layers, self.ends, depths)
+
+    def during(self, points: OnTheWay, _: Array, faded: Array) -> tuple[Array, Array]:
         """As of :class:`ConstantRate`."""
-        course = points.course
-        found = course @ self.paths.reshape(course.shape[1], -1)
-        if self.layers.any():
-            found[:, :-1] += course[:, : len(self.layers)] @ self.layers * (1.0 + faded)
-        return found[:, :-1], found[:, -1]
+        u_powers, each = points.u_powers, points.phi @ self.depths.T
+        depth = total(u_powers[:, : each.shape[1]] * each)
+        each = each[:, 1:]
+        course = (u_powers[:, :, None] * each[:, None, :]).reshape(len(each), len(self.gains))
+        gained = course @ self.gains
+        if self.layers is not None:
+            gained += each @ self.layers * (1.0 + faded)
+        return gained, depth
 
-    @property
+    @cached_property
     def end(self) -> tuple[Array, Array]:
         """Gains (K + 1, n) and penetrations (K + 1,) at the end."""
-        return self.ends[:, :-1], self.ends[:, -1]
+        return self.depths[1:].T @ self.ends, self.depths.sum(axis=0)
+
+    @cached_property
+    def gained(self) -> float:
+        """Gain of all branches together at the end, by the first penetration."""
+        return float(self.depths[1:, 0] @ total(self.ends))
 
     def depth_slopes(self) -> Array:
         """As of :class:`ConstantRate`."""
-        slopes = self.paths[:, :, -1].copy()
-        slopes[0] = 0.0
-        return slopes
+        return np.vstack((0.0 * self.depths[:1], self.depths[1:]))
 
 
 Motion = ConstantRate | Collocated
-
-
-@dataclass(frozen=True)
-class Collocation:
-    """Steps with the penetrations ``given``, and to each of them a multiple of the one of ``free``."""
-
-    given: Collocated
-    free: Collocated
-
-    def motion(self, v: Array) -> Collocated:
-        """The motion with the multiples ``v`` (K + 1,)."""
-        given, free, each = self.given, self.free, v[:, None]
-        parts = (
-            given.paths + free.paths * each,
-            given.layers + free.layers * each,
-            given.ends + free.ends * each,
-        )
-        return Collocated(given.times, given.clock, *parts)
 
 
 def through_nodes(value: Callable[[float], float], start: float, clock: Array) -> Array:
@@ -168,26 +161,23 @@ def _in_powers(values: Array) -> Array:
     return coefficients
 
 
-def collocation(times: Array, clock: Array, moduli: Array, depths: Array, values: Array) -> Collocation:
-    """Gains under penetrations ``values`` (9, K + 2) at the nodes, relative to the first: the last is free.
+def collocated(times: Array, clock: Array, moduli: Array, depths: Array) -> Collocated:
+    """The step of those penetrations.
 
     A branch slower than the step starts from nothing. A faster one has a smooth solution of its own, which it
     falls onto: that is collocated at all nodes, and what it begins with fades.
     """
-    duration, count = clock.sum(), len(times)
+    duration, count = clock.sum(), len(depths) - 1
     slow = duration <= FAST * times
-    matrix = _SLOPES + (_PACE @ clock / times[:, None])[:, :, None] * _EYE  # with t'(u) on the diagonal
-    matrix[slow, 0] = _EYE[0]
-    whole = np.empty((count + 1, *values.shape))
-    whole[:] = _SLOPES @ values
-    whole[:-1][slow, 0] = 0.0
-    if count:
-        whole[:-1] = np.linalg.solve(matrix, whole[:-1]) * moduli[:, None, None]
-    whole[-1] = values
-    layers = np.where(slow[:, None], 0.0, -whole[:-1, 0]).T
-    paths, ends = _in_powers(whole).transpose(1, 2, 0), whole[:, -1].T.copy()
-    ends[:, :-1] += layers * np.exp(-duration / times)
-    paths[0, :-1, -1] += depths
-    ends[:-1, -1] += depths
-    given = Collocated(times, clock, paths[:, :-1], layers[:-1], ends[:-1])
-    return Collocation(given, Collocated(times, clock, paths[:, -1:], layers[-1:], ends[-1:]))
+    all_slow = bool(slow.all())
+    pace = _RATES[:, : len(clock)] @ clock
+    matrix = _RATES + (pace / times[:, None])[:, :, None] * _NODE_POWERS
+    matrix[slow, 0] = _NODE_POWERS[0]
+    rates = _FROM_NOTHING if all_slow else np.where(slow[:, None, None], _FROM_NOTHING, _RATES)
+    gains = (np.linalg.solve(matrix, rates[..., 1 : count + 1]) * moduli[:, None, None]).transpose(1, 2, 0)
+    ends, layers = gains.sum(axis=0), None
+    if not all_slow:
+        layers = np.where(slow, 0.0, -gains[0])
+        ends += layers * np.exp(-duration / times)
+    gains = gains.reshape((COLLOCATION + 1) * count, len(times))
+    return Collocated(times, clock, gains, layers, ends, depths)

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from contact_scene import Indenter, SurfaceProfile
 from validation.reference.path.fields import NODES, TO_POWERS, WEIGHTS
-from validation.reference.path.numerics import ROUNDING
-from validation.reference.path.rheology import IndentedBody, total
+from validation.reference.path.numerics import ROUNDING, total
+from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import State
 
 Array = NDArray[np.float64]

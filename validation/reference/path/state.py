@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from validation.reference.path.closure import BASE
 from validation.reference.path.fields import NODES, TO_POWERS, Passages, along
-from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, powers
-from validation.reference.path.rheology import IndentedBody, total
+from validation.reference.path.numerics import NEGLIGIBLE, ROUNDING, SMALL_PART, powers, total
+from validation.reference.path.rheology import IndentedBody
 
 Array = NDArray[np.float64]
 GRADING = 8.0

@@ -20,15 +20,15 @@ from validation.reference.path.edge_law import EdgeLaw
 from validation.reference.path.fields import Passed, Passing, Points
 from validation.reference.path.memory import (
     COLLOCATION,
-    PATH_AT_NODES,
-    Collocation,
+    Collocated,
     ConstantRate,
     Motion,
-    collocation,
+    collocated,
+    through_nodes,
 )
-from validation.reference.path.numerics import ORDERS, inverse, powers
+from validation.reference.path.numerics import ORDERS, inverse, powers, total
 from validation.reference.path.path import Leg, PathSegment
-from validation.reference.path.rheology import IndentedBody, total
+from validation.reference.path.rheology import IndentedBody
 from validation.reference.path.state import GRADING, State
 
 Array = NDArray[np.float64]
@@ -138,46 +138,46 @@ class Trial:
         clock = course if leg.timed else np.zeros_like(course)
         layer = self.body.image.is_layer
         if leg.rate is not None and not layer:
-            motion = ConstantRate(rheology.times, clock, rheology.moduli, state.depth, leg.rate)
-            return Arrival(self, rise, motion)
-        values = self._at_nodes.copy()
+            steady = ConstantRate(rheology.times, clock, rheology.moduli, state.depth, leg.rate)
+            return Arrival(self, rise, steady)
+        depths = self.segment.depths.copy()
         if leg.rate is not None:
-            values[:, 0] = leg.rate * (PATH_AT_NODES @ clock)
+            depths[:, 0] = leg.rate * clock
         elif not leg.free:
-            at = state.parameter + PATH_AT_NODES @ course
-            values[1:, 0] = [leg.value(p) - state.depth for p in at[1:]]
-        family = collocation(rheology.times, clock, rheology.moduli, state.depths, values)
+            through = through_nodes(leg.value, state.parameter, course)
+            depths = np.vstack((depths, np.zeros((len(through) - len(depths), depths.shape[1]))))
+            depths[:, 0] = through
+        depths[0] = state.depths
+        motion = collocated(rheology.times, clock, rheology.moduli, depths)
         unknown = (leg.free or layer) and self.segment.basis.any()
         if not unknown or not self.within_reach:
-            return Arrival(self, rise, family.given)
-        return self._balanced(rise, family)
+            return Arrival(self, rise, motion)
+        return self._balanced(rise, motion)
 
-    @cached_property
-    def _at_nodes(self) -> Array:
-        """What the penetrations change by, and what is free of them, at the nodes of the collocation."""
-        return np.asarray(PATH_AT_NODES @ np.column_stack((self.segment.depths, self.segment.basis)))
-
-    def _balanced(self, rise: float, family: Collocation) -> Arrival:
+    def _balanced(self, rise: float, motion: Collocated) -> Arrival:
         """The end at which the load is as it has to be, and ``q`` of ``C`` is ``M q``.
 
         Both are affine in what the penetrations change by.
         """
         leg, value, rheology = self.leg, self.leg.value(self.state.parameter + rise), self.body.rheology
-        motion, coupling = family.given, self.body.image.coupling
-        moments, slopes = self.moments(motion), self._response(family.free)
+        coupling, basis = self.body.image.coupling, np.zeros((len(motion.depths), 1))
+        basis[: len(self.segment.basis), 0] = self.segment.basis
+        each = motion.under(basis)
+        moments, slopes = self.moments(motion), self._response(each)
         gained, depths = motion.end
-        kept = self.state.memory @ (rheology.moduli * np.exp(-motion.duration / rheology.times))
+        kept = self.state.memory @ (rheology.moduli * motion.fading)
         matrix = -coupling @ slopes
-        matrix.flat[:: len(matrix) + 1] += rheology.relaxed + float(family.free.end[0].sum())
-        lack = coupling @ moments - rheology.relaxed * depths - gained.sum(axis=1) - kept
+        matrix.flat[:: len(matrix) + 1] += rheology.relaxed + each.gained
+        lack = coupling @ moments - rheology.relaxed * depths - total(gained) - kept
         if leg.control == "force":
             matrix[0], lack[0] = 2.0 * slopes[0], value - 2.0 * moments[0]
         else:
             soft = 2.0 * leg.compliance
             matrix[0], lack[0] = soft * slopes[0], value - depths[0] - soft * moments[0]
             matrix[0, 0] += 1.0
-        free = np.linalg.solve(matrix, lack)
-        return Arrival(self, rise, family.motion(free), free, 2.0 * float(moments[0] + slopes[0] @ free))
+        free = np.asarray(np.linalg.solve(matrix, lack), float)
+        motion = motion.under(motion.depths + basis * free)
+        return Arrival(self, rise, motion, free, 2.0 * float(moments[0] + slopes[0] @ free))
 
     def integral(self, motion: Motion, passing: Passing | None) -> float:
         """Closure integral; without a zone the strain at the edge: behind it, unless it covers."""
@@ -210,7 +210,7 @@ class Trial:
         rheology = self.body.rheology
         gained, depths = motion.end
         q: Array = phi @ (rheology.relaxed * depths + gained.sum(axis=1)) - rheology.relaxed * G
-        return q + begun @ np.exp(-motion.duration / rheology.times)
+        return q + begun @ motion.fading
 
     def zone_at_stress(self, motion: Motion) -> float:
         """Length of the zone that a cohesive stress makes at this end of the step."""
@@ -264,17 +264,17 @@ class Trial:
         if a == 0.0:  # not the rounding of what there was
             return 0.0 * depths
         gram, shape = self.body.integrals(a)
-        branches = self.body.integrals(min(a, state.radius))[0] @ gained
-        branches += np.exp(-motion.duration / rheology.times) * self.rest.held
+        moments: Array = rheology.relaxed * (gram @ depths - shape) + self.rest.held @ motion.fading
+        moments += self.body.integrals(min(a, state.radius))[0] @ total(gained)
         if self.passed and self.direction > 0.0:
-            branches += self.swept_up(self.passed, motion, passing)[0]
-        return rheology.relaxed * (gram @ depths - shape) + branches.sum(axis=1)
+            moments += total(self.swept_up(self.passed, motion, passing)[0])
+        return moments
 
-    def _response(self, free: Motion) -> Array:
+    def _response(self, free: Collocated) -> Array:
         """``int_0^a phi q`` under a motion of each of the penetrations (K + 1, K + 1)."""
-        radius = self.radius
-        gram, staying = (self.body.integrals(a)[0] for a in (radius, min(radius, self.state.radius)))
-        response = self.body.rheology.relaxed * gram + float(free.end[0].sum()) * staying
+        body = self.body
+        staying = body.integrals(min(self.radius, self.state.radius))[0]
+        response: Array = body.rheology.relaxed * body.integrals(self.radius)[0] + free.gained * staying
         if self.passed and self.direction > 0.0:
             points = self._over(self.passed, free.duration)
             phi, covered = points.phi[points.swept], total(self.passes(points.bare, free).end)[points.swept]
@@ -402,7 +402,7 @@ class Arrival:
         trial, motion, rest, state = self.trial, self.motion, self.trial.rest, self.trial.state
         rheology, leg, parameter = trial.body.rheology, trial.leg, self.parameter
         gained, depths = motion.end
-        fading = np.exp(-motion.duration / rheology.times)
+        fading = motion.fading
         recovering = np.exp(-motion.duration / rheology.retardation)
         added = trial.body.integrals(min(trial.radius, state.radius))[0] @ gained
         squares = fading**2 * rest.held_squares + (gained * (2.0 * fading * rest.held + added)).sum(axis=0)
