@@ -283,11 +283,13 @@ class SteppedStates:
     def _setting_off(
         self, contact: ContactCandidate, segment: Segment, shortest: float
     ) -> ContactCandidate | None:
-        """The state in which an edge that has rested sets off within a step; ``None`` if none does."""
+        """The state in which an edge pinned by hysteresis or a rim sets off; ``None`` if none does."""
         adhesion, state, start = self.setup.adhesion, self.setup.state, self.time
         way = contact.radius - state.radius
         moves_on = any((state.radius - radius) * way > 0.0 for _, radius in state.before[:1])
-        if adhesion is None or adhesion.reversible or way == 0.0 or moves_on:
+        if adhesion is None or way == 0.0 or moves_on:
+            return None
+        if adhesion.reversible and not math.isclose(state.radius, self.setup.surfaces.rim):
             return None
         limit, dt = adhesion.work if way < 0.0 else adhesion.closing, contact.problem.dt
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from contact_scene import (
     Adhesion,
+    Approach,
     Branch,
     Cone,
     FlatPunch,
@@ -168,6 +169,13 @@ def test_contact_with_a_punch_rests_at_the_rim_and_returns_to_it(control):
     assert trace.contact_radius.min() < 1.0 - 0.2 * 1e-3
     assert trace.contact_radius[-1] == trace.contact_radius[0]
     assert np.isfinite(trace.force).all()
+
+
+def test_an_edge_sets_off_from_the_rim_in_a_row_of_its_own():
+    """A step in which it rested and moved left it 8e-4 of the radius behind, and the pull-off 1.5e-3 off."""
+    gel, steps = Material(2e4, 0.5, (Branch(1.8e5, 0.1),)), (Approach(1e-4, 5e-3, retract=1e-4),)
+    scene = Scene(gel, FlatPunch(7e-4), Loading("jump-in", 0.0, steps), Adhesion(1.0, 2e-5))
+    assert FiniteElements().solve(scene, 7).force.min() == pytest.approx(-0.025490, rel=5e-4)
 
 
 @pytest.mark.slow
