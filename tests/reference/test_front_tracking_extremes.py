@@ -323,6 +323,16 @@ def test_a_first_ramp_that_is_far_below_the_deepest(part: float, slower: float) 
     assert trace.time[-1] - begun == pytest.approx(exact.detachment(), rel=1e-4)
 
 
+@pytest.mark.parametrize(("above", "tiny"), [(0.01, 1e-12), (0.01, 1e-10), (1.0, 5e-11), (1.0, 1e-11)])
+def test_a_first_ramp_from_above_that_ends_right_below_the_surface(above: float, tiny: float) -> None:
+    """A first step was told by the way of its leg in the air, and ended deeper than the leg does."""
+    steps = Ramp(-above, 0.02), Ramp(tiny, 0.02), Hold(1.0), Ramp(0.05, 0.02), Ramp(-0.1, 0.02)
+    trace = solve(Scene(ELASTIC, Sphere(1.0), Loading("jump-in", 0.0, steps)), COARSE)
+    assert trace.outcome.kind is OutcomeKind.DETACHED
+    hertz = 4.0 / 3.0 * ELASTIC.relaxed_plane_modulus * 0.05**1.5
+    assert trace.force.max() == pytest.approx(hertz, rel=1e-5)
+
+
 def test_a_load_step_has_a_time_of_its_own() -> None:
     """After a slow load step the times of a quick one rounded: its budget was spent in a millionth of it."""
     steps = ForceRamp(1e-8, 1e-12), ForceRamp(0.01, 0.01)

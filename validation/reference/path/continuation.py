@@ -142,8 +142,8 @@ class Continuation(Corrector):
             self.state = replace(begun, parameter=self.state.parameter, time=self.state.time)
             self._restart()
             return
-        leg, body, rheology = self.leg, self.body, self.body.rheology
-        whole, start, forced = leg.end - leg.start, leg.value(leg.start), leg.control == "force"
+        leg, body, rheology, begin = self.leg, self.body, self.body.rheology, self.state.parameter
+        whole, start, forced = leg.end - begin, leg.value(begin), leg.control == "force"
         change, soft = leg.value(leg.end) - start, rheology.relaxed / rheology.glassy if forced else 1.0
         a = max(self.pressed_to(NEGLIGIBLE * self.depth / SMALL_PART, False), FIRST_RADIUS * self.L_run)
         if change > 0.0:  # the leg may end at less
@@ -151,7 +151,7 @@ class Continuation(Corrector):
         load = 2.0 * rheology.glassy * pressed_force(body, a) if forced else pressed_depth(body, a)
         p = whole * min(load / (abs(change) or load), 1.0)
         if change > load:
-            p = bracketed(lambda at: leg.value(leg.start + at) - start - load, 0.0, whole)
+            p = bracketed(lambda at: leg.value(begin + at) - start - load, 0.0, whole)
         self.T_first = max(2.0 * p, min(self.T_leg, rheology.shortest), 1e-300) if leg.timed else SMALL_PART
         self.T, self.L, self.lasted = self.T_first, a, 0.0
         way = np.array([p / self.T, a / self.L])
