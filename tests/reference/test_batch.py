@@ -158,7 +158,8 @@ def test_an_edge_that_jumps_as_it_closes_has_no_answer():
 
 
 def together(*kinds):
-    """Scenes of each kind, some of each, that one seed draws: they are solved in one batch."""
+    """Scenes of each kind, some of each, that one seed draws: they are solved in one batch. Hypothesis begins
+    with seed 0, so a test that draws once draws nothing else."""
     return st.integers(0, 2**32 - 1).map(
         lambda seed: [
             scene for i, (count, kind) in enumerate(kinds) for scene in drawn(count, [seed, i], **kind)
@@ -217,7 +218,7 @@ def assert_as_by_the_reference(scenes, *reasons, most=1e-4):
 
 
 @given(scenes=together(*by_branches()))
-@settings(max_examples=1)
+@settings(max_examples=2)
 def test_random_scenes_are_answered_as_by_the_reference(scenes):
     """Retractions from a relaxed start, of any indenter and up to four branches."""
     assert_as_by_the_reference(scenes, "zones")
@@ -232,14 +233,14 @@ def test_branches_scattered_over_six_decades_are_answered_as_by_the_reference(sc
 
 
 @given(scenes=together(*SPRUNG_CYCLES))
-@settings(max_examples=1)
+@settings(max_examples=2)
 def test_random_cycles_on_springs_are_answered_as_by_the_reference(scenes):
     """Some with a dwell, and some of these turned by a force."""
     assert_as_by_the_reference(scenes, "zones", "differ", "found", "soft")
 
 
 @given(scenes=together(*by_branches(spring=(-2.0, 2.0))))
-@settings(max_examples=1)
+@settings(max_examples=2)
 def test_random_springs_are_answered_as_by_the_reference(scenes):
     """A hundred times softer than the contact to a hundred times stiffer, with hysteresis and without."""
     assert_as_by_the_reference(scenes, "zones")
@@ -292,14 +293,21 @@ def test_a_spring_as_stiff_as_none_is_none():
 def test_contact_is_lost_when_it_is_lost():
     """Fields with a bend at the largest time left 7e-5 of it, and on a spring 1e-4 of the force."""
     scenes = *drawn(4, 5), *drawn(4, 5, spring=(-2.0, 2.0))
-    for coarse, fine in zip(*(batch.solve(scenes, n) for n in (16, 32)), strict=True):
+    for coarse, fine in zip(*(batch.solve(scenes, n) for n in (16, 48)), strict=True):
         assert coarse.time[-1] == pytest.approx(fine.time[-1], rel=2e-6)
 
 
-@given(scenes=together(*CYCLES, *DWELLS))
-@settings(max_examples=1)
+@given(scenes=together(*CYCLES))
+@settings(max_examples=2)
 def test_random_cycles_are_answered_as_by_the_reference(scenes):
-    """At speeds over four decades, with hysteresis and without; some with a hold, some turned by a force."""
+    """At speeds over four decades, with hysteresis and without."""
+    assert_as_by_the_reference(scenes, "zones")
+
+
+@given(scenes=together(*DWELLS))
+@settings(max_examples=2)
+def test_random_dwells_are_answered_as_by_the_reference(scenes):
+    """Cycles with a hold, some of which turn at a force."""
     assert_as_by_the_reference(scenes, "zones", "differ")
 
 
@@ -345,7 +353,7 @@ def test_a_contact_shorter_than_its_zone_costs_no_other():
 
 def test_a_hold_may_be_long():
     """Eight decades of the first step of an edge that closes on: there was room for 140 steps alone."""
-    answers = [batch.solve([FIXED["long hold"][0]], n)[0] for n in (16, 24)]
+    answers = [batch.solve([FIXED["long hold"][0]], n)[0] for n in (16, 48)]
     assert all(answer.answered for answer in answers)
     assert off("long hold", answers[0]) < 1e-5
 
@@ -493,7 +501,7 @@ def test_more_rows_leave_less_where_the_edge_comes_by_the_place_from_which_it_cl
     scenes = drawn(152, 7, cycle=True, speeds=(-1.0, 3.0))
     some = [scenes[i] for i in (82, 85, 62, 151, 106, 71)]
     coarse, fine, finest = (
-        np.array([answer.pull_off_force for answer in batch.solve(some, n)]) for n in (16, 32, 48)
+        np.array([answer.pull_off_force for answer in batch.solve(some, n)]) for n in (16, 48, 64)
     )
     assert np.abs(coarse / finest - 1.0).max() < 1e-6
     assert np.abs(fine / finest - 1.0).max() < 2e-7
@@ -536,20 +544,20 @@ def same(one: batch.Solution, other: batch.Solution) -> bool:
 
 def test_neither_order_nor_company_changes_an_answer():
     scenes = [
-        *drawn(16, branches=2),
+        *drawn(24, branches=2),
         *drawn(8, zones=(-6.0, -1.2), any_indenter=True),
         *drawn(8, cycle=True),
         *drawn(8, spring=(-2.0, 2.0), branches=2, closing=0.5),
         *drawn(8, spring=(-1.0, 2.0), cycle=True, dwell=True),
         *drawn(8, cycle=True, dwell=True),
-        *drawn(12, 11, cycle=True, zones=(-2.2, -1.7), speeds=(-4.0, -1.0), works=(-5.0, -3.0)),
+        *drawn(24, 11, cycle=True, zones=(-4.0, -1.7), speeds=(-4.0, -1.0), works=(-5.0, -3.0))[1:],
     ]
     answers = batch.solve(scenes)
     order = np.random.default_rng(1).permutation(len(scenes))
-    last = range(len(scenes) - 1, len(scenes) - 9, -1)  # edges that go on closing keep full columns too
-    for some in (order[: len(order) // 2], last, *([i] for i in range(5, len(scenes), 10))):
-        for i, answer in zip(some, batch.solve([scenes[i] for i in some]), strict=True):
-            assert same(answer, answers[i])
+    for i, answer in zip(order, batch.solve([scenes[i] for i in order]), strict=True):
+        assert same(answer, answers[i])
+    for i in range(0, len(scenes), 6):
+        assert same(batch.solve([scenes[i]])[0], answers[i])
 
 
 REFUSED = {
