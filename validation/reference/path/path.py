@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Leg:
-    """From ``start`` to ``end``, times since ``origin``; ``rate``: of a penetration that is linear in time."""
+    """From ``start`` to ``end``, times since ``origin``; ``rate``: of a penetration linear in time."""
 
     control: Control
     value: Callable[[float], float]
