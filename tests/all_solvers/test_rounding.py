@@ -1,4 +1,4 @@
-"""What rounding does to an answer: numbers of the scene changed in the last digit, other kernels of the BLAS.
+"""What rounding does to an answer: numbers of the scene changed in the last digit. Kernels: ``.ci/run``.
 
 Force and radius of two such runs, relative to what they do in the run, differ by less than 1e-9, or, where a
 decision of the solver falls differently, by less than a tenth of what a run half as fine says of the error.
@@ -7,10 +7,6 @@ decision of the solver falls differently, by less than a tenth of what a run hal
 from __future__ import annotations
 
 import dataclasses
-import json
-import os
-import subprocess
-import sys
 from functools import cache
 
 import numpy as np
@@ -71,12 +67,6 @@ def marks(pair):
 pairs = pytest.mark.parametrize(
     ("name", "case"), [pytest.param(*pair, marks=marks(pair)) for pair in (*QUICK, *LONG)]
 )
-KERNELS = ({"OPENBLAS_CORETYPE": "Haswell"}, {"OPENBLAS_NUM_THREADS": "2"})
-ELSEWHERE = """
-import json
-from test_rounding import QUICK, rows, run
-print(json.dumps([{key: list(values) for key, values in rows(run(*pair)).items()} for pair in QUICK]))
-"""
 
 
 def perturbed(value, generator: np.random.Generator):
@@ -125,18 +115,3 @@ def assert_alike(name: str, case: str, others: dict[str, np.ndarray]) -> None:
 def test_last_digits_of_a_scene(name, case):
     generator = np.random.default_rng(1)
     assert_alike(name, case, rows(solver(name).solve(perturbed(SCENES[case], generator), RESOLUTION)))
-
-
-@pytest.mark.exhaustive  # CI repeats the default tests and the quick report so
-@pytest.mark.parametrize("kernel", KERNELS, ids=lambda kernel: "-".join(kernel.values()))
-def test_other_kernels_and_threads(kernel):
-    path = os.pathsep.join((os.path.dirname(__file__), *sys.path))
-    told = subprocess.run(
-        (sys.executable, "-c", ELSEWHERE),
-        env={**os.environ, **kernel, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    for pair, columns in zip(QUICK, json.loads(told.stdout), strict=True):
-        assert_alike(*pair, {key: np.array(values) for key, values in columns.items()})

@@ -14,7 +14,6 @@ from support.paper_scenes import cycle
 
 from bem_solver import Options, solve
 from bem_solver.annuli import Annuli
-from bem_solver.motion import BentPath
 from bem_solver.size_estimates import edge_step, graded_annuli
 from bem_solver.surface import ContactSurface
 from contact_scene import (
@@ -190,18 +189,6 @@ def test_advance_within_a_zone_carries_the_whole_fall_of_the_load():
     """Steps many times the branch's time, yet a part of a zone; with a root alone 1.8e-3 off."""
     scene = replace(retraction(1.3e-4), loading=Loading("relaxed", 0.005, (Ramp(0.0056, 1e-7),)))
     assert_allclose(solve(scene, Options(24)).force[-1], -0.00130598, rtol=6e-4)
-
-
-@pytest.mark.exhaustive
-@pytest.mark.parametrize("fault", ["release time", "order of the path"])
-def test_faults_of_the_path_are_seen(fault, monkeypatch):
-    left = BentPath.left
-    if fault == "release time":
-        monkeypatch.setattr(BentPath, "left", lambda path, radius: 1.1 * left(path, radius))
-    else:
-        through = classmethod(lambda cls, rows, edge, duration, end, *_: cls.straight(edge, end))
-        monkeypatch.setattr(BentPath, "through", through)
-    assert abs(pulled(1.3e-3, 4)[0]) > 4e-3
 
 
 @pytest.mark.parametrize("grading", [0.2, 1e-2, 1e-4])

@@ -129,6 +129,7 @@ def test_readme_fits_a_screen_and_its_table_is_that_of_the_saved_report():
 def test_examples_run(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("pyvista.OFF_SCREEN", True)
+    monkeypatch.setattr("validation.fields.figures.PIXELS", 90)
     names: dict = {}
     done = 0
     for name in {path.name for path in CURVES.iterdir()} & set(re.findall(r"[\w.-]+", TEXTS[page])):

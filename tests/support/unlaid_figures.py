@@ -1,4 +1,4 @@
-"""Figures without layout and numbers at the axes, most of the time of drawing, for tests that see neither."""
+"""Figures of few pixels, without layout and numbers at the axes, for tests that see nothing of them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from contextlib import contextmanager
 
 import pytest
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 BARE_AXES = {
@@ -19,6 +20,8 @@ BARE_AXES = {
 @contextmanager
 def without_layout() -> Iterator[None]:
     """Figures made inside keep the margins that Matplotlib starts with, and number no ticks."""
+    savefig = Figure.savefig
     with pytest.MonkeyPatch.context() as patch, rc_context(BARE_AXES):
         patch.setattr(ConstrainedLayoutEngine, "execute", lambda engine, figure: None)
+        patch.setattr(Figure, "savefig", lambda *given, **how: savefig(*given, **how | {"dpi": 20}))
         yield

@@ -115,7 +115,7 @@ FAULTS = table("fem", "fem_solver", [
     ("a branch dropped", "setup:moduli", takes(material=changed(branches=rest))),
     ("backward Euler in place of the exact update", "components:Components.linear",
      _updated(lambda y: 1.0 / (1.0 + y), lambda y: 1.0 / (1.0 + y))),
-    ("energy without a branch", "components:Components.stored", _energy_without_a_branch),
+    ("energy without a branch", "components:Components.stored", _energy_without_a_branch, PUNCH),
     ("dissipation without its cross term", "moduli:Prony.loss_weights",
      gives(lambda weights: weights * np.array([[1.0], [0.0], [1.0]])), PUNCH),
     ("2 pi missing from the stiffness", "forms:deviatoric_stiffness", times(0.5 / np.pi)),
