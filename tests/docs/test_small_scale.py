@@ -122,6 +122,7 @@ def test_all_of_the_map_is_there_but_cycles_that_begin_shorter_than_their_zone(d
         assert (some.sum(), (some & none).sum()) == counts
 
 
+@pytest.mark.slow
 def test_the_map_is_that_of_its_command(drawn):
     """Also a retraction that the reference solves, and a cycle that there is not."""
     points, rows = small_scale.drawn(20_000), [*range(8), 38, 16_616]

@@ -114,6 +114,7 @@ def test_a_long_step_before_the_edge_sets_off_does_not_see_what_is_behind_it():
     assert np.abs(together.residuals(x) - fine.residuals(x)).max() < ERROR_SHARE
 
 
+@pytest.mark.slow
 def test_a_search_in_batches_ends_with_the_reference(monkeypatch):
     """A batch solver whose forces are wrong by a noise or so misleads the search and not the fit: the
     reference carries out all of it, its further starts included."""
