@@ -184,10 +184,7 @@ def test_adhesionless_cycle_is_lee_radoks_and_tings(solver, material, indenter):
     time, radius, force = trace.time[rows], trace.contact_radius[rows], trace.force[rows]
     accuracy = 2e-6 if solver == "reference" else 1e-3
     assert_allclose(force, exact.force(time), atol=accuracy * force.max())
-    growing = (time > 0.0) & (time <= 0.8)
-    assert np.count_nonzero(growing) >= 5
-    _, loading = lee_radok.ramp(material, indenter, 0.05, time[growing])
-    assert_allclose(force[growing], loading, atol=accuracy * force.max())
+    assert np.count_nonzero((time > 0.0) & (time <= 0.8)) >= 5  # while the contact grows
     if solver == "reference":
         # The radius vanishes as a root of the time both at first touch and at the end.
         middle = (time > 0.01) & (time < 0.99 * exact.detachment())

@@ -6,11 +6,8 @@ profile). While ``a`` grows it depends on the present penetration alone, ``D = G
     F(t) = int_0^t E*(t - s) 2 a(s) D'(s) ds,
 
 the elastic force per unit modulus (whose derivative with respect to ``D`` is ``2 a``) under the relaxation
-integral. In Sneddon's coordinate, a point ``x`` reached at ``t_x`` carries
-``q = int_(t_x)^t E*(t-s) D'(s) ds`` and ``F = 2 int_0^a q dx``; at constant speed ``V``,
-``q = V I(t - t_x)`` with ``I`` the integral of ``E*``. The dual holds with the force given: the elastic
-force per unit modulus is ``int J*(t - s) dF(s)``. ``F > 0`` presses, ``D > 0`` downwards, ``t = 0`` at
-first touch, nothing before.
+integral (:mod:`validation.reference.ting`). The dual holds with the force given: the elastic force per unit
+modulus is ``int J*(t - s) dF(s)``. ``F > 0`` presses, ``D > 0`` downwards, ``t = 0`` at first touch.
 """
 
 from __future__ import annotations
@@ -18,18 +15,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact_scene import FlatPunch, Indenter, Material
-from validation.reference import prony_integrals, sneddon, ting
+from contact_scene import Indenter, Material
+from validation.reference import prony_integrals, sneddon
 
 Array = NDArray[np.float64]
-
-
-def ramp(material: Material, indenter: Indenter, rate: float, time: ArrayLike) -> tuple[Array, Array]:
-    """Contact radius and force for ``D = rate * t``; each of the shape of ``time``."""
-    t = np.asarray(time, float)
-    radius = np.vectorize(lambda at: sneddon.contact_radius(indenter, rate * at), otypes=[float])(t)
-    swept = np.vectorize(lambda at: ting.ramp_integral(material, indenter, rate, at, at), otypes=[float])(t)
-    return radius, 2.0 * rate * swept
 
 
 def radius_under_force_step(
@@ -57,8 +46,6 @@ def _radius_of_unit_force(indenter: Indenter, unit_force: Array) -> Array:
         n, c = law
         unit = 2.0 * c * sneddon.shape_factor(n) * n / (n + 1.0)
         return (np.asarray(unit_force, float) / unit) ** (1.0 / (n + 1.0))
-    if isinstance(indenter, FlatPunch):
-        return np.full_like(np.asarray(unit_force, float), indenter.radius)
 
     def invert(target: float) -> float:
         return sneddon.radius_at(lambda a: float(sneddon.force(indenter, a, 1.0)), target)
