@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
-from support.closed_forms import hertz, punch
+from support.closed_forms import hertz
 
 from contact_scene import (
     Cone,
@@ -39,11 +39,11 @@ def test_sneddon_transform_is_the_integral_of_the_slope(indenter):
 
 def test_sneddon_of_a_sphere_is_hertz():
     a, sphere = np.array([0.01, 0.1, 0.3]), Sphere(R)
-    assert_allclose(sneddon.depth(sphere, a), hertz.penetration(a, R), rtol=1e-14)
-    assert_allclose(sneddon.force(sphere, a, MODULUS), hertz.force(a, R, MODULUS), rtol=1e-14)
+    assert_allclose(sneddon.depth(sphere, a), a**2 / R, rtol=1e-14)
+    assert_allclose(sneddon.force(sphere, a, MODULUS), 4.0 * MODULUS * a**3 / (3.0 * R), rtol=1e-14)
     r = np.linspace(0.0, 0.3, 7)
     assert_allclose(sneddon.pressure(sphere, r, 0.3, MODULUS), hertz.pressure(r, 0.3, R, MODULUS), atol=1e-15)
-    energy = sneddon.stored_energy(sphere, 0.3, float(hertz.penetration(0.3, R)), MODULUS)
+    energy = sneddon.stored_energy(sphere, 0.3, 0.3**2 / R, MODULUS)
     assert_allclose(energy, hertz.stored_energy(0.3, R, MODULUS), rtol=1e-13)
 
 
@@ -113,7 +113,6 @@ def test_round_trips(indenter):
         assert_allclose(law.at_force(state.force).contact_radius, a, rtol=1e-8)
         assert_allclose(law.energy_release_rate(a, state.penetration), WORK, rtol=1e-12)
         assert_allclose(law.energy_release_rate_from_force(a, state.force), WORK, rtol=1e-12)
-    assert_allclose(hertz.contact_radius(hertz.force(0.2, R, MODULUS), R, MODULUS), 0.2, rtol=1e-14)
 
 
 @pytest.mark.parametrize("indenter", [*SHAPES, table(Sphere(R)), FlatPunch(0.3)], ids=[*ids, "table", "flat"])
@@ -129,8 +128,8 @@ def test_energy_derivatives_are_force_and_energy_release_rate(indenter):
     expected = jkr.JKR(indenter, MODULUS, WORK).energy_release_rate(a, depth)
     assert_allclose(release, expected, rtol=1e-5)
     if isinstance(indenter, FlatPunch):
-        assert_allclose(release, punch.energy_release_rate(depth, a, MODULUS), rtol=1e-5)
-        assert_allclose(slope, punch.force(depth, a, MODULUS), rtol=1e-6)
+        assert_allclose(release, MODULUS * depth**2 / (2.0 * np.pi * a), rtol=1e-5)
+        assert_allclose(slope, 2.0 * a * MODULUS * depth, rtol=1e-6)
 
 
 def test_jkr_sphere_constants():

@@ -13,21 +13,6 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 
-def penetration(contact_radius: ArrayLike, radius: float) -> Array:
-    """``D = a^2/R``."""
-    return np.asarray(contact_radius, float) ** 2 / radius
-
-
-def force(contact_radius: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``F = 4 E* a^3/(3 R)``."""
-    return 4.0 * plane_modulus * np.asarray(contact_radius, float) ** 3 / (3.0 * radius)
-
-
-def contact_radius(force: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``a = (3 F R/(4 E*))^(1/3)`` for ``force >= 0``."""
-    return np.cbrt(3.0 * np.asarray(force, float) * radius / (4.0 * plane_modulus))
-
-
 def stored_energy(contact_radius: ArrayLike, radius: float, plane_modulus: float) -> Array:
     """``U = 8 E* a^5/(15 R^2)``, the work ``int F dD`` of loading."""
     return 8.0 * plane_modulus * np.asarray(contact_radius, float) ** 5 / (15.0 * radius**2)

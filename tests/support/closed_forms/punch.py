@@ -19,29 +19,14 @@ from contact_scene import Material
 Array = NDArray[np.float64]
 
 
-def force(penetration: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``F = 2 a E* D``."""
-    return 2.0 * radius * plane_modulus * np.asarray(penetration, float)
-
-
 def pressure(r: ArrayLike, penetration: float, radius: float, plane_modulus: float) -> Array:
     """``p = (E* D/pi)/sqrt(a^2 - r^2)`` for ``r < a`` (Boussinesq); same shape as ``r``."""
     return plane_modulus * penetration / (np.pi * np.sqrt(radius**2 - np.asarray(r, float) ** 2))
 
 
-def energy_release_rate(penetration: ArrayLike, radius: float, plane_modulus: float) -> Array:
-    """``E* D^2/(2 pi a)``."""
-    return plane_modulus * np.asarray(penetration, float) ** 2 / (2.0 * np.pi * radius)
-
-
 def pull_off_force(radius: float, plane_modulus: float, work: float) -> float:
     """Tension at detachment, positive: ``sqrt(8 pi a^3 E* dg)``."""
     return float(np.sqrt(8.0 * np.pi * radius**3 * plane_modulus * work))
-
-
-def pull_off_penetration(radius: float, plane_modulus: float, work: float) -> float:
-    """``D = -sqrt(2 pi a dg/E*)``."""
-    return -float(np.sqrt(2.0 * np.pi * radius * work / plane_modulus))
 
 
 def viscoelastic_bounds(material: Material, radius: float, work: float) -> tuple[float, float]:
