@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
@@ -239,6 +240,21 @@ class March(SideBySide):
             np.zeros((ROOM, len(bodies.moduli), count)),
             np.zeros((ROOM, len(bodies.moduli), count)),
         )
+
+    @classmethod
+    def side_by_side(cls, parts: list[March], leg: LoadRamp) -> March:
+        """Rows of one grid, of the scenes of several."""
+        most = max(len(one.left) for one in parts)
+        for one in parts:
+            while len(one.left) < most:
+                one.grow()
+        each = {part.name: [getattr(one, part.name) for one in parts] for part in fields(cls)}
+        joint: dict[str, Any] = {
+            name: np.concatenate(values, axis=-1)
+            for name, values in each.items()
+            if isinstance(values[0], np.ndarray) and values[0].shape[-1] > 1
+        }
+        return replace(parts[0], leg=leg, **joint)
 
     @property
     def going(self) -> Flags:

@@ -279,16 +279,8 @@ class Retraction(SideBySide):
         return retract(self.leg, self.radius, self.duration, steps, left, until), left
 
     def carried_out(self, found: March) -> tuple[March, LoadRamp, Array]:
-        """All rows, of starts from one power of two of zones, their ramp and how long it takes."""
-        bodies, duration, steps, held = self.leg.bodies, self.duration, found.grid, self.held
-        waits = found.ending == HANDED
-        if held is not None and waits.any():
-            size = math.floor(math.log2((held.start / bodies.zone)[waits].min()))
-            ahead = math.ceil(math.log2(self.ahead[waits].max()))
-            beside = grid(int(steps.breaks[1]), size, "corner", steps.count, steps.sprung, ahead)
-            later = found.handed_over(beside, held.start)
-            follow(later, held.start, duration, Left(held, beside.depths, held.start), 0.0 * duration, np.inf)
-            found = found.joined(later, held.start)
+        """How rows to the last end, their ramp and how long it takes."""
+        bodies, duration = self.leg.bodies, self.duration
         low = found.force[found.last, np.arange(len(duration))] <= bodies.least
         met = found.at(found.time, found.reached(-found.force, -bodies.least))
         duration = np.where(low, np.minimum(duration, met), duration)
@@ -301,6 +293,33 @@ class Retraction(SideBySide):
             soft = 2.0 * self.radius * bodies.relaxed * bodies.compliance > SOFTEST
             found.ending[soft & (bodies.turn > 0.0)] = SOFT
         return found, self.leg, duration
+
+
+def _past_corner(whole: Retraction, groups: list[tuple[Whole, March]], size: int) -> list[March]:
+    """All rows of groups of ``whole``, by their numbers, of starts from ``2^size`` zones.
+
+    Scenes that come by where the edge closed from go on together, on whatever grids they began.
+    """
+    marches = [found for _, found in groups]
+    waiting = [i for i, found in enumerate(marches) if (found.ending == HANDED).any()]
+    if not waiting or whole.held is None:
+        return marches
+    ahead = max(whole.ahead[some[found.ending == HANDED]].max(initial=1.0) for some, found in groups)
+    steps, numbers = marches[0].grid, [groups[i][0] for i in waiting]
+    beside = grid(
+        int(steps.breaks[1]), size, "corner", steps.count, steps.sprung, math.ceil(math.log2(ahead))
+    )
+    starts = [whole.held.start[some] for some in numbers]
+    given = [marches[i].handed_over(beside, start) for i, start in zip(waiting, starts, strict=True)]
+    joint = whole.of_some(np.concatenate(numbers))
+    assert joint.held is not None
+    later, start = March.side_by_side(given, joint.leg), joint.held.start
+    left = Left(joint.held, beside.depths, start)
+    follow(later, start, joint.duration, left, 0.0 * start, np.inf)
+    ends = np.cumsum([len(start) for start in starts])
+    for i, start, end in zip(waiting, starts, ends, strict=True):
+        marches[i] = marches[i].joined(later.of_some(np.arange(end - len(start), end)), start)
+    return marches
 
 
 def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
@@ -316,20 +335,26 @@ def _solved(bodies: Bodies, resolution: int, cycle: bool) -> list[Solution]:
     whole = [Retraction.of(bodies, start, *each, cycle) for each in pair]
     sizes = np.floor(np.log2(np.array([whole[0].radius, start]) / bodies.zone))
     kind: Kind = "turned" if cycle else "opening"
+    alike: dict[int, list[tuple[Whole, list[March], list[Part]]]] = defaultdict(list)
     for size in np.unique(sizes[0, np.isfinite(sizes).all(axis=0)]):
-        alike = filled(np.flatnonzero((sizes[0] == size) & np.isfinite(sizes[1])))
+        some = filled(np.flatnonzero((sizes[0] == size) & np.isfinite(sizes[1])))
         steps = [grid(n, int(size), kind, count, bool(bodies.compliance.any())) for n, count in pair]
-        both = [one.of_some(alike) for one in whole]
+        both = [one.of_some(some) for one in whole]
         (fine, left), (coarse, _) = (one.begun(each) for one, each in zip(both, steps, strict=True))
         before = both[0].before(left)
-        for least in np.unique(sizes[1, alike]):
-            some = filled(np.flatnonzero(sizes[1, alike] == least))
-            ones = [one.of_some(some) for one in both]
-            runs = [
-                one.carried_out(rows.of_some(some)) for one, rows in zip(ones, (fine, coarse), strict=True)
-            ]
-            parts = [(rows[..., some], there[..., some]) for rows, there in before]
+        for least in np.unique(sizes[1, some]):
+            those = filled(np.flatnonzero(sizes[1, some] == least))
+            parts = [(rows[..., those], there[..., those]) for rows, there in before]
+            alike[int(least)].append((some[those], [fine.of_some(those), coarse.of_some(those)], parts))
+    for start_size, groups in alike.items():
+        marches = [
+            _past_corner(one, [(some, rows[i]) for some, rows, _ in groups], start_size)
+            for i, one in enumerate(whole)
+        ]
+        for k, (some, _, parts) in enumerate(groups):
+            ones = [one.of_some(some) for one in whole]
+            runs = [one.carried_out(rows[k]) for one, rows in zip(ones, marches, strict=True)]
             found = answers(runs, ones[0].when, ones[1].when, parts)
-            for i, answer in zip(touching[alike[some]].tolist(), found, strict=True):
+            for i, answer in zip(touching[some].tolist(), found, strict=True):
                 solutions[i] = answer
     return solutions
