@@ -301,13 +301,8 @@ class ContactProblem:
         changed = outer - inner
         between = (whole / changed)[:, None] if changed > 0.0 else np.zeros((len(b), 0))
         shares = np.concatenate([contact, [changed] if changed > 0.0 else [], free])
-        turned = state.strips.turned or self._turns(s)
+        turned = state.strips.turned or state.turns(self.geometry.radius(s))
         return NodeStrips(shares, np.hstack([stays, between, goes_on]), turned).few()
-
-    def _turns(self, s: float) -> bool:
-        """Whether an edge that has not receded so far does so now."""
-        state, receded = self.state, bool(self.state.before) and self.state.before[0][1] > self.state.radius
-        return self.geometry.radius(s) < state.radius and not receded
 
     @cached_property
     def _left_free(self) -> dict[int, NodeStrips]:
@@ -328,7 +323,7 @@ class ContactProblem:
         left = {at: strips for at, strips in self._left_free.items() if last < at <= reach}
         if node is None or strips is None or node <= last or math.isinf(self.dt):
             return left
-        if not (strips.turned or self._turns(s)):
+        if not (strips.turned or self.state.turns(self.geometry.radius(s))):
             return left
         return left | {node: self._left_behind(node, strips, s, b[:, node])}
 

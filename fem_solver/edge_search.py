@@ -139,18 +139,18 @@ class EdgeSearch:
 
     def held(self, radius: float) -> ContactCandidate:
         """State with the edge at a given radius, in equilibrium or not."""
-        here = self.setup.placement if radius <= 0.0 else self.setup.surfaces.around(radius)
+        here = self.setup.placement if radius <= 0.0 else self.setup.around(radius)
         s = NO_CONTACT if radius <= 0.0 else here.geometry.position(radius)
         return self.candidate(self.problem(here), EdgePosition(EdgeMotion.RESTING, s))
 
     def resting(self) -> ContactCandidate:
         """State with the edge where the step begins, in equilibrium or not."""
-        problem = self.problem(self.setup.surfaces.around(self.setup.state.radius))
+        problem = self.problem(self.setup.around(self.setup.state.radius))
         return self.candidate(problem, EdgePosition(EdgeMotion.RESTING, problem.state.edge))
 
     def first_contact(self) -> ContactCandidate:
         """Largest stable contact, with the mesh placed around the axis."""
-        placement = self.setup.surfaces.around(0.0)
+        placement = self.setup.around(0.0)
         problem = self.problem(placement)
         return self.candidate(problem, self._law(placement, 0.0).start(problem))
 
@@ -188,14 +188,15 @@ class EdgeSearch:
             work = adhesion.closing if closes else adhesion.opening(math.inf)
             if far and math.isfinite(work):
                 radius, far = sharp_rest(found.problem, self.setup, reached, work, outwards), False
-                if radius == 0.0:
+                if radius < adhesion.zone:  # no mesh is made for what would be no contact
                     return replace(found, edge=EdgePosition(EdgeMotion.RECEDING, 2.0))
                 continue
             within, beyond = (reached, beyond) if outwards else (within, reached)
             if within < beyond < math.inf and within > 0.0:  # it rests between the two
                 radius, passed = 0.5 * (within + beyond), 0.0
                 continue
-            fine_range = found.problem.placement.fine_range
+            here = found.problem.placement
+            fine_range = here.geometry.spacing * (here.geometry.last - here.lowest)
             # stable and unstable contact are farther apart than an edge goes in a step
             stride = min(2.0 * stride + 0.25 * fine_range, self.setup.travel(reached))
             radius, passed = min(max(reached + (stride if outwards else -stride), low), high), stride
@@ -206,12 +207,12 @@ class EdgeSearch:
         law = edge_law(placement.geometry, self.setup.adhesion, self.setup.plane_tip)
         if self.setup.adhesion is not None:
             law.lowest = placement.lowest
-            law.widest = max(law.widest, stride / (placement.fine_range / placement.fine_intervals))
+            law.widest = max(law.widest, stride / placement.geometry.spacing)
         return law
 
     def _sought(self, radius: float, low: float, high: float, passed: float) -> tuple[ContactCandidate, bool]:
         """The search from one place of the mesh, and whether the edge has come to the end of the range."""
-        placement = self.setup.surfaces.around(radius)
+        placement = self.setup.around(radius)
         geometry, law = placement.geometry, self._law(placement, passed)
         if passed > 0.0:
             law.first = law.widest

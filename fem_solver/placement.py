@@ -40,9 +40,6 @@ from fem_solver.moduli import Moduli
 
 Array = NDArray[np.float64]
 
-_ZONE = 1.5
-"""Length of the zone for which the closure is told, in units of the mesh: between the one for which the mesh
-is made and twice that, of a mesh scaled down to half. The scale differs by some 1e-6 between the two."""
 _LEAST_RADIUS = 2.0
 """Least contact radius over the zone at which the closure is told: under a smaller one elements of an edge's
 zone reach the axis."""
@@ -71,15 +68,15 @@ def triangular(compliance: Array) -> Array:
 
 
 def closure_scales(
-    root: Array, unit: Array, radii: Array, effective: Array, strip: tuple[float, float], modulus: float
+    root: Array, unit: Array, radii: Array, effective: Array, strip: tuple[float, float], zone: float
 ) -> Array:
     """Closure integral of a flat punch on the mesh over that of the punch as stiff, by its last node.
 
     One where the strip has no room for a zone on both sides of an edge: the mesh is fine throughout then.
     """
-    shift = ZoneShift(radii, _ZONE)
-    first = max(strip[0], _LEAST_RADIUS * _ZONE) + _ZONE
-    nodes = np.flatnonzero((radii >= first) & (radii <= strip[1] - _ZONE))
+    shift = ZoneShift(radii, zone)
+    first = max(strip[0], _LEAST_RADIUS * zone) + zone
+    nodes = np.flatnonzero((radii >= first) & (radii <= strip[1] - zone))
     if nodes.size == 0:
         return np.ones(len(radii))
 
@@ -90,7 +87,8 @@ def closure_scales(
         forces = dtrtrs(root[inside, inside], unit[inside], lower=1, trans=1)[0]
         return float(shift.closure(first, -forces, 1.0 - root[last:end, : last + 1] @ unit[: last + 1]))
 
-    found = [closure(int(m)) / punch_closure(effective[m], _ZONE) for m in nodes]
+    modulus = 0.5 * unit[0] ** 2 / effective[0]
+    found = [closure(int(m)) / punch_closure(effective[m], zone) for m in nodes]
     return np.asarray(np.interp(np.arange(len(radii)), nodes, np.array(found) / modulus))
 
 
@@ -254,17 +252,6 @@ class Placement:
         nodes = np.arange(len(self.radii))
         return np.asarray((nodes < int(self.lowest)) | (nodes > self.geometry.last))
 
-    @property
-    def fine_intervals(self) -> int:
-        """Node spacings of the fine strip."""
-        return self.geometry.last - int(self.lowest)
-
-    @property
-    def fine_range(self) -> float:
-        """Length of the fine strip."""
-        radii = self.geometry.radii
-        return float(radii[self.geometry.last] - radii[int(self.lowest)])
-
     def forces(self, y: Array, first: int = 0) -> Array:
         """``L^-T y`` for the entries from ``first`` on, of a vector that ends there."""
         block = self.root[first : first + len(y), first : first + len(y)]
@@ -283,9 +270,9 @@ class Surfaces:
     """Surfaces at all places, made when they are first asked for.
 
     The meshes have ``place(radius)``, ``scale(place)``, ``mesh(level, looked_into)``, ``parameters(level)``,
-    ``largest``, for a layer ``layer(reach)``, ``layer_below(level, thickness)`` and ``among_fewer(place)``,
-    and places that have a ``level``. The one at the axis is scaled by the length that an edge keeps from the
-    ends of the fine strip: the process zone, or less. ``looked_into``: fields in the body are wanted, too.
+    ``least_scale(level)``, ``largest``, for a layer ``layer(reach)``, ``layer_below(level, thickness)`` and
+    ``among_fewer(place)``, and places with a ``level``. The one at the axis is scaled by what an edge keeps
+    from the ends of the fine strip: the process zone, or less. ``looked_into``: for fields in the body, too.
     """
 
     def __init__(
@@ -392,8 +379,7 @@ class Surfaces:
         """The half-space on the mesh of a level, not scaled, and the number of surface nodes that count."""
         mesh = self._meshes.mesh(level, self._looked_into)
         space = HalfSpace(mesh, self._far_field)
-        # a mesh is scaled down to half at most
-        reach = 2.0 * surface_margin(self._stress) * self.largest / self._unit
+        reach = surface_margin(self._stress) * self.largest / self._meshes.least_scale(level)
         count = int(np.searchsorted(space.radii, max(reach, SURFACE_MARGIN * mesh.parameters.fine_to)))
         return space, min(count + 1 - count % 2, len(space.radii))
 
@@ -404,6 +390,8 @@ class Surfaces:
         strip = float(fine.fine_from), float(fine.fine_to)
         unit = dtrtrs(root, np.ones(count), lower=1)[0]
         effective = np.cumsum(unit**2) / (2.0 * self._plane_modulus)
+        # between the longest and the shortest one of the places that the mesh serves
+        zone = float(np.sqrt(self._unit / self._meshes.least_scale(level)))
         # a punch of height r^2 has the transform 2 x^2; elements of 1e-9 of the radius leave within rounding
         depths = dtrtrs(root, radii**2, lower=1)[0] / unit
         positions = np.sort(np.sqrt(np.maximum(0.5 * depths, 0.0)))
@@ -413,7 +401,7 @@ class Surfaces:
             unit=unit,
             effective=effective,
             positions=positions,
-            closure_scale=closure_scales(root, unit, radii, effective, strip, self._plane_modulus),
+            closure_scale=closure_scales(root, unit, radii, effective, strip, zone),
             height_stretch=height_stretch(radii, effective, positions, strip),
             strip=strip,
         )

@@ -119,6 +119,12 @@ class Setup:
         """The surface at the place of the accepted state."""
         return self.surfaces.at(self.state.place)
 
+    def around(self, radius: float) -> Placement:
+        """The surface around a radius, on the same mesh while the closure sees a corner within an element."""
+        here, within = self.placement, self.geometry.position(radius)
+        stays = self.state.sees_corner(radius) and here.lowest <= within <= self.geometry.last
+        return here if stays else self.surfaces.around(radius)
+
     @property
     def geometry(self) -> EdgeGeometry:
         """Edge positions there."""

@@ -67,6 +67,14 @@ class ComponentState:
         duration, earlier = self.before[0]
         return mean + (mean + (self.radius - earlier) / duration) * dt / (dt + duration)
 
+    def turns(self, radius: float) -> bool:
+        """Whether an edge that has not receded so far does so on its way to a radius."""
+        return radius < self.radius and not (self.before and self.before[0][1] > self.radius)
+
+    def sees_corner(self, radius: float) -> bool:
+        """Whether an edge on its way to a radius leaves within its zone an element in which it has turned."""
+        return bool(self.left) or (self.strips is not None and (self.strips.turned or self.turns(radius)))
+
     def bend(self, dt: float) -> tuple[float, float]:
         """Bend of the penetration over a step: per change of it, and at none.
 

@@ -19,9 +19,10 @@ from meshes.structured import structured_layer
 
 INNER_RADIUS = 24.0
 """Contact radius, in process zones, up to which the innermost mesh serves."""
-STRIP = 12.0
-"""Half the length of the fine strip, in process zones, of a mesh that is not scaled."""
-_STRIDE = 6.0
+STRIP, LOOKED_INTO = 8.0, 12.0
+"""Half the length of the fine strip, in process zones, of a mesh that is not scaled: of one that tells
+the surface alone, and of one that is asked for stresses, as elements beside the strip are wide for these."""
+_STRIDE = 4.0
 """Distance between neighbouring places of a mesh that is not scaled, in process zones: half of ``STRIP``, so
 that the edge has at least three quarters of the strip's half before it and behind it."""
 _GMSH_RESOLVES = 5e-9
@@ -73,6 +74,10 @@ class EdgeMeshes:
         """Length that one unit of the mesh stands for."""
         return self.zone * 2.0 ** (-place.step / self._steps(place.level)) if place.level else self.zone
 
+    def least_scale(self, level: int) -> float:
+        """The least of these lengths at the places of a level."""
+        return 0.5 * self.zone if level else self.zone
+
     def among_fewer(self, place: Place) -> Place:
         """The nearest of every third place: its strip, too, holds what a place serves, with half a stride
         to spare."""
@@ -89,10 +94,11 @@ class EdgeMeshes:
         takes a tenth of the time; gmsh's triangles are even where one looks into the body.
         """
         centre = self.centre(level)
-        fine_from, fine_to = centre - STRIP, centre + STRIP
+        half = LOOKED_INTO if looked_into else STRIP
+        fine_from, fine_to = centre - half, centre + half
         if level == 0:
             needed = 2.0 * math.ceil(0.5 * (_SPARE * self.largest / self.zone + 1.0))
-            fine_from, fine_to = 0.0, min(centre + 0.5 * STRIP, needed)
+            fine_from, fine_to = 0.0, min(centre + 0.5 * half, needed)
         ratio = self.domain_ratio or DOMAIN_RATIO
         # no other length of the scene enters, so that the meshes of one scene serve the next
         covered = 2.0 ** math.ceil(math.log2(max(_COVERED * self.largest / self.zone, 1.0)))
@@ -112,4 +118,4 @@ class EdgeMeshes:
 
     def layer_below(self, level: int, thickness: float) -> HalfSpaceMesh:
         """A layer of a thickness, in process zones, below the surface of the mesh of a level."""
-        return structured_layer(self.parameters(level), thickness)
+        return structured_layer(self.parameters(level, looked_into=True), thickness)

@@ -296,6 +296,13 @@ def test_places_cover_every_radius_with_meshes_whose_number_grows_with_the_logar
     assert len(levels) < 20
 
 
+def test_no_mesh_is_made_for_an_edge_that_a_sharp_one_leaves_within_its_zone():
+    trace = FiniteElements().solve(load("pdms-retraction-1um").scene, 4)
+    assert trace.outcome.kind == "detached"
+    assert trace.contact_radius[-2] > 24.0 * 1e-6  # beyond what the mesh at the axis serves
+    assert trace.counters.factorisations == 3
+
+
 @pytest.mark.parametrize("scale", [1.0, 0.7])
 def test_the_shift_is_one_zone_however_short_it_is(scale):
     """Elements of a zone of 5e-9 of the radius are 1e-9 of it, the tolerance for nodes that coincide."""
