@@ -30,8 +30,8 @@ Kind = Literal["opening", "closing", "turned", "corner"]
 same beside the place from which it closed: a corner of what it left, from which these travels count."""
 
 WIDEST: dict[Kind, float] = {"opening": 1.2, "closing": 0.6, "turned": 1.2, "corner": 1.2}
-"""Longest steps in travels, or in what is left of the radius, times the resolution; where the load turns
-slowly an edge that closed by longer ones is not found again."""
+"""Longest steps in travels, or in what is left of the radius, times the resolution; of an edge that closes by
+longer ones the error is told three times as large, and a spring too soft for its turn is not found out."""
 SPRUNG = 0.5
 """Part of these of an edge that opens on a spring: on a soft one the largest tension is close to the loss of
 contact, to which the edge speeds up."""

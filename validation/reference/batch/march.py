@@ -288,10 +288,11 @@ class March(SideBySide):
             guess, self.slope = begun(step, first, self.quick, sign)
         else:
             guess = travel.guess @ self.time[k - len(travel.guess) : k]
-            if k > 2:  # a polynomial through times of several decades may come before the last of them
+            if k > 2:  # a polynomial through times of several decades may come too early, or before the last
                 g, before, now = self.grid.g, *self.time[k - 2 : k]
                 straight = now + (now - before) * (g[k] - g[k - 1]) / (g[k - 1] - g[k - 2])
-                guess = np.where(guess > now, guess, straight)
+                early = guess < straight if isinstance(step, Closing) else guess <= now
+                guess = np.where(early, straight, guess)
         noise = ROUNDING * self.radius[0] / self.leg.bodies.zone
         t, slope, found = secants(step, guess, self.slope, self.lost, noise, going)
         none, going = going & ~found, going & found
