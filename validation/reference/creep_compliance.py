@@ -149,6 +149,8 @@ def _located(poles: Array, strengths: Array, gap: Array, least: Array) -> tuple[
     low, high = np.log(low), np.log(np.where(np.isfinite(gap), 0.5 * gap, strengths.sum()))
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
+        if (middle == high).all():  # of one branch both bounds are the root
+            break
         size = np.exp(middle)
         longer = lies_above(near, np.where(upper, -size, size)) != upper
         low, high = np.where(longer, middle, low), np.where(longer, high, middle)
