@@ -79,8 +79,8 @@ class EdgeMeshes:
         return 0.5 * self.zone if level else self.zone
 
     def among_fewer(self, place: Place) -> Place:
-        """The nearest of every third place: its strip, too, holds what a place serves, with half a stride
-        to spare."""
+        """The nearest of every third place: where one looks into the body its strip, too, holds what a place
+        serves, a mesh that stays while its edge goes on included."""
         return Place(place.level, 3 * round(place.step / 3))
 
     def _steps(self, level: int) -> int:
@@ -117,5 +117,5 @@ class EdgeMeshes:
         return layer(reach)
 
     def layer_below(self, level: int, thickness: float) -> HalfSpaceMesh:
-        """A layer of a thickness, in process zones, below the surface of the mesh of a level."""
+        """A layer of a thickness, in process zones, below the surface of a mesh to look into."""
         return structured_layer(self.parameters(level, looked_into=True), thickness)

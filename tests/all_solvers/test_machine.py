@@ -135,7 +135,7 @@ def test_an_approach_without_a_bound_goes_on_until_its_force(solver):
     assert dwelt[-1] - dwelt[0] == pytest.approx(0.5, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["reference", "bem", pytest.param("fem", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["reference", "bem", "fem"])
 def test_an_approach_retracts_until_contact_is_lost(name):
     """A punch in SI units that its relaxing edge holds to twice the bound of the approach."""
     gel, adhesion = Material(2e4, 0.5, (Branch(1.8e5, 0.1),)), Adhesion(1.0, 2e-5)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from support.closed_forms import starting_edge
 from support.paper_scenes import ONE
 
@@ -84,6 +85,33 @@ def test_one_branch_formulas():
     closing = 1.0 / (1.0 + 9.0 * (1.0 - np.exp(-relaxed)) / relaxed)
     assert_allclose(steady_crack.opening(ONE, ZONE, speed), opening, rtol=1e-11)
     assert_allclose(steady_crack.closing(ONE, ZONE, speed), closing, rtol=1e-12)
+
+
+@pytest.mark.parametrize("law", [starting_edge.closing, starting_edge.opening])
+@pytest.mark.parametrize(("ratio", "travel"), [(2.0, 1.0), (10.0, 0.3), (10.0, 1.5), (100.0, 1.0)])
+def test_an_edge_that_sets_off_by_direct_integration(law, ratio, travel):
+    """Stress and gap of the moved edge into the closure, what its field takes up into the balance.
+
+    The relaxed modulus, the zone and K at rest are 1, the work of adhesion is 1/2. The closure pairs, on one
+    side, the field of the moved edge with, on the other, that and what was left where the edge was at rest.
+    """
+    closes = law is starting_edge.closing
+
+    def paired(x):
+        """``int_x^1 (s - x)^(-1/2) (1 - s)^(1/2) ds``, 4/(2 pi) of which is what sigma and g amount to."""
+        return sines(lambda s: 1.0 - x - s, 1.0 - x)
+
+    def taken_up(x):
+        left = (ratio - 1.0) * (paired(x) if x < 1.0 else 0.0) * (-1.0 if closes else 1.0)
+
+        def excess(moved):
+            return (moved**2 * paired(0.0) + moved * left) / (np.pi * ratio) - 0.5
+
+        moved = brentq(excess, 1e-9, 2.0 * ratio, xtol=1e-13)
+        return moved**2 / (2.0 * ratio)
+
+    gained = quad(lambda x: taken_up(x) - 0.5, 0.0, travel, points=[min(travel, 1.0)], epsabs=1e-10)[0]
+    assert_allclose(0.5 * law(ratio, travel), gained if closes else -gained, rtol=1e-9)
 
 
 @pytest.mark.parametrize(
