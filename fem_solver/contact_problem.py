@@ -72,7 +72,7 @@ class ContactProblem:
         remembers = state.edge > NO_CONTACT and step.gain.size  # an elastic node has no past
         self._partly = math.floor(state.edge) + 1 if remembers else None
         self.modulus, self._gain = step.modulus, step.gain[:, None]
-        self._bend = (0.0, 0.0) if control == "penetration" else state.bend(dt)
+        self._bend = state.bend(dt)
         memory = step.memory(state.branches, state.components)
         self._bends = float(step.bent.sum())
         self._stiff = (self.modulus + self._bends * self._bend[0]) * placement.unit
