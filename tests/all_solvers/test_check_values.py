@@ -209,12 +209,12 @@ class ElasticContact:
         a = float(brentq(lambda x: self.at_radius(x)[0] - depth, low, high, rtol=1e-9))
         return a, self.at_radius(a)[1]
 
-    def least_force(self, low: float, high: float) -> float:
-        """Of the equilibria whose radius lies in an interval."""
+    def least(self, index: int, low: float, high: float) -> tuple[float, float]:
+        """Radius and value of the least penetration (0) or the least force (1)."""
         found = minimize_scalar(
-            lambda a: self.at_radius(a)[1], bounds=(low, high), method="bounded", options={"xatol": 1e-7}
+            lambda x: self.at_radius(x)[index], bounds=(low, high), method="bounded", options={"xatol": 1e-7}
         )
-        return float(found.fun)
+        return float(found.x), float(found.fun)
 
 
 def sphere(modulus: float, zone: float, work: float) -> ElasticContact:
@@ -266,13 +266,20 @@ def test_start_of_an_adhesive_scene(name):
     assert stated(name, "start_force") == pytest.approx(force / unit, rel=1e-6)
 
 
+@pytest.mark.parametrize(("name", "modulus"), [("elastic-relaxed", 1.0), ("elastic-glassy", 10.0)])
+def test_least_penetration_of_an_elastic_scene(name, modulus):
+    radius, depth = sphere(modulus, 0.013, JKR_WORK).least(0, 0.02, 0.1)
+    assert stated(name, "detachment_radius") == pytest.approx(radius, rel=1e-4)  # a minimum is flat
+    assert stated(name, "detachment_penetration") == pytest.approx(depth, rel=1e-6)
+
+
 @pytest.mark.parametrize("name", ["cone-cycle", "cone-pull"])
 def test_slow_pull_off_of_a_cone_bounds_every_faster_one(name):
     contact = {
         "cone-cycle": cone(70.0, 1.0, 0.006, JKR_WORK),
         "cone-pull": STARTS["cone-pull"][0],
     }[name]
-    force = contact.least_force(1.1 * contact.zone, 8.0 * contact.zone)
+    _, force = contact.least(1, 1.1 * contact.zone, 8.0 * contact.zone)
     (bound,) = [c["at_least"] for c in checks(name)["checks"] if c["observable"] == "pull_off_force"]
     assert 0.9999 * -force < bound < -force
 

@@ -1,4 +1,4 @@
-"""What is said of the answers to a random scene: every finding, told from altered answers."""
+"""Random scenes of seeds, and what is said of the answers: every finding, told from altered answers."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ import pytest
 from support.synthetic_traces import by_hand
 
 import contact_scene as cs
-from benchmarks.random_matrix import Answer, Finding, judge
-from benchmarks.random_scenes import RandomScene, random_scene
+from benchmarks import random_matrix
+from benchmarks.random_matrix import Answer, Finding, JudgedScene, Settings, judge
+from benchmarks.random_scenes import FAMILIES, RandomScene, random_scene, rounded
 from benchmarks.trace_invariants import broken
 from validation import solvers
 from validation.measure.observables import measure
 from validation.runs.pool import Task, TaskEnding, TaskResult
 from validation.runs.run import Run
+from validation.solvers.contact_range import largest_contact_radius
 
 SCENE = cs.Scene(
     cs.Material(0.75, 0.5),
@@ -52,6 +54,25 @@ def judged(
     results = {"bem": mine, "fem": result("fem", answer()), "reference": reference}
     found = judge(CHOSEN, {name: results[name] for name in solvers.SOLVERS}, compared)
     return {one.solver: one for one in found.answers}["bem"]
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_seed_is_always_the_same_scene_and_most_seeds_have_one(family):
+    assert random_scene(family, 7) == random_scene(family, 7)
+    found = [one for one in (random_scene(family, seed) for seed in range(12)) if one is not None]
+    assert len(found) > 8
+    assert len({one.kind for one in found}) > 2
+    if family == "short-zones":
+        assert all(one.scene.adhesion.zone < 1e-2 * largest_contact_radius(one.scene) for one in found)
+
+
+def test_plain_scenes_have_round_numbers():
+    found = [one.scene for one in (random_scene("plain", seed) for seed in range(20)) if one is not None]
+    laws = [scene.adhesion for scene in found if scene.adhesion is not None]
+    speeds = [step.rate for scene in found for step in scene.loading.steps if isinstance(step, cs.Ramp)]
+    assert laws
+    assert all(number == rounded(number) for law in laws for number in (law.work, law.zone))
+    assert all(speed == rounded(speed) for speed in speeds)
 
 
 @pytest.mark.parametrize(
@@ -102,6 +123,45 @@ def test_the_last_penetration_is_met_to_a_rounding_error_of_the_way(miss):
     depth[-1] += miss * np.abs(depth).max()
     found = broken(SCENE, replace(trace, penetration=depth))
     assert ("the last penetration is not the prescribed one" in found) == (miss > 1e-12)
+
+
+def test_estimates_are_asked_for_where_they_decide(monkeypatch):
+    """First without estimates; one run of bem is off by more than it may be, and is asked again."""
+    asked: list[tuple[str, bool]] = []
+
+    def carried_out(numbered, executor):
+        for number, task in numbered:
+            solver, estimate = task.arguments[1], task.function.keywords["estimate"]
+            asked.append((solver, estimate))
+            mine = result(solver, answer(0.13 if solver == "bem" else 0.1), 1e-2 if solver == "bem" else 1e-5)
+            yield number, mine if estimate else replace(mine, value=replace(mine.value, errors={}))
+
+    monkeypatch.setattr(random_matrix, "completed_tasks", carried_out)
+    found = random_matrix.answers(CHOSEN, Settings(coarse=True, screened=True), None)
+    assert set(asked[:3]) == {(name, name == "reference") for name in solvers.SOLVERS}
+    assert asked[3:] == [("bem", True)]
+    assert {one.solver: one.finding for one in found.answers}["bem"] is Finding.TOLD
+
+
+def test_a_stopped_matrix_goes_on_shard_by_shard_and_keeps_its_settings(tmp_path, monkeypatch, capsys):
+    asked = []
+
+    def answers(chosen, settings, executor):
+        asked.append(chosen.seed)
+        died = Answer("bem", Finding.CRASHED, note="signal 11")
+        return JudgedScene(chosen.seed, chosen.kind, "sphere", (died,))
+
+    monkeypatch.setattr(random_matrix, "answers", answers)
+    monkeypatch.setattr(random_matrix, "random_scene", lambda family, seed: replace(CHOSEN, seed=seed))
+    command = ["--out", str(tmp_path), "--first", "1"]
+    assert random_matrix.main([*command, "--count", "2"]) == 1
+    assert random_matrix.main([*command, "--count", "6", "--shard", "0/2"]) == 1
+    assert random_matrix.main([*command, "--count", "6", "--shard", "1/2"]) == 1
+    assert asked == [1, 2, 4, 6, 3, 5]
+    assert "| crashed | 6 | 0 | 0 |" in (tmp_path / "table.md").read_text()
+    assert (tmp_path / "scenes" / "seed-5.toml").exists()
+    assert random_matrix.main([*command, "--family", "plain"]) == 2
+    assert "--out" in capsys.readouterr().err
 
 
 def test_a_kink_of_the_loading_is_no_difference():
