@@ -1,10 +1,10 @@
 """Does the quick suite catch wrong physics? Single faults, one at a time, against the suite's own checks.
 
 A fault counts as caught if a check of the quick suite that passes for the true solvers fails with the fault.
-It is tried on the scenes it names, otherwise on the cheapest of that suite. One that is tried in CI has to be
-caught; any other that slips through all of those must not change any observable by more than one per cent
-there. Tolerances alone are asked first; error estimates, which only narrow them and cost several more runs,
-where those show nothing. What all solvers share is tried on one solver, against check values alone.
+It is tried on the scenes it names, otherwise on the cheapest of that suite. One that names scenes or is tried
+in CI has to be caught; any other that slips through all of those must not change any observable by more than
+one per cent there. Tolerances alone are asked first; error estimates, which only narrow them and cost more
+runs, where those show nothing. What all solvers share is tried on one solver, against check values alone.
 """
 
 from __future__ import annotations
@@ -197,5 +197,5 @@ def test_the_faults_tried_in_ci_exist():
 )
 def test_fault_is_caught_or_small(fault):
     caught, largest, most = examine(fault)
-    small = fault.key not in IN_CI and largest <= NOTICEABLE
+    small = not fault.scenes and fault.key not in IN_CI and largest <= NOTICEABLE
     assert caught or small, f"{largest:.2g} in {most}"
