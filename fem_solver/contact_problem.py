@@ -13,8 +13,8 @@ imposed and what recovers, by its share. Component j stands for the radii betwee
 both are the means over them of what a continuous edge leaves there. The times follow from its path (see
 ``edge_path``). Where all happens at once (a load jump, the start) every node has the second time only.
 
-The penetration is linear in time where it is prescribed, else a parabola: exact for nodes that stay in
-contact; those on their way go linearly between its points.
+The penetration is a parabola in time, through its middle where it is prescribed, else through the row before:
+exact for nodes that stay in contact; those on their way go linearly between its points.
 """
 
 from __future__ import annotations
@@ -44,7 +44,8 @@ class ContactProblem:
     """All contact states possible at one instant, as functions of the edge position.
 
     The step of length ``dt`` (0 for a glassy response, infinite for a relaxed one) begins with ``state``, at
-    this place of the mesh; ``compliance`` is that of the machine, through which the stage acts. ``stiffness``
+    this place of the mesh; ``compliance`` is that of the machine, through which the stage acts, ``middle`` a
+    penetration prescribed half-way. ``stiffness``
     and ``held_force`` of contact of the nodes ``0..m`` throughout the step, for every m, are the force per
     unit of penetration, and the force that is left at none.
     """
@@ -60,6 +61,7 @@ class ContactProblem:
         control: Control,
         value: float,
         compliance: float = 0.0,
+        middle: float | None = None,
     ) -> None:
         self.placement, self.solid, self.state = placement, solid, state
         self.geometry, self.dt, self.control, self.value = placement.geometry, dt, control, value
@@ -72,7 +74,8 @@ class ContactProblem:
         remembers = state.edge > NO_CONTACT and step.gain.size  # an elastic node has no past
         self._partly = math.floor(state.edge) + 1 if remembers else None
         self.modulus, self._gain = step.modulus, step.gain[:, None]
-        self._bend = state.bend(dt)
+        through = None if middle is None else (0.0, 2.0 * (state.penetration + value) - 4.0 * middle)
+        self._bend = through or state.bend(dt)
         memory = step.memory(state.branches, state.components)
         self._bends = float(step.bent.sum())
         self._stiff = (self.modulus + self._bends * self._bend[0]) * placement.unit
@@ -219,6 +222,10 @@ class ContactProblem:
         """Path of the edge over the step."""
         state = self.state
         return EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
+
+    def opening_speed(self, s: float) -> float:
+        """Speed at which the edge recedes at the end of the step to ``s``; infinite in no time."""
+        return -self._path(s).last / self.dt if self.dt > 0.0 else math.inf
 
     def _moments(self, s: float) -> Callable[[Array], Array]:
         """Shares of the step at which the edge, on its way to ``s``, is at radii."""

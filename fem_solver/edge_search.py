@@ -9,7 +9,7 @@ positive in compression.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,24 +78,28 @@ class EdgeNotFound(Exception):
     """The places of the mesh around the edge do not agree on where it rests."""
 
 
+@dataclass(frozen=True)
 class EdgeSearch:
     """Edge at the end of one trial step, on meshes that are moved on until they hold it.
 
     ``dt`` is the length of the step, 0 for a glassy response, infinite for a relaxed one; ``value`` that of
-    the controlled quantity at its end. The counters take the work.
+    the controlled quantity at its end, ``middle`` a penetration prescribed half-way. The counters take the
+    work.
     """
 
-    def __init__(self, setup: Setup, counters: Counters, dt: float, control: Control, value: float) -> None:
-        self.setup, self.counters = setup, counters
-        self.dt, self.control, self.value = dt, control, value
+    setup: Setup
+    counters: Counters
+    dt: float
+    control: Control
+    value: float
+    middle: float | None = None
 
     def problem(self, placement: Placement) -> ContactProblem:
         """All contact states possible at the end of the step, with the mesh at a place."""
         setup = self.setup
         state = setup.at(placement)
-        return ContactProblem(
-            placement, setup.solid, state, self.dt, self.control, self.value, setup.compliance
-        )
+        prescribed = self.control, self.value, setup.compliance, self.middle
+        return ContactProblem(placement, setup.solid, state, self.dt, *prescribed)
 
     def candidate(self, problem: ContactProblem, edge: EdgePosition) -> ContactCandidate:
         """The candidate with its edge where a search has ended; the work of the search is counted."""

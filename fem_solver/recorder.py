@@ -54,8 +54,8 @@ class SurfaceState:
         Length of the process zone; 0 without adhesion.
     singular_force : float
         Force of the flat punch, as large as the contact, that leaves the same edge singularity.
-    smooth : bool
-        Whether the rates of the step before go on into the one that ends here.
+    smooth : int
+        Steps before, at most two, from which the rates go on into the one that ends here.
     bent : float
         Work since the last state beyond its trapezoid, where a load jump tells it.
     closure, spent, rate : float
@@ -74,16 +74,11 @@ class SurfaceState:
     opening: float
     zone: float
     singular_force: float
-    smooth: bool
+    smooth: int
     bent: float
     closure: float = 0.0
     spent: float = 0.0
     rate: float = 0.0
-
-
-def work_of_bends(rises: tuple[float, float], bends: tuple[float, float]) -> float:
-    """``int F dD`` beyond the trapezoid along parabolas."""
-    return (bends[0] * rises[1] - bends[1] * rises[0]) / 6.0
 
 
 @dataclass(frozen=True)
@@ -132,8 +127,7 @@ class SurfaceRecorder:
         totals, last = self.totals, self.totals.last
         external, surface = totals.external_work, totals.surface_work
         if last is not None:
-            mean = 0.5 * (state.force + last.force)
-            work = mean * (state.penetration - last.penetration) + self._work_of_bend(state)
+            work = self._work(state)
             external += work
             surface += work + state.opening - last.opening
             if self.adhesion is not None:  # in a jump forces at the edge open it on straight lines
@@ -173,27 +167,21 @@ class SurfaceRecorder:
             (min(totals.depths[0], state.penetration), max(totals.depths[1], state.penetration)),
         )
 
-    def _work_of_bend(self, state: SurfaceState) -> float:
-        """Work since the last row beyond its trapezoid, ``int F dD`` along parabolas through one row more.
+    def _work(self, state: SurfaceState) -> float:
+        """``int F dD`` since the last row, along cubics through two rows more where these go on smoothly.
 
         A dozen rows are a whole swing where the edge rests, and the polygon through them loses 5 % of it; it
         misses a ten-thousandth of a smooth press, which may be all that an almost elastic contact loses.
         """
-        if not state.smooth or len(self.rows) < 2:
-            return state.bent
-        (t0, depth0, force0), (t1, depth1, force1) = (row[:3] for row in self.rows[-2:])
-        before, now = t1 - t0, state.time - t1
-        if min(before, now) <= 0.0:
-            return 0.0
-
-        def path(first: float, middle: float, last: float) -> tuple[float, float]:
-            """Rise over the step, and ``c`` of ``c s (s - 1)`` over its share s."""
-            bend = ((last - middle) / now - (middle - first) / before) / (before + now) * now**2
-            return last - middle, bend
-
-        depth, depth_bend = path(depth0, depth1, state.penetration)
-        force, force_bend = path(force0, force1, state.force)
-        return work_of_bends((depth, force), (depth_bend, force_bend))
+        now = state.time, state.penetration, state.force
+        before = [row[:3] for row in self.rows[-1 - state.smooth :]]
+        time, depth, force = np.array([*before, now]).T
+        if not state.smooth or time[-1] == time[-2]:
+            return float(0.5 * (force[-1] + force[-2]) * (depth[-1] - depth[-2])) + state.bent
+        share = (time - time[-2]) / (time[-1] - time[-2])
+        depth, force = np.linalg.solve(np.vander(share, increasing=True), np.array([depth, force]).T).T
+        powers = np.arange(len(share))
+        return float(force @ (powers / np.maximum(powers[:, None] + powers, 1)) @ depth)
 
     def take_back(self, before: Totals) -> None:
         """Drop the last row, which brought no event, with the totals before it."""

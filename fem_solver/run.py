@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NoReturn
 
 from scipy.optimize import brentq
 
@@ -18,7 +17,7 @@ from contact_scene.run_control import Stop, interruption, stops_within
 from fem_solver.contact_problem import ContactCandidate
 from fem_solver.edge_path import EdgeMotion
 from fem_solver.edge_search import EdgeNotFound, EdgeSearch
-from fem_solver.recorder import SurfaceState, work_of_bends
+from fem_solver.recorder import SurfaceState
 from fem_solver.step_control import DyadicInterval, swing
 from fem_solver.time_step import MISSED, RunEnded, SteppedStates
 
@@ -185,7 +184,7 @@ class NodeReleaseRun(SteppedStates):
         self.slopes_jump()
         if math.isclose(target, before):
             return
-        tolerance = MISSED * self.estimator.tolerance
+        tolerance = MISSED * self.setup.tolerance
         jump = LoadJump(segment.control, before, target, state)
         while not jump.complete:
             self._check_budget()
@@ -197,23 +196,17 @@ class NodeReleaseRun(SteppedStates):
             if not candidate.in_equilibrium:
                 self._contact_lost(candidate)
             if self._below_zone(candidate):
-                self._end_in_jump(jump)
+                self._end_at_zone(
+                    lambda share: self.search(0.0, jump.control, jump.value(jump.done + share * jump.part))
+                )
             self._commit(candidate, bent=jump.bent)
             jump.advance()
-
-    def _end_in_jump(self, jump: LoadJump) -> NoReturn:
-        """The contact becomes shorter than its process zone within a part of a load jump."""
-
-        def load(share: float) -> tuple[float, Control, float]:
-            return 0.0, jump.control, jump.value(jump.done + share * jump.part)
-
-        self._end_at_zone(load)
 
     def _check_clock(self, segment: Segment) -> None:
         """End where a load step is so short that its times are not told apart at the time when it begins."""
         length = segment.end - segment.start
         moves = segment.value(segment.end) != segment.value(segment.start)
-        if moves and 0.0 < self.estimator.tolerance * length < math.ulp(segment.end):
+        if moves and 0.0 < self.setup.tolerance * length < math.ulp(segment.end):
             reason = f"a load step of {length:.6g} cannot be resolved after a time of {segment.start:.6g}"
             self._end(OutcomeKind.STEP_UNDERFLOW, reason)
 
@@ -285,5 +278,5 @@ def _work_of_bend(first: SurfaceState, middle: ContactCandidate, last: ContactCa
     """``int F dD`` beyond the trapezoid, along parabolas through three states."""
     depth_bend = 2.0 * (first.penetration + last.penetration) - 4.0 * middle.penetration
     force_bend = 2.0 * (first.force + last.force) - 4.0 * middle.force
-    rises = last.penetration - first.penetration, last.force - first.force
-    return work_of_bends(rises, (depth_bend, force_bend))
+    depth_rise, force_rise = last.penetration - first.penetration, last.force - first.force
+    return (depth_bend * force_rise - force_bend * depth_rise) / 6.0

@@ -3,8 +3,8 @@
 An interval between two stops is divided dyadically. A step of ``2^-j`` of it starts at a multiple of itself,
 and is doubled only where the doubled one would as well.
 
-The error of a step is estimated from the change of slope of the recorded quantities: strains linear in time
-are integrated exactly, so the curvature over a step is the error.
+Strains that are parabolas in time are integrated exactly: the error of a step is what the parabola through
+the last three rows of a recorded quantity misses of the next one, behind a kink what a line through two does.
 """
 
 from __future__ import annotations
@@ -131,24 +131,26 @@ def missed_peak(earlier: float, rise: float, fall: float, length: float) -> floa
     return fall * (earlier - rise) / (earlier + fall) * length
 
 
-@dataclass
-class SlopeErrorEstimator:
-    """Estimates the error of a trial step from the change of slope of the recorded quantities.
+@dataclass(frozen=True)
+class Slopes:
+    """Slopes of the recorded quantities over the last step, of this length; none behind a kink or a jump.
 
-    ``slopes`` are those of the last accepted step, empty just after a kink or a jump.
+    ``curvatures`` are the leading coefficients of the parabolas through one row more, where there is one.
     """
 
-    tolerance: float
-    slopes: dict[str, float] = field(default_factory=dict)
+    length: float = 0.0
+    values: dict[str, float] = field(default_factory=dict)
+    curvatures: dict[str, float] = field(default_factory=dict)
 
-    def error(self, slopes: dict[str, float], scales: dict[str, float], dt: float) -> float:
-        """Change of slope over the step, relative to ``tolerance`` times the scale."""
-        worst = 0.0
-        for name, slope in slopes.items():
-            if name in self.slopes and scales[name] > 0.0:
-                allowed = self.tolerance * scales[name]
-                worst = max(worst, 0.5 * abs(slope - self.slopes[name]) * dt / allowed)
-        return worst
+    def missed(self, slopes: dict[str, float], dt: float) -> dict[str, float]:
+        """By how much the parabola, or the line, misses the end of a further step with these slopes."""
+        bends = {name: self.curvatures.get(name, 0.0) * (dt + self.length) for name in self.values}
+        return {name: abs(slopes[name] - self.values[name] - bend) * dt for name, bend in bends.items()}
+
+    def followed(self, slopes: dict[str, float], dt: float) -> Slopes:
+        """Those of a further step."""
+        turns = {name: (slopes[name] - last) / (dt + self.length) for name, last in self.values.items()}
+        return Slopes(dt, slopes, turns)
 
 
 _SPREAD = 256
@@ -175,8 +177,13 @@ def swing(segment: Segment) -> float:
     return 0.0 if math.isclose(largest + spread, largest) else spread
 
 
-def deviation_from_tangent(segment: Segment, start: float, end: float) -> float:
-    """Largest deviation of the prescribed value from its tangent at ``start``, at samples up to ``end``."""
-    value, rate = segment.value(start), segment.rate(start)
-    ahead = [(end - start) * (1.0 - share) for share in _spread(3)]
-    return max(abs(segment.value(start + x) - value - rate * x) for x in ahead)
+def deviation_from_parabola(segment: Segment, start: float, end: float) -> float:
+    """Largest deviation of the prescribed value from the parabola through its ends and its middle."""
+    first, middle, last = (segment.value(start + share * (end - start)) for share in (0.0, 0.5, 1.0))
+    rise, bend = last - first, 2.0 * (first + last) - 4.0 * middle
+
+    def deviation(share: float) -> float:
+        value = segment.value(start + share * (end - start))
+        return abs(value - first - share * (rise + (share - 1.0) * bend))
+
+    return max(map(deviation, _spread(4).tolist()))

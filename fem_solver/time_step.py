@@ -26,13 +26,11 @@ from fem_solver.setup import Setup
 from fem_solver.state import ComponentState
 from fem_solver.step_control import (
     DyadicInterval,
-    SlopeErrorEstimator,
-    deviation_from_tangent,
+    Slopes,
+    deviation_from_parabola,
     missed_peak,
 )
 
-_DEVIATION_PER_TOLERANCE = 10.0
-"""Deviation of the prescribed value from its tangent over a step, per tolerance, relative to its swing."""
 MISSED = 0.1
 """What rows may miss, per allowed error of the force: of the largest tension, which may lie between two rows,
 of the path of the edge, extrapolated, relative to its radius, and of the response to a load jump, which is
@@ -68,7 +66,7 @@ class StepBefore:
 
     time: float
     position: Fraction
-    slopes: dict[str, float]
+    slopes: Slopes
     totals: Totals
     state: ComponentState
 
@@ -90,7 +88,7 @@ class SteppedStates:
     ) -> None:
         self.setup, self.options, self.monitor, self.progress = setup, setup.options, monitor, progress
         self.recorder = SurfaceRecorder(setup.adhesion, self.options.records)
-        self.estimator = SlopeErrorEstimator(setup.tolerance)
+        self.slopes = Slopes()
         self.cursor, self.counters = LoadingCursor(), Counters()
         self.time = 0.0
         self.rows_at: dict[float, int] = {}
@@ -98,9 +96,14 @@ class SteppedStates:
         self.step: float | None = None
         self.before: StepBefore | None = None
 
-    def search(self, dt: float, control: Control, value: float) -> EdgeSearch:
+    def search(self, dt: float, control: Control, value: float, middle: float | None = None) -> EdgeSearch:
         """For the edge at the end of a step from the accepted state."""
-        return EdgeSearch(self.setup, self.counters, dt, control, value)
+        return EdgeSearch(self.setup, self.counters, dt, control, value, middle)
+
+    def ahead(self, segment: Segment, dt: float, end: float) -> EdgeSearch:
+        """The same at a time within a load step."""
+        middle = segment.value(end - 0.5 * dt) if segment.control == "penetration" else None
+        return self.search(dt, segment.control, segment.value(end), middle)
 
     @property
     def state(self) -> SurfaceState:
@@ -128,7 +131,7 @@ class SteppedStates:
 
     def slopes_jump(self) -> None:
         """Behind a kink or a jump the slopes before it tell nothing."""
-        self.estimator.slopes = {}
+        self.slopes = Slopes()
         self.setup.state = replace(self.setup.state, sunk=None)
 
     def _commit(self, candidate: ContactCandidate, contact: bool = True, bent: float = 0.0) -> None:
@@ -156,7 +159,7 @@ class SteppedStates:
                 opening=setup.state.opening,
                 zone=problem.zone(s),
                 singular_force=problem.singular_force(s),
-                smooth="force" in self.estimator.slopes,
+                smooth=bool(self.slopes.values) + bool(self.slopes.curvatures),
                 bent=bent,
                 **self._interface(candidate, last),
             )
@@ -232,16 +235,16 @@ class SteppedStates:
         adhesion = self.setup.adhesion
         return adhesion is not None and candidate.radius < adhesion.zone
 
-    def _end_at_zone(self, load: Callable[[float], tuple[float, Control, float]]) -> NoReturn:
+    def _end_at_zone(self, ahead: Callable[[float], EdgeSearch]) -> NoReturn:
         """End with the row in a step or part of a jump at which the contact is as short as its process zone.
 
-        ``load`` gives length of the step, control and value at a share of it. An edge may leap past.
+        ``ahead`` gives the search at a share of it. An edge may leap past.
         """
         assert self.setup.adhesion is not None
         zone = self.setup.adhesion.zone
 
         def held(share: float) -> ContactCandidate:
-            return self.search(*load(share)).held(zone)
+            return ahead(share).held(zone)
 
         def excess(state: ContactCandidate) -> float:
             return self._excess(state, self.setup.law.taken(state.problem, state.edge.s))
@@ -249,7 +252,7 @@ class SteppedStates:
         begin = excess(held(0.0))
         reached = located(held, excess, begin) if begin < 0.0 else None
         if reached is None:
-            self._pulled_off(load(0.0)[1])
+            self._pulled_off(ahead(0.0).control)
         self.time += reached.problem.dt
         self._commit(reached)
         self._end_below_zone()
@@ -258,26 +261,20 @@ class SteppedStates:
 
     def trial_step(self, segment: Segment, dt: float, end: float) -> StepCandidate:
         """A step with its edge within one step's travel."""
-        return self._judged(
-            self.search(dt, segment.control, segment.value(end)).trial(*self._reach()), segment
-        )
+        return self._judged(self.ahead(segment, dt, end).trial(*self._reach()), segment)
 
     def _judged(self, contact: ContactCandidate, segment: Segment) -> StepCandidate:
         """A step with its slopes and its error."""
         if not contact.in_equilibrium:
             return StepCandidate(contact, {}, math.inf)
-        now, dt = self.state, contact.problem.dt
-        radius, force = contact.radius, contact.force
+        now, dt, force = self.state, contact.problem.dt, contact.force
         singular = contact.problem.singular_force(contact.edge.s)
-        quantities = {
-            "force": (force, now.force, self.force_scale(force, singular, radius)),
-        }
+        slopes = {"force": (force - now.force) / dt}
+        scales = {"force": self.force_scale(force, singular, contact.radius)}
         if segment.control != "penetration":
-            scale = max(self.recorder.depth_scale(), self.setup.least_depth)
-            quantities["penetration"] = contact.penetration, now.penetration, scale
-        slopes = {name: (new - old) / dt for name, (new, old, _) in quantities.items()}
-        scales = {name: scale for name, (_, _, scale) in quantities.items()}
-        error = max(self.estimator.error(slopes, scales, dt), self._path_error(contact, dt))
+            slopes["penetration"] = (contact.penetration - now.penetration) / dt
+            scales["penetration"] = max(self.recorder.depth_scale(), self.setup.least_depth)
+        error = max(self._missed(slopes, scales, dt), self._path_error(contact, dt))
         return StepCandidate(contact, slopes, error)
 
     def _setting_off(
@@ -294,7 +291,7 @@ class SteppedStates:
         limit, dt = adhesion.work if way < 0.0 else adhesion.closing, contact.problem.dt
 
         def resting(share: float) -> ContactCandidate:
-            return self.search(share * dt, segment.control, segment.value(start + share * dt)).resting()
+            return self.ahead(segment, share * dt, start + share * dt).resting()
 
         def excess(state: ContactCandidate) -> float:
             return self._excess(state, limit)
@@ -308,12 +305,18 @@ class SteppedStates:
         self.counters.closure_evaluations += 1
         return max(state.problem.closure(state.edge.s) / taken, 0.0) - 1.0
 
+    def _missed(self, slopes: dict[str, float], scales: dict[str, float], dt: float) -> float:
+        """Half of what the rows before miss of a step, relative to the allowed error, as the square of dt."""
+        missed, allowed = self.slopes.missed(slopes, dt), 2.0 * self.setup.tolerance
+        worst = max((missed[n] / (allowed * scales[n]) for n in missed if scales[n] > 0.0), default=0.0)
+        return worst ** (2.0 / 3.0) if self.slopes.curvatures else worst
+
     def _path_error(self, contact: ContactCandidate, dt: float) -> float:
         """Error of the edge's path over a step, relative to the allowed one.
 
         The force does not show it where it follows the loading whatever the edge does, as on a soft spring.
-        The missed distance is of the third order in the step; errors are of the second. None counts within an
-        element, over which the passage of nodes ripples the path more than its steps do.
+        Of the third order, it is told as the square of the step. None counts within an element, over which
+        the passage of nodes ripples the path more than its steps do.
         """
         state, radius = self.setup.state, contact.radius
         if not self.setup.has_history or radius <= 0.0 or len(state.before) < 2:
@@ -321,7 +324,7 @@ class SteppedStates:
         radii, node = contact.problem.geometry.radii, int(contact.edge.s)
         if abs(radius - state.radius) < radii[node + 2] - radii[node]:
             return 0.0
-        allowed = MISSED * self.estimator.tolerance * self.setup.radius_scale(radius)
+        allowed = MISSED * self.setup.tolerance * self.setup.radius_scale(radius)
         missed = abs(radius - extrapolated(state.radius, dt, state.before))
         return (missed / allowed) ** (2.0 / 3.0)
 
@@ -334,11 +337,11 @@ class SteppedStates:
         return geometry.radius(low) if low > self.setup.law.lowest else 0.0, geometry.radius(high)
 
     def _deviation(self, segment: Segment, interval: DyadicInterval, span: float) -> float:
-        """Deviation of the prescribed value from its tangent over a step, relative to the allowed one."""
+        """Deviation of the prescribed value from a parabola over a step, relative to the allowed one."""
         if segment.linear or span == 0.0:
             return 0.0
-        largest = deviation_from_tangent(segment, interval.time, interval.next_time)
-        return largest / (_DEVIATION_PER_TOLERANCE * self.estimator.tolerance * span)
+        largest = deviation_from_parabola(segment, interval.time, interval.next_time)
+        return (largest / (MISSED * self.setup.tolerance * span)) ** (2.0 / 3.0)
 
     def _zone_fills_contact(self, contact: ContactCandidate) -> bool:
         """Whether a zone of fixed stress fills its contact, which is followed no farther."""
@@ -368,18 +371,19 @@ class SteppedStates:
         radius, jumped = self.state.radius, not contact.in_equilibrium
         travel = self.setup.travel(radius)
         if jumped:
-            contact, slopes, error = self._edge_jump(contact, segment, interval.dt), {}, 0.0
+            contact, slopes, error = self._edge_jump(contact, segment, interval), {}, 0.0
         elif self._below_zone(contact):
             self._end_in_step(segment, interval.dt)
-        slopes_before, totals = self.estimator.slopes, self.recorder.totals
+        slopes_before, totals = self.slopes, self.recorder.totals
         before = StepBefore(self.time, interval.position, slopes_before, totals, self.setup.state)
         self.time = interval.next_time
         interval.advance()
         self._commit(contact)
         self.before = None if jumped else before
-        self.estimator.slopes = slopes
         if jumped:
             self.slopes_jump()
+        else:
+            self.slopes = self.slopes.followed(slopes, contact.problem.dt)
         moved = abs(self.state.radius - radius)
         if error > 1.0 or moved > 0.9 * travel:
             interval.halve()
@@ -403,18 +407,12 @@ class SteppedStates:
             error = max(deviation, candidate.error)
             if self._first_step_was_too_long(candidate, interval):
                 continue
-            contact = candidate.contact
-            if self._zone_fills_contact(contact) and not interval.shortest:
-                self._reject(interval)
-                continue
-            if error > _REJECT and not interval.shortest:
-                self._reject(interval)
-                continue
             peak = self._tension_peak(candidate)
-            if peak is not None and peak.rise * interval.dt > peak.allowed and not interval.shortest:
+            refused = error > _REJECT or self._zone_fills_contact(candidate.contact)
+            refused |= peak is not None and peak.rise * interval.dt > peak.allowed
+            if refused and not interval.shortest:
                 self._reject(interval)
-                continue
-            if peak is None or not self._divide_last_step(peak, interval):
+            elif peak is None or not self._divide_last_step(peak, interval):
                 return candidate, error
 
     def _reject(self, interval: DyadicInterval) -> None:
@@ -429,8 +427,8 @@ class SteppedStates:
     def _tension_peak(self, candidate: StepCandidate) -> TensionPeak | None:
         """The turn of the tension at the last row, if it is the largest so far."""
         tension = -self.state.force
-        rise, fall = -self.estimator.slopes.get("force", 0.0), candidate.slopes.get("force", math.inf)
-        allowed = MISSED * self.estimator.tolerance * self._present_force_scale()
+        rise, fall = -self.slopes.values.get("force", 0.0), candidate.slopes.get("force", math.inf)
+        allowed = MISSED * self.setup.tolerance * self._present_force_scale()
         turns = rise > 0.0 and fall > 0.0 and tension + allowed > self.recorder.totals.largest_tension
         return TensionPeak(rise, fall, allowed) if turns else None
 
@@ -439,7 +437,7 @@ class SteppedStates:
         before = self.before
         if before is None or not interval.divisible(before.position):
             return False
-        earlier = -before.slopes["force"] if "force" in before.slopes else math.inf
+        earlier = -before.slopes.values["force"] if "force" in before.slopes.values else math.inf
         if missed_peak(earlier, peak.rise, peak.fall, self.time - before.time) <= peak.allowed:
             return False
         self._take_back(before, interval)
@@ -451,14 +449,14 @@ class SteppedStates:
         The next step shows that; then it is taken back, to be taken in parts.
         """
         before = self.before
-        if before is None or "force" in before.slopes or "force" not in candidate.slopes:
+        if before is None or "force" in before.slopes.values or "force" not in candidate.slopes:
             return False
         if not interval.divisible(before.position):
             return False
-        turn = abs(candidate.slopes["force"] - self.estimator.slopes["force"])
+        turn = abs(candidate.slopes["force"] - self.slopes.values["force"])
         length = self.time - before.time
         missed = turn * length**2 / (length + interval.dt)
-        if missed <= _REJECT * self.estimator.tolerance * self._present_force_scale():
+        if missed <= _REJECT * self.setup.tolerance * self._present_force_scale():
             return False
         self._take_back(before, interval)
         return True
@@ -466,7 +464,7 @@ class SteppedStates:
     def _take_back(self, before: StepBefore, interval: DyadicInterval) -> None:
         """Return to the begin of the last step, to take it in parts."""
         self.time = before.time
-        self.estimator.slopes = before.slopes
+        self.slopes = before.slopes
         self.recorder.take_back(before.totals)
         self.setup.state = before.state
         self.counters.steps -= 1
@@ -474,18 +472,19 @@ class SteppedStates:
         self.before = None
         interval.take_back(before.position)
 
-    def _edge_jump(self, candidate: ContactCandidate, segment: Segment, dt: float) -> ContactCandidate:
+    def _edge_jump(
+        self, candidate: ContactCandidate, segment: Segment, interval: DyadicInterval
+    ) -> ContactCandidate:
         """The state after an edge jump; it is an event if the edge jumps far.
 
         Where the energy follows the speed, an edge that a short step takes beyond the zone has passed it.
         """
-        problem = candidate.problem
-        landed = self.search(dt, problem.control, problem.value).extended(candidate)
+        landed = self.ahead(segment, interval.dt, interval.next_time).extended(candidate)
         if not landed.in_equilibrium or self._below_zone(landed) or self._zone_fills_contact(landed):
             adhesion = self.setup.adhesion
             rated = adhesion is not None and adhesion.rate is not None
             if rated and landed.edge.motion is not EdgeMotion.ADVANCING:
-                self._end_in_step(segment, dt)
+                self._end_in_step(segment, interval.dt)
             self._contact_lost(landed)
         if abs(landed.radius - self.state.radius) > self.setup.travel(self.state.radius):
             advancing = candidate.edge.motion is EdgeMotion.ADVANCING
@@ -495,11 +494,7 @@ class SteppedStates:
     def _end_in_step(self, segment: Segment, dt: float) -> NoReturn:
         """The contact becomes shorter than its process zone within a step."""
         start = self.time
-
-        def load(share: float) -> tuple[float, Control, float]:
-            return share * dt, segment.control, segment.value(start + share * dt)
-
-        self._end_at_zone(load)
+        self._end_at_zone(lambda share: self.ahead(segment, share * dt, start + share * dt))
 
 
 class _NoEquilibrium(Exception):

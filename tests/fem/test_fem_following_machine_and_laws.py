@@ -133,7 +133,7 @@ def test_the_path_of_an_edge_is_judged_over_elements_not_over_the_nodes_it_passe
 
     def missed(travel):
         held = run.search(dt, "stage", 0.015).held(state.radius - travel)
-        return run._path_error(held, dt) ** 1.5 * 0.1 * run.estimator.tolerance * held.radius
+        return run._path_error(held, dt) ** 1.5 * 0.1 * run.setup.tolerance * held.radius
 
     assert missed(0.8 * element) == 0.0
     assert missed(9.0 * element) - missed(8.0 * element) == pytest.approx(element, rel=1e-6)

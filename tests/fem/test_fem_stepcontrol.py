@@ -1,10 +1,12 @@
 """Dyadic steps and their error estimates."""
 
+import itertools
 import math
 
+import numpy as np
 import pytest
 
-from fem_solver.step_control import DyadicInterval, SlopeErrorEstimator, missed_peak
+from fem_solver.step_control import DyadicInterval, Slopes, missed_peak
 
 
 def test_interval_meets_the_end_exactly_with_few_distinct_steps():
@@ -74,15 +76,18 @@ def test_missed_peak_is_the_corner_above_the_chord():
     assert missed_peak(1.0, 2.0, 3.0, 1.0) == 0.0  # convex: no corner above the chord
 
 
-def test_estimator_sees_curvature_relative_to_its_scale():
-    estimator = SlopeErrorEstimator(tolerance=1e-3)
-    assert estimator.error({"force": 5.0}, {"force": 1.0}, 0.1) == 0.0
-    estimator.slopes = {"force": 5.0}
-    small = estimator.error({"force": 5.1}, {"force": 1.0}, 0.1)
-    assert small == pytest.approx(0.5 * 0.1 * 0.1 / 1e-3)
-    assert estimator.error({"force": 5.1}, {"force": 10.0}, 0.1) == pytest.approx(small / 10)
-    estimator.slopes = {}
-    assert estimator.error({"force": 50.0}, {"force": 1.0}, 0.1) == 0.0
+def test_what_is_expected_of_a_step_misses_the_curve_by_one_order_more_with_each_row():
+    lengths, cubic = (0.1, 0.3, 0.2), np.polynomial.Polynomial((1.0, -2.0, 3.0, 7.0))
+    times = np.cumsum((0.0, *lengths))
+    slopes, missed = Slopes(), []
+    for begin, end in itertools.pairwise(times):
+        slope = {"force": (cubic(end) - cubic(begin)) / (end - begin)}
+        missed.append(slopes.missed(slope, end - begin).get("force"))
+        slopes = slopes.followed(slope, end - begin)
+    assert missed[0] is None
+    first, second = np.diff(cubic(times[:3])) / lengths[:2]
+    assert missed[1] == pytest.approx(abs(second - first) * 0.3)
+    assert missed[2] == pytest.approx(7.0 * 0.2 * 0.5 * 0.6)  # the last divided difference is 7
 
 
 def test_steps_grow_up_to_the_ceiling():

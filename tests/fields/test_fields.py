@@ -38,7 +38,7 @@ TURN, END = 0.1, 0.72
 @cache
 def recorded(poisson=0.3):
     scene = Scene(Material(0.75, poisson, TWO), Sphere(1.0), Loading("jump-in", 0.015, STEPS), ADHESION)
-    return record(scene, FiniteElements().mesh(scene, 4), Options(tolerance=1.5e-3, record_times=(TURN, END)))
+    return record(scene, FiniteElements().mesh(scene, 4), Options(tolerance=3e-4, record_times=(TURN, END)))
 
 
 @cache
