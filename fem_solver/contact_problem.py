@@ -223,10 +223,6 @@ class ContactProblem:
         state = self.state
         return EdgePolynomial.through(state.radius, self.geometry.radius(s), self.dt, state.before)
 
-    def opening_speed(self, s: float) -> float:
-        """Speed at which the edge recedes at the end of the step to ``s``; infinite in no time."""
-        return -self._path(s).last / self.dt if self.dt > 0.0 else math.inf
-
     def _moments(self, s: float) -> Callable[[Array], Array]:
         """Shares of the step at which the edge, on its way to ``s``, is at radii."""
         return np.ones_like if self.at_once else self._path(s).passed

@@ -186,7 +186,8 @@ class IrreversibleEdge(AdhesiveEdge):
             return self.adhesion.closing
         if s == begin.edge or self.adhesion.rate is None:
             return self.adhesion.work
-        return self.adhesion.opening(problem.opening_speed(s))
+        speed = begin.opening_speed(self.geometry.radius(s), problem.dt)
+        return self.adhesion.opening(max(speed, 0.0))
 
     def departure(self, problem: ContactProblem, s: float) -> EdgeMotion:
         """Which way the edge leaves the position ``s`` where a step begins, or whether it is pinned there."""

@@ -138,11 +138,6 @@ class EdgePolynomial:
         """Whether the edge recedes, or rests."""
         return self.travel <= 0.0
 
-    @property
-    def last(self) -> float:
-        """Change of the radius per share of the step at its end."""
-        return self.travel * (1.0 + self.bend + self.twist * (1.0 + self.earlier))
-
     def passed(self, radii: Array) -> Array:
         """Share of the step at which the edge is at each radius: 0 or 1 if it is there before or later."""
         if self.travel == 0.0:

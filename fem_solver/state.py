@@ -54,6 +54,19 @@ class ComponentState:
     borders: NodeBorders = field(default_factory=lambda: NodeBorders.none(0))
     record: SurfaceRecord | None = None
 
+    def opening_speed(self, radius: float, dt: float) -> float:
+        """Speed at which the edge recedes at the end of a step to ``radius``; infinite in no time.
+
+        By the backward differentiation formula through the row before, where there is one.
+        """
+        if dt <= 0.0:
+            return math.inf
+        mean = (self.radius - radius) / dt
+        if not self.before:
+            return mean
+        duration, earlier = self.before[0]
+        return mean + (mean + (self.radius - earlier) / duration) * dt / (dt + duration)
+
     def turns(self, radius: float) -> bool:
         """Whether an edge that has not receded so far does so on its way to a radius."""
         return radius < self.radius and not (self.before and self.before[0][1] > self.radius)

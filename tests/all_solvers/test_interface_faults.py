@@ -54,8 +54,8 @@ FAULTS += table("bem", "bem_solver", [
     (TWICE, "creep:Chain.__init__", timed(2.0), STEADY_STRESS),
 ])  # fmt: skip
 FAULTS += table("fem", "fem_solver", [
-    (SPEED, "contact_problem:ContactProblem.opening_speed", times(2.0), RATED),
-    (f"{SPEED}, steadily", "contact_problem:ContactProblem.opening_speed", times(2.0), STEADY_RATE),
+    (SPEED, "state:ComponentState.opening_speed", times(2.0), RATED),
+    (f"{SPEED}, steadily", "state:ComponentState.opening_speed", times(2.0), STEADY_RATE),
     ("energy spent too large", "edge:energy_spent", times(1.1), HYSTERESIS),
     ("zone twice too long", "closure:zone_length", longer_by(2.0), STRESS),
     (AT_REST, "contact_problem:ContactProblem.zone", lambda true: lambda self, s: self.geometry.zone,

@@ -141,7 +141,7 @@ FAULTS = table("fem", "fem_solver", [
     ("2 pi 0.3 % too large", "forms:deviatoric_stiffness", times(1.003), GLASSY),
     ("the stage taken for the indenter", "contact_problem:ContactProblem.penetration",
      lambda true: lambda self, s: self.value if self.control == "stage" else true(self, s), "spring-elastic"),
-    ("the edge 2 % too fast for its law", "contact_problem:ContactProblem.opening_speed", times(1.02),
+    ("the edge 2 % too fast for its law", "state:ComponentState.opening_speed", times(1.02),
      "rated-edge-si"),
     ("the edge spends 1 % more", "edge:energy_spent", times(1.01), "hysteresis-si"),
     ("branches dissipate 2 % too much", "moduli:Prony.loss_weights", times(1.02), "adhesionless-cycle"),
