@@ -231,6 +231,11 @@ class SteppedStates:
             self._commit(self.search(0.0, "stage", stage).held(0.0), contact=False)
         self._end(OutcomeKind.DETACHED, reason)
 
+    @property
+    def _rated(self) -> bool:
+        """Whether the work of adhesion follows the speed of the edge."""
+        return self.setup.adhesion is not None and self.setup.adhesion.rate is not None
+
     def _below_zone(self, candidate: ContactCandidate) -> bool:
         adhesion = self.setup.adhesion
         return adhesion is not None and candidate.radius < adhesion.zone
@@ -383,7 +388,9 @@ class SteppedStates:
         if jumped:
             self.slopes_jump()
         else:
-            self.slopes = self.slopes.followed(slopes, contact.problem.dt)
+            # the speed of a rated edge is of second order, and so is what rows tell
+            known = Slopes() if self._rated else self.slopes
+            self.slopes = known.followed(slopes, contact.problem.dt)
         moved = abs(self.state.radius - radius)
         if error > 1.0 or moved > 0.9 * travel:
             interval.halve()
@@ -481,9 +488,7 @@ class SteppedStates:
         """
         landed = self.ahead(segment, interval.dt, interval.next_time).extended(candidate)
         if not landed.in_equilibrium or self._below_zone(landed) or self._zone_fills_contact(landed):
-            adhesion = self.setup.adhesion
-            rated = adhesion is not None and adhesion.rate is not None
-            if rated and landed.edge.motion is not EdgeMotion.ADVANCING:
+            if self._rated and landed.edge.motion is not EdgeMotion.ADVANCING:
                 self._end_in_step(segment, interval.dt)
             self._contact_lost(landed)
         if abs(landed.radius - self.state.radius) > self.setup.travel(self.state.radius):
