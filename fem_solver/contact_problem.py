@@ -32,6 +32,7 @@ from contact_scene.loading import Control
 from fem_solver.closure import ZoneShift, zone_of_stress
 from fem_solver.components import Components
 from fem_solver.edge_path import NO_CONTACT, EdgeMotion, EdgePolynomial, EdgePosition
+from fem_solver.moduli import bend_through
 from fem_solver.nodes import NodePassage, NodeStrips, PartlyReleased
 from fem_solver.placement import Placement
 from fem_solver.state import ComponentState
@@ -45,9 +46,8 @@ class ContactProblem:
 
     The step of length ``dt`` (0 for a glassy response, infinite for a relaxed one) begins with ``state``, at
     this place of the mesh; ``compliance`` is that of the machine, through which the stage acts, ``middle`` a
-    penetration prescribed half-way. ``stiffness``
-    and ``held_force`` of contact of the nodes ``0..m`` throughout the step, for every m, are the force per
-    unit of penetration, and the force that is left at none.
+    penetration prescribed half-way. ``stiffness`` and ``held_force`` of contact of the nodes ``0..m``
+    throughout the step, for every m, are the force per unit of penetration, and the force left at none.
     """
 
     control: Control
@@ -74,8 +74,9 @@ class ContactProblem:
         remembers = state.edge > NO_CONTACT and step.gain.size  # an elastic node has no past
         self._partly = math.floor(state.edge) + 1 if remembers else None
         self.modulus, self._gain = step.modulus, step.gain[:, None]
-        through = None if middle is None else (0.0, 2.0 * (state.penetration + value) - 4.0 * middle)
-        self._bend = through or state.bend(dt)
+        self._bend = state.bend(dt)
+        if middle is not None:
+            self._bend = 0.0, bend_through(state.penetration, middle, value)
         memory = step.memory(state.branches, state.components)
         self._bends = float(step.bent.sum())
         self._stiff = (self.modulus + self._bends * self._bend[0]) * placement.unit

@@ -52,6 +52,11 @@ def mean_phi(y: Array) -> Array:
     return np.where(y > _SHORT, (1.0 - phi(long)) / long, series)
 
 
+def bend_through(first: float, middle: float, last: float) -> float:
+    """``bend`` of the parabola through the begin, the middle and the end of a step."""
+    return 2.0 * (first + last) - 4.0 * middle
+
+
 @dataclass(frozen=True)
 class Increment:
     """Coefficients of one step; ``decay``, ``gain`` and ``bent`` have shape (branches,)."""

@@ -17,6 +17,7 @@ from contact_scene.run_control import Stop, interruption, stops_within
 from fem_solver.contact_problem import ContactCandidate
 from fem_solver.edge_path import EdgeMotion
 from fem_solver.edge_search import EdgeNotFound, EdgeSearch
+from fem_solver.moduli import bend_through
 from fem_solver.recorder import SurfaceState
 from fem_solver.step_control import DyadicInterval, swing
 from fem_solver.time_step import MISSED, RunEnded, SteppedStates
@@ -276,7 +277,7 @@ class LoadJump:
 
 def _work_of_bend(first: SurfaceState, middle: ContactCandidate, last: ContactCandidate) -> float:
     """``int F dD`` beyond the trapezoid, along parabolas through three states."""
-    depth_bend = 2.0 * (first.penetration + last.penetration) - 4.0 * middle.penetration
-    force_bend = 2.0 * (first.force + last.force) - 4.0 * middle.force
+    depth_bend = bend_through(first.penetration, middle.penetration, last.penetration)
+    force_bend = bend_through(first.force, middle.force, last.force)
     depth_rise, force_rise = last.penetration - first.penetration, last.force - first.force
     return (depth_bend * force_rise - force_bend * depth_rise) / 6.0

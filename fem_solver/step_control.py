@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact_scene import Segment
+from fem_solver.moduli import bend_through
 
 Array = NDArray[np.float64]
 
@@ -142,10 +143,14 @@ class Slopes:
     values: dict[str, float] = field(default_factory=dict)
     curvatures: dict[str, float] = field(default_factory=dict)
 
-    def missed(self, slopes: dict[str, float], dt: float) -> dict[str, float]:
-        """By how much the parabola, or the line, misses the end of a further step with these slopes."""
-        bends = {name: self.curvatures.get(name, 0.0) * (dt + self.length) for name in self.values}
-        return {name: abs(slopes[name] - self.values[name] - bend) * dt for name, bend in bends.items()}
+    def error(self, slopes: dict[str, float], allowed: dict[str, float], dt: float) -> float:
+        """Half of what rows miss of a further step, relative to what is allowed; goes as its square."""
+        worst = 0.0
+        for name, last in self.values.items():
+            turn = abs(slopes[name] - last - self.curvatures.get(name, 0.0) * (dt + self.length))
+            if allowed[name] > 0.0:
+                worst = max(worst, 0.5 * turn * dt / allowed[name])
+        return worst ** (2.0 / 3.0) if self.curvatures else worst
 
     def followed(self, slopes: dict[str, float], dt: float) -> Slopes:
         """Those of a further step."""
@@ -180,10 +185,10 @@ def swing(segment: Segment) -> float:
 def deviation_from_parabola(segment: Segment, start: float, end: float) -> float:
     """Largest deviation of the prescribed value from the parabola through its ends and its middle."""
     first, middle, last = (segment.value(start + share * (end - start)) for share in (0.0, 0.5, 1.0))
-    rise, bend = last - first, 2.0 * (first + last) - 4.0 * middle
+    rise, bend = last - first, bend_through(first, middle, last)
 
     def deviation(share: float) -> float:
         value = segment.value(start + share * (end - start))
         return abs(value - first - share * (rise + (share - 1.0) * bend))
 
-    return max(map(deviation, _spread(4).tolist()))
+    return max(map(deviation, _spread(4)[1:].tolist()))

@@ -274,12 +274,12 @@ class SteppedStates:
             return StepCandidate(contact, {}, math.inf)
         now, dt, force = self.state, contact.problem.dt, contact.force
         singular = contact.problem.singular_force(contact.edge.s)
-        slopes = {"force": (force - now.force) / dt}
-        scales = {"force": self.force_scale(force, singular, contact.radius)}
+        slopes, tolerance = {"force": (force - now.force) / dt}, self.setup.tolerance
+        allowed = {"force": tolerance * self.force_scale(force, singular, contact.radius)}
         if segment.control != "penetration":
             slopes["penetration"] = (contact.penetration - now.penetration) / dt
-            scales["penetration"] = max(self.recorder.depth_scale(), self.setup.least_depth)
-        error = max(self._missed(slopes, scales, dt), self._path_error(contact, dt))
+            allowed["penetration"] = tolerance * max(self.recorder.depth_scale(), self.setup.least_depth)
+        error = max(self.slopes.error(slopes, allowed, dt), self._path_error(contact, dt))
         return StepCandidate(contact, slopes, error)
 
     def _setting_off(
@@ -309,12 +309,6 @@ class SteppedStates:
         """Closure of a state over the energy that its edge takes up, less one."""
         self.counters.closure_evaluations += 1
         return max(state.problem.closure(state.edge.s) / taken, 0.0) - 1.0
-
-    def _missed(self, slopes: dict[str, float], scales: dict[str, float], dt: float) -> float:
-        """Half of what the rows before miss of a step, relative to the allowed error, as the square of dt."""
-        missed, allowed = self.slopes.missed(slopes, dt), 2.0 * self.setup.tolerance
-        worst = max((missed[n] / (allowed * scales[n]) for n in missed if scales[n] > 0.0), default=0.0)
-        return worst ** (2.0 / 3.0) if self.slopes.curvatures else worst
 
     def _path_error(self, contact: ContactCandidate, dt: float) -> float:
         """Error of the edge's path over a step, relative to the allowed one.
@@ -379,8 +373,7 @@ class SteppedStates:
             contact, slopes, error = self._edge_jump(contact, segment, interval), {}, 0.0
         elif self._below_zone(contact):
             self._end_in_step(segment, interval.dt)
-        slopes_before, totals = self.slopes, self.recorder.totals
-        before = StepBefore(self.time, interval.position, slopes_before, totals, self.setup.state)
+        before = StepBefore(self.time, interval.position, self.slopes, self.recorder.totals, self.setup.state)
         self.time = interval.next_time
         interval.advance()
         self._commit(contact)
@@ -444,7 +437,7 @@ class SteppedStates:
         before = self.before
         if before is None or not interval.divisible(before.position):
             return False
-        earlier = -before.slopes.values["force"] if "force" in before.slopes.values else math.inf
+        earlier = -before.slopes.values.get("force", -math.inf)
         if missed_peak(earlier, peak.rise, peak.fall, self.time - before.time) <= peak.allowed:
             return False
         self._take_back(before, interval)

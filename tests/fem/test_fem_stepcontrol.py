@@ -76,18 +76,21 @@ def test_missed_peak_is_the_corner_above_the_chord():
     assert missed_peak(1.0, 2.0, 3.0, 1.0) == 0.0  # convex: no corner above the chord
 
 
-def test_what_is_expected_of_a_step_misses_the_curve_by_one_order_more_with_each_row():
+@pytest.mark.parametrize("allowed", [1e-3, 1e-2])
+def test_an_error_is_what_rows_miss_of_a_curve_relative_to_what_is_allowed(allowed):
+    """A line behind a kink, then a parabola, whose third order is told as the square of the step."""
     lengths, cubic = (0.1, 0.3, 0.2), np.polynomial.Polynomial((1.0, -2.0, 3.0, 7.0))
     times = np.cumsum((0.0, *lengths))
-    slopes, missed = Slopes(), []
+    slopes, errors = Slopes(), []
     for begin, end in itertools.pairwise(times):
         slope = {"force": (cubic(end) - cubic(begin)) / (end - begin)}
-        missed.append(slopes.missed(slope, end - begin).get("force"))
+        errors.append(slopes.error(slope, {"force": allowed}, end - begin))
         slopes = slopes.followed(slope, end - begin)
-    assert missed[0] is None
+    assert errors[0] == 0.0
     first, second = np.diff(cubic(times[:3])) / lengths[:2]
-    assert missed[1] == pytest.approx(abs(second - first) * 0.3)
-    assert missed[2] == pytest.approx(7.0 * 0.2 * 0.5 * 0.6)  # the last divided difference is 7
+    assert errors[1] == pytest.approx(0.5 * abs(second - first) * 0.3 / allowed)
+    missed = 7.0 * 0.2 * 0.5 * 0.6  # the last divided difference is 7
+    assert errors[2] == pytest.approx((0.5 * missed / allowed) ** (2.0 / 3.0))
 
 
 def test_steps_grow_up_to_the_ceiling():
