@@ -2,12 +2,13 @@
 
 Rows are as sparse as a solver can afford: between two rows of an elastic contact a straight line misses the
 curve by far more than the rows do. Through the rows of a smooth piece goes the cubic Hermite curve with
-harmonic slopes (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), which never leaves the range of its
-two rows. A piece ends at a jump (two rows of equal time), where a load step ends, at a corner, and where the
-speed of the edge jumps. Nobody knows the curve between rows: as an estimate of the interpolation error
-serves the difference from the curve with three-point slopes, whose error is of the same order and not of the
-same size. Where contact begins or ends, the radius goes as some root of the time: it may be anything between
-the curve and a step.
+three-point slopes, limited so that it leaves the range of its two rows only where it bends at both the same
+way, as at an extremum between them. A piece ends at a jump (two rows of equal time), where a load step ends,
+at a corner, and where the speed of the edge jumps.
+Nobody knows the curve between rows: as an estimate of the interpolation error serves the difference from the
+curve with harmonic slopes (Fritsch and Butland, SIAM J. Sci. Stat. Comput. 5, 1984), which never leaves the
+range of its two rows. Where contact begins or ends, the radius goes as some root of the time: it may be
+anything between the curve and a step.
 
 Two runs are laid on the union of their times, over the interval that both cover; between two neighbours each
 is one cubic, so the integral of the squared difference is exact. A jump has a left and a right limit, and
@@ -71,9 +72,9 @@ class RowCurve:
         smooth = _smooth(self.secant, self.step, lasting, float(np.abs(value).max()))
         if corners is not None:
             smooth &= ~np.isclose(time[:, None], corners, rtol=0.0, atol=least).any(axis=1)
-        harmonic, three_point = _inner_slopes(self.secant, self.step)
-        self.slopes = _end_slopes(self.secant, self.step, smooth, harmonic)
-        self.other_slopes = _end_slopes(self.secant, self.step, smooth, three_point)
+        three_point, harmonic = _inner_slopes(self.secant, self.step)
+        self.slopes = _end_slopes(self.secant, self.step, smooth, three_point)
+        self.other_slopes = _end_slopes(self.secant, self.step, smooth, harmonic)
 
     def within(self, grid: Array) -> Array:
         """Values at ``POINTS`` of every interval of ``grid``, limits from inside; shape (5, len(grid) - 1).
@@ -351,7 +352,7 @@ def _smooth(secant: Array, step: Array, lasting: NDArray[np.bool_], largest: flo
 
 
 def _inner_slopes(secant: Array, step: Array) -> tuple[Array, Array]:
-    """Harmonic and three-point slopes at every row, shape (n,); zero at both ends and at jumps."""
+    """Three-point and harmonic slopes at every row, shape (n,); zero at both ends and at jumps."""
     harmonic, three_point = np.zeros(step.size + 1), np.zeros(step.size + 1)
     before, after, h0, h1 = secant[:-1], secant[1:], step[:-1], step[1:]
     rising = before * after > 0.0
@@ -362,9 +363,26 @@ def _inner_slopes(secant: Array, step: Array) -> tuple[Array, Array]:
     harmonic[1:-1] = np.where(
         rising, largest * first * second / (weight * second + (1.0 - weight) * first), 0.0
     )
-    least = 3.0 * np.minimum(np.abs(before), np.abs(after))
-    three_point[1:-1] = np.clip((h1 * before + h0 * after) / total, -least, least)
-    return harmonic, three_point
+    least, most = _slope_limits(secant, step)
+    three_point[1:-1] = np.clip((h1 * before + h0 * after) / total, least, most)
+    return three_point, harmonic
+
+
+def _slope_limits(secant: Array, step: Array) -> tuple[Array, Array]:
+    """Range of the slopes at inner rows, shape (n - 2,), within the limits of the intervals on both sides.
+
+    These are 0 and three times the secant, between which a curve rises or falls throughout; wider by what the
+    smaller bend of both rows adds to the secant over the interval, if both bend the same way.
+    """
+    total = step[1:] + step[:-1]
+    bend = np.where(total > 0.0, 2.0 * np.diff(secant) / np.where(total > 0.0, total, 1.0), 0.0)
+    before, after = np.append(0.0, bend), np.append(bend, 0.0)
+    more = np.where(before * after > 0.0, np.minimum(np.abs(before), np.abs(after)), 0.0) * step
+    least, most = (
+        pick(pick(3.0 * secant, 0.0), secant + sign * more)
+        for pick, sign in ((np.minimum, -1.0), (np.maximum, 1.0))
+    )
+    return np.maximum(least[1:], least[:-1]), np.minimum(most[1:], most[:-1])
 
 
 def _end_slopes(secant: Array, step: Array, smooth: NDArray[np.bool_], inner: Array) -> tuple[Array, Array]:
